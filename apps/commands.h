@@ -1,0 +1,18 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace apriltrack::app {
+
+// Each adds one subcommand with its options and its callback; callbacks throw apriltrack::Error, and main turns that
+// into the exit status (docs/file_formats.md). One file per command.
+
+void add_simulate_command(CLI::App& app);
+void add_detect_command(CLI::App& app);
+void add_calibrate_command(CLI::App& app);
+void add_track_command(CLI::App& app);
+void add_evaluate_command(CLI::App& app);
+void add_map_command(CLI::App& app);
+void add_demo_command(CLI::App& app);
+
+}  // namespace apriltrack::app

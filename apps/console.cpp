@@ -1,0 +1,106 @@
+#include "console.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+
+namespace apriltrack::app {
+namespace {
+
+volatile std::sig_atomic_t g_interrupted = 0;  // the one thing that a signal handler may touch
+
+void on_interrupt(int signal) {
+  g_interrupted = 1;
+  std::signal(signal, SIG_DFL);
+}
+
+constexpr std::chrono::milliseconds kTerminalPeriod{100};
+constexpr std::chrono::seconds kPlainPeriod{5};
+constexpr int kBarWidth = 24;
+
+std::string format_duration(double seconds) {
+  const int whole = static_cast<int>(seconds + 0.5);
+  return fmt::format("{}:{:02d}", whole / 60, whole % 60);
+}
+
+std::string bar(std::size_t done, std::size_t total) {
+  const auto filled = static_cast<std::size_t>(kBarWidth) * std::min(done, total) / std::max<std::size_t>(total, 1);
+  return "[" + std::string(filled, '#') + std::string(kBarWidth - filled, '.') + "]";
+}
+
+}  // namespace
+
+bool is_interrupted() { return g_interrupted != 0; }
+
+void install_interrupt_handler() { std::signal(SIGINT, on_interrupt); }
+
+void Console::add_options(CLI::App& command) {
+  command.add_flag("--json", json_, "Print a machine-readable summary on stdout");
+  command.add_flag("--quiet", quiet_, "No progress, no talk: only warnings, errors and the answer");
+}
+
+void Console::info(std::string_view text) const {
+  if (!quiet_) std::cerr << text << '\n';
+}
+
+void Console::warning(std::string_view text) const { std::cerr << "warning: " << text << '\n'; }
+
+LogSink Console::log() const {
+  return [this](LogLevel level, std::string_view text) {
+    if (level == LogLevel::kWarning) {
+      warning(text);
+    } else {
+      info(text);
+    }
+  };
+}
+
+void Console::finish(const nlohmann::json& summary, std::string_view text) const {
+  if (json_) {
+    std::cout << summary.dump(1) << '\n';
+  } else {
+    std::cout << text << '\n';
+  }
+  std::cout.flush();
+}
+
+Progress::Progress(const Console& console, std::string label, std::optional<std::size_t> total)
+    : is_quiet_(console.quiet_),
+      is_terminal_(::isatty(STDERR_FILENO) == 1),
+      label_(std::move(label)),
+      total_(total),
+      start_(std::chrono::steady_clock::now()),
+      last_drawn_(start_) {}
+
+Progress::~Progress() { draw(true); }
+
+void Progress::advance(std::size_t by) {
+  done_ += by;
+  const auto now = std::chrono::steady_clock::now();
+  const bool is_due = is_terminal_ ? now - last_drawn_ > kTerminalPeriod : now - last_drawn_ > kPlainPeriod;
+  if (!is_due) return;
+  last_drawn_ = now;
+  draw(false);
+}
+
+void Progress::draw(bool is_last) {
+  if (is_quiet_) return;
+  const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  const double rate = elapsed_s > 0.0 ? static_cast<double>(done_) / elapsed_s : 0.0;
+  std::string line = label_ + " ";
+  if (total_ && is_terminal_) line += bar(done_, *total_) + " ";
+  line += total_ ? fmt::format("{}/{}", done_, *total_) : fmt::format("{}", done_);
+  line += fmt::format(", {:.1f}/s", rate);
+  if (is_last) {
+    line += fmt::format(", {} in all", format_duration(elapsed_s));
+  } else if (total_ && rate > 0.0 && *total_ > done_) {
+    line += fmt::format(", {} left", format_duration(static_cast<double>(*total_ - done_) / rate));
+  }
+  const bool ends_line = is_last || !is_terminal_;
+  std::cerr << (is_terminal_ ? "\r\033[K" : "") << line << (ends_line ? "\n" : "") << std::flush;
+}
+
+}  // namespace apriltrack::app

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "apriltrack/base/log.h"
+
+namespace apriltrack::app {
+
+/// How a command talks: people are spoken to on stderr, the summary goes to stdout.
+class Console {
+ public:
+  /// Adds --json and --quiet to a command.
+  void add_options(CLI::App& command);
+
+  bool is_json() const { return json_; }
+
+  void info(std::string_view text) const;     ///< Silent under --quiet.
+  void warning(std::string_view text) const;  ///< Always heard.
+  LogSink log() const;
+
+  /// The end of a command: `summary` on stdout as JSON under --json, else `text` on stdout (even under --quiet, which
+  /// hushes talk and not answers).
+  void finish(const nlohmann::json& summary, std::string_view text) const;
+
+ private:
+  friend class Progress;
+  bool json_ = false;
+  bool quiet_ = false;
+};
+
+/// A bar with rate and time left on a terminal; a plain line every few seconds elsewhere; nothing under --quiet.
+class Progress {
+ public:
+  /// total: nullopt when it is not known.
+  Progress(const Console& console, std::string label, std::optional<std::size_t> total);
+  ~Progress();
+
+  void advance(std::size_t by = 1);
+
+ private:
+  void draw(bool is_last);
+
+  const bool is_quiet_;
+  const bool is_terminal_;
+  const std::string label_;
+  const std::optional<std::size_t> total_;
+  std::size_t done_ = 0;
+  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point last_drawn_;
+};
+
+/// True once the user pressed Ctrl-C: loops end early and keep what is done. A second Ctrl-C ends the program.
+bool is_interrupted();
+void install_interrupt_handler();
+
+}  // namespace apriltrack::app

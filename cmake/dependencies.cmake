@@ -1,0 +1,12 @@
+# Every outside library, from Debian's packages (scripts/setup installs them).
+# Imported targets are SYSTEM, so that their headers do not meet our warnings.
+
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(fmt REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(apriltag REQUIRED)
+find_package(Ceres REQUIRED)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio)
+find_package(CLI11 REQUIRED)

@@ -1,0 +1,40 @@
+# What a user may switch, and the flags that hold for our own code only.
+
+option(APRILTRACK_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
+option(APRILTRACK_BUILD_BENCHMARKS "Build the benchmarks" OFF)
+option(APRILTRACK_WERROR "Treat warnings in our own code as errors" ${PROJECT_IS_TOP_LEVEL})
+set(APRILTRACK_SANITIZE "" CACHE STRING "Sanitizers for our own code, as -fsanitize= takes them (address,undefined or thread)")
+option(APRILTRACK_COVERAGE "Instrument our own code for gcov" OFF)
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Release by default: Eigen without optimisation is a hundred times slower" FORCE)
+endif()
+
+find_program(APRILTRACK_CCACHE ccache)
+if(APRILTRACK_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${APRILTRACK_CCACHE})
+endif()
+
+# Warnings, sanitizers and coverage: PRIVATE, so that nothing leaks into a user's program.
+function(apriltrack_compile_options target)
+  target_compile_options(${target} PRIVATE
+    -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+    -Wold-style-cast -Wfloat-conversion -Wextra-semi
+    $<$<BOOL:${APRILTRACK_WERROR}>:-Werror>)
+  if(APRILTRACK_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${APRILTRACK_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(${target} PUBLIC -fsanitize=${APRILTRACK_SANITIZE})
+  endif()
+  if(APRILTRACK_COVERAGE)
+    target_compile_options(${target} PRIVATE --coverage)
+    target_link_options(${target} PUBLIC --coverage)
+  endif()
+endfunction()

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace apriltrack {
+
+/// A moment in int64 nanoseconds since the epoch of the recording's clock. A frame's time is the MIDDLE of its
+/// exposure. Never held in a double: 1e18 ns in a double loses 128 ns.
+struct Timestamp {
+  std::int64_t ns = 0;
+
+  auto operator<=>(const Timestamp&) const = default;
+};
+
+/// later - earlier, in seconds.
+double seconds_between(Timestamp earlier, Timestamp later);
+/// Rounded to the nearest nanosecond.
+Timestamp advance(Timestamp time, double seconds);
+
+/// Seconds with nine decimals, "12.034000000"; exact, never through a float.
+std::string format_seconds(Timestamp time);
+/// Reads what format_seconds writes, and any other number of decimals (digits beyond the ninth are cut).
+std::optional<Timestamp> parse_seconds(std::string_view text);
+/// Reads whole nanoseconds, as in a file name that is all digits.
+std::optional<Timestamp> parse_nanoseconds(std::string_view text);
+
+}  // namespace apriltrack

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apriltrack/camera/camera_model.h"
+#include "apriltrack/geometry/pose.h"
+#include "apriltrack/image/response.h"
+
+namespace apriltrack {
+
+/// One camera as its file describes it.
+struct Camera {
+  std::string name = "cam0";
+  CameraModel model;
+  int width = 0;  ///< Pixels; 0 when the file does not say (some WPILib files): any image fits.
+  int height = 0;
+  std::optional<double> exposure_s;
+  double line_delay_s = 0.0;  ///< Per row; 0 = global shutter.
+  ResponseCurve response = ResponseCurve::srgb();
+  std::optional<Pose> T_this_previous;  ///< Kalibr's T_cn_cnm1; none for the first camera.
+};
+
+/// The cameras of one file, in its order. The rig's pose is that of the first.
+struct CameraRig {
+  std::vector<Camera> cameras;
+
+  /// Throws Error(kInvalidInput) that lists the names there are.
+  const Camera& find(const std::string& name) const;
+  /// T_camera_rig of camera `index`; throws Error(kInvalidInput) when the file gives no extrinsics for it.
+  Pose T_camera_rig(std::size_t index) const;
+};
+
+/// Throws Error(kInvalidInput) that names both sizes when an image does not have the camera's resolution.
+/// where: the image's file, or the recording's name and frame.
+void check_resolution(const Camera& camera, int image_width, int image_height, const std::string& where);
+
+/// Reads Kalibr's camchain (with our additions), ROS camera_info YAML, OpenCV FileStorage YAML or WPILib /
+/// PhotonVision JSON; the format is recognised by its keys (docs/file_formats.md).
+/// Throws Error(kIo) when the file cannot be read, Error(kInvalidInput) with file, line and key when it is wrong.
+CameraRig read_cameras(const std::filesystem::path& path);
+
+/// Writes our camera.yaml (Kalibr's camchain). Throws Error(kIo).
+void write_cameras(const std::filesystem::path& path, const CameraRig& rig);
+
+}  // namespace apriltrack

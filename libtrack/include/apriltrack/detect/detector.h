@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apriltrack/detect/detection.h"
+#include "apriltrack/image/image.h"
+#include "apriltrack/image/response.h"
+
+namespace apriltrack {
+
+struct DetectorOptions {
+  std::vector<std::string> families = {"tag36h11"};
+  /// Undone before corners are localised; finding uses the raw and the linear image, so that neither's tags are lost.
+  /// linear() gives what the AprilTag library gives.
+  ResponseCurve response = ResponseCurve::srgb();
+  /// Corners from lines fitted to the tag's edges. Off: the quad's corners as the library found them, with biases of
+  /// up to a pixel; only to reproduce old results.
+  bool refine_edges = true;
+  /// Quads are searched for in an image this many times smaller; 1 finds the smallest tags, 2 is three times faster.
+  double decimate = 1.0;
+  double min_decision_margin = 20.0;  ///< Grey levels; detections below are dropped.
+  int max_hamming = 2;                ///< Corrected bits; detections above are dropped.
+
+  /// Throws Error(kInvalidInput) that names the option, its value and its range.
+  void check() const;
+};
+
+/// Finds tags. One detector works on one image at a time; give each thread its own.
+class Detector {
+ public:
+  /// Building the decoding tables takes up to seconds for families with many codes.
+  explicit Detector(const DetectorOptions& options);
+  ~Detector();
+  Detector(Detector&&) noexcept;
+  Detector& operator=(Detector&&) noexcept;
+
+  /// Sorted by family, id, then centre (x, y); the same image gives the same answer, always. An id that is seen
+  /// twice is reported twice.
+  std::vector<Detection> detect(const GrayView& image);
+
+  const DetectorOptions& options() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace apriltrack

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apriltrack/base/timestamp.h"
+#include "apriltrack/geometry/pose.h"
+
+namespace apriltrack {
+
+/// One line of the frame log (`--frames-csv`): there is one for EVERY frame of the recording.
+struct FrameLogRow {
+  Timestamp timestamp;
+  std::string status;  ///< detected, tracked, predicted, lost, unreadable.
+  std::optional<Pose> pose;
+  int tags_detected = 0;
+  int tags_tracked = 0;
+  std::optional<double> latency_ms;  ///< From the decoded image to the result.
+  double second_mode_odds = 0.0;
+  std::optional<Matrix6d> covariance;  ///< Right perturbation of the pose, [translation; rotation].
+};
+
+/// sigma_position_m and sigma_rotation_rad are derived from the covariance. Throws Error(kIo); an existing file is
+/// replaced only when the new one is complete.
+void write_frame_log(const std::filesystem::path& path, const std::vector<FrameLogRow>& rows);
+/// Columns are found by their names; further ones are passed over. Throws Error(kIo) when unreadable,
+/// Error(kInvalidInput) with file, line and column when a value is wrong.
+std::vector<FrameLogRow> read_frame_log(const std::filesystem::path& path);
+
+}  // namespace apriltrack

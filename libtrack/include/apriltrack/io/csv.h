@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace apriltrack {
+
+/// A table with a header line; columns are found by name. Comma-separated, no quoting, LF or CRLF, `#` before the
+/// header's first name is passed over (as EuRoC writes it), blank lines are passed over.
+class CsvTable {
+ public:
+  /// Throws Error(kIo) when the file cannot be read; Error(kInvalidInput) with file and line when a row has more or
+  /// fewer fields than the header, or a required column is missing (the message lists those there are).
+  static CsvTable read_file(const std::filesystem::path& path, const std::vector<std::string>& required_columns);
+
+  std::size_t num_rows() const { return rows_.size(); }
+  bool has_column(std::string_view name) const { return column(name).has_value(); }
+
+  /// The field as it stands, without blanks around it. Requires that the column exists.
+  std::string_view text(std::size_t row, std::string_view column) const;
+  bool is_empty(std::size_t row, std::string_view column) const { return text(row, column).empty(); }
+  /// Throws Error(kInvalidInput) with file, line, column and value unless the field is a finite number.
+  double number(std::size_t row, std::string_view column) const;
+  long long integer(std::size_t row, std::string_view column) const;
+
+  /// "detections.csv:17".
+  std::string where(std::size_t row) const;
+
+ private:
+  struct Row {
+    std::size_t line = 0;
+    std::vector<std::string> fields;
+  };
+  std::optional<std::size_t> column(std::string_view name) const;
+
+  std::string name_;
+  std::vector<std::string> header_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace apriltrack

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "apriltrack/image/frame.h"
+
+namespace apriltrack {
+
+/// A frame that owns its pixels, or word of one that could not be decoded.
+struct SourceFrame {
+  GrayImage pixels;  ///< Empty when the frame is unreadable.
+  Timestamp timestamp;
+  std::optional<double> exposure_s;
+  double gain = 1.0;
+  std::string name;   ///< File, or video and frame number: what a message calls this frame.
+  std::string error;  ///< Why it could not be decoded; empty for a good frame.
+
+  bool is_readable() const { return error.empty(); }
+  /// A view for the library's functions; this object must outlive it.
+  Frame frame(int camera_index = 0) const;
+};
+
+struct SourceOptions {
+  std::optional<double> rate_hz;  ///< For images whose names are no times.
+  std::size_t skip = 0;           ///< Frames left out at the start.
+  std::size_t step = 1;           ///< Every step-th frame.
+  std::optional<std::size_t> max_frames;
+};
+
+/// Frames in the order of time. A frame that cannot be decoded is handed out as unreadable, never passed over.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  /// nullopt at the end.
+  virtual std::optional<SourceFrame> next() = 0;
+  /// How many frames there are, where that is known beforehand (not for live cameras; an estimate for videos).
+  virtual std::optional<std::size_t> num_frames() const = 0;
+  /// What this source is, for messages.
+  virtual std::string name() const = 0;
+};
+
+/// A sequence folder, a folder of images, a glob, a EuRoC/ASL `mav0` folder (or one camera folder of it), a video
+/// file, `camera:N` or a V4L2 path.
+/// Throws Error(kIo) when there is nothing to read, Error(kInvalidInput) when images need a rate and none is given.
+std::unique_ptr<FrameSource> open_source(const std::string& input, const SourceOptions& options = {});
+
+/// Files that a sequence folder brings with it; nullopt where it does not, or INPUT is no such folder.
+std::optional<std::filesystem::path> sequence_camera_file(const std::string& input);
+std::optional<std::filesystem::path> sequence_map_file(const std::string& input);
+
+}  // namespace apriltrack

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/image/frame.h"
+#include "apriltrack/tags/tag_map.h"
+
+namespace apriltrack {
+
+/// Writes a sequence folder: frames/<timestamp_ns>.png, camera.yaml, map.yaml, frames.csv (docs/file_formats.md).
+/// write_frame may be called from several threads at once.
+class SequenceWriter {
+ public:
+  /// Throws Error(kIo) when the folder cannot be made, or is not empty and `overwrite` is false.
+  SequenceWriter(const std::filesystem::path& folder, bool overwrite);
+
+  void write_camera(const CameraRig& rig) const;
+  void write_map(const TagMap& map) const;
+  void write_frame(const Frame& frame) const;
+  /// One row per frame; only needed when exposure or gain differ from frame to frame.
+  void write_frames_csv(const std::vector<Frame>& frames) const;
+
+  const std::filesystem::path& folder() const { return folder_; }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace apriltrack

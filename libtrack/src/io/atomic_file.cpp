@@ -1,0 +1,75 @@
+#include "apriltrack/io/atomic_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "apriltrack/base/error.h"
+
+namespace apriltrack {
+namespace {
+
+std::string system_reason(int code) { return std::generic_category().message(code); }
+
+/// Closes on every way out; a POSIX descriptor because streams do not tell why a write failed.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  int get() const { return fd_; }
+  /// False on an error that only closing shows, as on network file systems.
+  bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
+
+ private:
+  int fd_;
+};
+
+bool write_all(int fd, std::string_view contents) {
+  while (!contents.empty()) {
+    const ssize_t written = ::write(fd, contents.data(), contents.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    contents.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+}  // namespace
+
+void write_file_atomically(const std::filesystem::path& path, std::string_view contents) {
+  std::filesystem::path aside = path;
+  aside += fmt::format(".{}.part", ::getpid());
+  Descriptor file(::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  if (file.get() < 0) throw io_error(path.string(), fmt::format("cannot be written: {}", system_reason(errno)));
+  const bool is_complete = write_all(file.get(), contents) && ::fsync(file.get()) == 0 && file.close() &&
+                           ::rename(aside.c_str(), path.c_str()) == 0;
+  if (!is_complete) {
+    const int code = errno;
+    ::unlink(aside.c_str());
+    throw io_error(path.string(), fmt::format("cannot be written: {}; an existing file was kept", system_reason(code)));
+  }
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.get() < 0) throw io_error(path.string(), fmt::format("cannot be read: {}", system_reason(errno)));
+  std::string contents;
+  char block[1 << 16];
+  for (;;) {
+    const ssize_t count = ::read(file.get(), block, sizeof block);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw io_error(path.string(), fmt::format("cannot be read: {}", system_reason(errno)));
+    if (count == 0) return contents;
+    contents.append(block, static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace apriltrack
