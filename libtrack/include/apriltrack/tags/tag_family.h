@@ -1,6 +1,7 @@
 #pragma once
 
-#include <memory>
+#include <Eigen/Core>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,12 +13,13 @@ namespace apriltrack {
 
 /// The printed picture of one tag in linear light: 0 = black, 1 = white, per cell.
 ///
-/// The tag plane is measured in half tag sizes: u right, v down, [-1, 1] x [-1, 1] is the square whose corners the
-/// detector reports. Families of the "standard" and "circle" kinds have data cells outside that square.
+/// The tag plane is measured in half tag sizes: u right, v down, [-1, 1] x [-1, 1] is the square whose
+/// corners the detector reports. Families of the "standard" and "circle" kinds have data cells outside that
+/// square.
 class TagPattern {
  public:
   /// cells: total_width x total_width, row 0 on top; 0 black, 1 white, NaN where the family prints nothing
-  /// (corners of circle families): treated as white paper.
+  /// (corners of circle families, middle of tagCustom48h12): treated as white paper.
   TagPattern(Image<float> cells, int width_at_border);
 
   /// Brightness at (u, v); white paper outside the cells.
@@ -50,9 +52,11 @@ class TagFamily {
   int width_at_border() const { return width_at_border_; }
   /// Cells across the whole printed tag.
   int total_width() const { return total_width_; }
-  /// White border inside black surroundings ("standard", "circle" and "custom" kinds).
+  /// A white ring inside a black one, instead of black on white paper ("standard", "circle" and "custom"
+  /// kinds).
   bool has_reversed_border() const { return has_reversed_border_; }
-  /// Bits that the detector corrects: 2, but 1 for families of over 5,000 codes, whose tables would take gigabytes.
+  /// Bits that the detector corrects: 2, but 1 for families of over 5,000 codes, whose tables would take
+  /// gigabytes.
   int max_corrected_bits() const { return max_corrected_bits_; }
 
   /// id in [0, num_codes()).
@@ -68,6 +72,11 @@ class TagFamily {
   int total_width_ = 0;
   bool has_reversed_border_ = false;
   int max_corrected_bits_ = 2;
+  /// Data bits of each id, the first of bit_cells_ most significant.
+  std::vector<std::uint64_t> codes_;
+  /// Column and row of each data bit, counted from the corner of the detected square: those outside are
+  /// negative or beyond its width.
+  std::vector<Eigen::Vector2i> bit_cells_;
 };
 
 }  // namespace apriltrack
