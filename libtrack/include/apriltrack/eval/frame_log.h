@@ -20,10 +20,16 @@ struct FrameLogRow {
   std::optional<double> latency_ms;  ///< From the decoded image to the result.
   double second_mode_odds = 0.0;
   std::optional<Matrix6d> covariance;  ///< Right perturbation of the pose, [translation; rotation].
+  /// RMS error of the whole position (rotation) vector that the tracker expects. Reading fills them from the
+  /// file's own columns; writing derives them from the covariance where there is one.
+  std::optional<double> sigma_position_m = std::nullopt;
+  std::optional<double> sigma_rotation_rad = std::nullopt;
 };
 
-/// sigma_position_m and sigma_rotation_rad are derived from the covariance. Throws Error(kIo); an existing file is
-/// replaced only when the new one is complete.
+/// True for `detected` and `tracked`: the tracker claims to see a tag in this frame.
+bool claims_evidence(const FrameLogRow& row);
+
+/// Throws Error(kIo); an existing file is replaced only when the new one is complete.
 void write_frame_log(const std::filesystem::path& path, const std::vector<FrameLogRow>& rows);
 /// Columns are found by their names; further ones are passed over. Throws Error(kIo) when unreadable,
 /// Error(kInvalidInput) with file, line and column when a value is wrong.

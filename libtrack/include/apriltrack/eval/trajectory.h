@@ -20,8 +20,8 @@ using Trajectory = std::vector<TimedPose>;
 /// Reads TUM format, `timestamp tx ty tz qx qy qz qw`; `#` starts a comment.
 /// Throws Error(kIo) when unreadable, Error(kInvalidInput) with file and line when a row is wrong.
 Trajectory read_tum(const std::filesystem::path& path);
-/// Times as integer seconds and nanoseconds, numbers with nine decimals. Throws Error(kIo); an existing file is
-/// replaced only when the new one is complete.
+/// Times as integer seconds and nanoseconds, numbers with nine decimals. Throws Error(kIo); an existing file
+/// is replaced only when the new one is complete.
 void write_tum(const std::filesystem::path& path, const Trajectory& trajectory);
 
 }  // namespace apriltrack
