@@ -1,6 +1,8 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
 
 namespace apriltrack::app {
 
@@ -14,5 +16,10 @@ void add_track_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_map_command(CLI::App& app);
 void add_demo_command(CLI::App& app);
+
+void add_all_commands(CLI::App& app);
+
+/// Runs one command as if it had been typed: {"track", "room", "--output", "out.tum"}. Throws what it throws.
+void run_command(std::vector<std::string> words);
 
 }  // namespace apriltrack::app

@@ -12,22 +12,9 @@ namespace {
 constexpr int kStatusUsage = 2;
 constexpr int kStatusNoResult = 1;
 
-void add_commands(CLI::App& app) {
-  app.require_subcommand(1);
-  app.set_version_flag("--version", "apriltrack " APRILTRACK_VERSION);
-  add_simulate_command(app);
-  add_detect_command(app);
-  add_calibrate_command(app);
-  add_track_command(app);
-  add_evaluate_command(app);
-  add_map_command(app);
-  add_demo_command(app);
-}
-
 int run(int argc, char** argv) {
-  CLI::App app("Fiducial tracking that keeps the pose through motion blur.\n"
-               "Start with: apriltrack demo --output demo-output");
-  add_commands(app);
+  CLI::App app;
+  add_all_commands(app);
   try {
     app.parse(argc, argv);
     return 0;

@@ -1,0 +1,29 @@
+#include "commands.h"
+
+#include <algorithm>
+
+namespace apriltrack::app {
+
+void add_all_commands(CLI::App& app) {
+  app.description(
+      "Fiducial tracking that keeps the pose through motion blur.\n"
+      "Start with: apriltrack demo --output demo-output");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "apriltrack " APRILTRACK_VERSION);
+  add_simulate_command(app);
+  add_detect_command(app);
+  add_calibrate_command(app);
+  add_track_command(app);
+  add_evaluate_command(app);
+  add_map_command(app);
+  add_demo_command(app);
+}
+
+void run_command(std::vector<std::string> words) {
+  CLI::App app;
+  add_all_commands(app);
+  std::reverse(words.begin(), words.end());  // the order in which CLI11 takes words off a vector
+  app.parse(words);
+}
+
+}  // namespace apriltrack::app
