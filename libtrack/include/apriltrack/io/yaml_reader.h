@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,17 +11,22 @@
 
 namespace apriltrack {
 
-/// One node of a YAML file, with file, line and key path for messages. Cheap to copy.
+struct YamlTreeNode;
+
+/// One node of a YAML or JSON file, with file, line and key path for messages. Cheap to copy.
 ///
-/// The only way this project reads YAML: it refuses what the parser underneath lets pass (duplicate keys, numbers in
-/// octal, non-finite numbers, unknown keys), and every complaint is an Error(kInvalidInput) that reads
-/// `maps/lab.yaml:14: tags[3].size: must be > 0 (is -0.16)`.
+/// The only way this project reads YAML: it refuses what the parser underneath lets pass (duplicate keys,
+/// numbers in octal, non-finite numbers, unknown keys), and every complaint is an Error(kInvalidInput) that
+/// reads `maps/lab.yaml:14: tags[3].size: must be > 0 (is -0.16)`.
 class YamlNode {
  public:
   /// Throws Error(kIo) when the file cannot be read, Error(kInvalidInput) when it is no YAML.
   static YamlNode read_file(const std::filesystem::path& path);
   /// name: what messages call the text.
   static YamlNode read_text(const std::string& text, const std::string& name);
+  /// The same for JSON, whose mistakes a YAML parser would tell in the wrong words.
+  static YamlNode read_json_file(const std::filesystem::path& path);
+  static YamlNode read_json_text(const std::string& text, const std::string& name);
 
   bool is_map() const;
   bool is_list() const;
@@ -38,12 +44,13 @@ class YamlNode {
   std::vector<YamlNode> items() const;
 
   /// Throws, with the line of the stray key, unless every key is in `known` or starts with "x_".
+  /// Duplicate keys never come this far: reading the file refuses them.
   void expect_keys(std::initializer_list<std::string_view> known) const;
 
   std::string as_string() const;
   /// Finite.
   double as_double() const;
-  /// Decimal.
+  /// Decimal; a leading zero is refused, since YAML 1.1 reads 010 as 8 and YAML 1.2 as 10.
   int as_int() const;
   bool as_bool() const;
   /// A list of finite numbers; of `size` of them, if given.
@@ -59,9 +66,8 @@ class YamlNode {
   [[noreturn]] void fail(std::string_view what) const;
 
  private:
-  struct Data;
-  explicit YamlNode(std::shared_ptr<const Data> data);
-  std::shared_ptr<const Data> data_;
+  explicit YamlNode(std::shared_ptr<const YamlTreeNode> node);
+  std::shared_ptr<const YamlTreeNode> node_;
 };
 
 }  // namespace apriltrack

@@ -1,0 +1,126 @@
+#include "apriltrack/io/csv.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apriltrack/base/check.h"
+#include "apriltrack/base/error.h"
+#include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/numbers.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r";
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+}
+
+std::vector<std::string> split_fields(std::string_view line) {
+  std::vector<std::string> fields;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    fields.emplace_back(trimmed(line.substr(0, comma)));
+    if (comma == std::string_view::npos) return fields;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+std::vector<std::string> split_header(std::string_view line) {
+  line = trimmed(line);
+  if (line.starts_with('#')) line.remove_prefix(1);
+  return split_fields(line);
+}
+
+/// Passes the lines that are not blank, with their numbers from 1.
+template <class Function>
+void for_each_line(std::string_view text, const Function& function) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::size_t end = text.find('\n');
+    const std::string_view line = text.substr(0, end);
+    if (!trimmed(line).empty()) function(number, line);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+}
+
+}  // namespace
+
+CsvTable CsvTable::read_file(const std::filesystem::path& path,
+                             const std::vector<std::string>& required_columns) {
+  const std::string text = apriltrack::read_file(path);
+  CsvTable table;
+  table.name_ = path.string();
+  std::size_t header_line = 0;
+  for_each_line(text, [&](std::size_t number, std::string_view line) {
+    if (header_line == 0) {
+      header_line = number;
+      table.header_ = split_header(line);
+      return;
+    }
+    Row row{number, split_fields(line)};
+    if (row.fields.size() != table.header_.size()) {
+      throw invalid_input(
+          fmt::format("{}:{}", table.name_, number),
+          fmt::format("has {} fields, the header has {}", row.fields.size(), table.header_.size()));
+    }
+    table.rows_.push_back(std::move(row));
+  });
+  if (header_line == 0) {
+    throw invalid_input(table.name_, fmt::format("is empty; it must begin with a header line such as {}",
+                                                 fmt::join(required_columns, ",")));
+  }
+  const std::string where = fmt::format("{}:{}", table.name_, header_line);
+  for (auto name = table.header_.begin(); name != table.header_.end(); ++name) {
+    if (std::find(table.header_.begin(), name, *name) != name)
+      throw invalid_input(where, fmt::format("the column '{}' stands twice in the header", *name));
+  }
+  for (const std::string& name : required_columns) {
+    if (!table.has_column(name))
+      throw invalid_input(where, fmt::format("the column '{}' is missing; the header has {}", name,
+                                             fmt::join(table.header_, ", ")));
+  }
+  return table;
+}
+
+std::string_view CsvTable::text(std::size_t row, std::string_view column_name) const {
+  APRILTRACK_CHECK(row < rows_.size(), "row beyond the end of the table");
+  const auto index = column(column_name);
+  APRILTRACK_CHECK(index.has_value(), "no such column: " + std::string(column_name));
+  return rows_[row].fields[*index];
+}
+
+double CsvTable::number(std::size_t row, std::string_view column_name) const {
+  const std::string_view field = text(row, column_name);
+  const auto value = parse_double(field);
+  if (!value || !std::isfinite(*value))
+    throw invalid_input(where(row), fmt::format("{}: must be a finite number (is '{}')", column_name, field));
+  return *value;
+}
+
+long long CsvTable::integer(std::size_t row, std::string_view column_name) const {
+  const std::string_view field = text(row, column_name);
+  const auto value = parse_integer(field);
+  if (!value)
+    throw invalid_input(where(row), fmt::format("{}: must be a whole number (is '{}')", column_name, field));
+  return *value;
+}
+
+std::string CsvTable::where(std::size_t row) const {
+  APRILTRACK_CHECK(row < rows_.size(), "row beyond the end of the table");
+  return fmt::format("{}:{}", name_, rows_[row].line);
+}
+
+std::optional<std::size_t> CsvTable::column(std::string_view name) const {
+  const auto found = std::find(header_.begin(), header_.end(), name);
+  if (found == header_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - header_.begin());
+}
+
+}  // namespace apriltrack
