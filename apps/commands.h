@@ -6,8 +6,8 @@
 
 namespace apriltrack::app {
 
-// Each adds one subcommand with its options and its callback; callbacks throw apriltrack::Error, and main turns that
-// into the exit status (docs/file_formats.md). One file per command.
+// Each adds one subcommand with its options and its callback; callbacks throw apriltrack::Error, and main
+// turns that into the exit status (docs/file_formats.md). One file per command.
 
 void add_simulate_command(CLI::App& app);
 void add_detect_command(CLI::App& app);

@@ -27,15 +27,20 @@ std::string format_duration(double seconds) {
 }
 
 std::string bar(std::size_t done, std::size_t total) {
-  const auto filled = static_cast<std::size_t>(kBarWidth) * std::min(done, total) / std::max<std::size_t>(total, 1);
+  const auto filled =
+      static_cast<std::size_t>(kBarWidth) * std::min(done, total) / std::max<std::size_t>(total, 1);
   return "[" + std::string(filled, '#') + std::string(kBarWidth - filled, '.') + "]";
 }
 
 }  // namespace
 
-bool is_interrupted() { return g_interrupted != 0; }
+bool is_interrupted() {
+  return g_interrupted != 0;
+}
 
-void install_interrupt_handler() { std::signal(SIGINT, on_interrupt); }
+void install_interrupt_handler() {
+  std::signal(SIGINT, on_interrupt);
+}
 
 void Console::add_options(CLI::App& command) {
   command.add_flag("--json", json_, "Print a machine-readable summary on stdout");
@@ -46,7 +51,9 @@ void Console::info(std::string_view text) const {
   if (!quiet_) std::cerr << text << '\n';
 }
 
-void Console::warning(std::string_view text) const { std::cerr << "warning: " << text << '\n'; }
+void Console::warning(std::string_view text) const {
+  std::cerr << "warning: " << text << '\n';
+}
 
 LogSink Console::log() const {
   return [this](LogLevel level, std::string_view text) {
@@ -75,7 +82,9 @@ Progress::Progress(const Console& console, std::string label, std::optional<std:
       start_(std::chrono::steady_clock::now()),
       last_drawn_(start_) {}
 
-Progress::~Progress() { draw(true); }
+Progress::~Progress() {
+  draw(true);
+}
 
 void Progress::advance(std::size_t by) {
   done_ += by;

@@ -24,8 +24,8 @@ class Console {
   void warning(std::string_view text) const;  ///< Always heard.
   LogSink log() const;
 
-  /// The end of a command: `summary` on stdout as JSON under --json, else `text` on stdout (even under --quiet, which
-  /// hushes talk and not answers).
+  /// The end of a command: `summary` on stdout as JSON under --json, else `text` on stdout (even under
+  /// --quiet, which hushes talk and not answers).
   void finish(const nlohmann::json& summary, std::string_view text) const;
 
  private:
@@ -34,7 +34,8 @@ class Console {
   bool quiet_ = false;
 };
 
-/// A bar with rate and time left on a terminal; a plain line every few seconds elsewhere; nothing under --quiet.
+/// A bar with rate and time left on a terminal; a plain line every few seconds elsewhere; nothing under
+/// --quiet.
 class Progress {
  public:
   /// total: nullopt when it is not known.
@@ -55,7 +56,8 @@ class Progress {
   std::chrono::steady_clock::time_point last_drawn_;
 };
 
-/// True once the user pressed Ctrl-C: loops end early and keep what is done. A second Ctrl-C ends the program.
+/// True once the user pressed Ctrl-C: loops end early and keep what is done. A second Ctrl-C ends the
+/// program.
 bool is_interrupted();
 void install_interrupt_handler();
 

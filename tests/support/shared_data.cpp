@@ -29,12 +29,15 @@ class TemporaryRoot {
 
 std::optional<fs::path> shared_path(const std::string& name) {
   const char* root = std::getenv("APRILTRACK_SHARED");
-  const fs::path path = (root ? fs::path(root) : fs::path(APRILTRACK_SOURCE_DIR).parent_path() / "shared") / name;
+  const fs::path path =
+      (root ? fs::path(root) : fs::path(APRILTRACK_SOURCE_DIR).parent_path() / "shared") / name;
   if (!fs::exists(path)) return std::nullopt;
   return path;
 }
 
-fs::path source_path(const std::string& name) { return fs::path(APRILTRACK_SOURCE_DIR) / name; }
+fs::path source_path(const std::string& name) {
+  return fs::path(APRILTRACK_SOURCE_DIR) / name;
+}
 
 fs::path temporary_folder() {
   static const TemporaryRoot root;

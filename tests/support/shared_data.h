@@ -19,8 +19,8 @@ std::filesystem::path temporary_folder();
 }  // namespace apriltrack::test
 
 /// Declares `variable` as the path of a shared recording, or skips the test with a message.
-#define APRILTRACK_SHARED_OR_SKIP(variable, name)                                                        \
-  const auto variable##_or_none = ::apriltrack::test::shared_path(name);                                 \
-  if (!variable##_or_none)                                                                               \
-    GTEST_SKIP() << "shared recording '" << (name) << "' is not beside this checkout: test not run";     \
+#define APRILTRACK_SHARED_OR_SKIP(variable, name)                                                    \
+  const auto variable##_or_none = ::apriltrack::test::shared_path(name);                             \
+  if (!variable##_or_none)                                                                           \
+    GTEST_SKIP() << "shared recording '" << (name) << "' is not beside this checkout: test not run"; \
   const std::filesystem::path variable = *variable##_or_none

@@ -13,12 +13,16 @@ std::string message(std::string_view where, std::string_view what) {
 Error::Error(ErrorKind kind, std::string_view where, std::string_view what)
     : std::runtime_error(message(where, what)), kind_(kind) {}
 
-Error no_result(std::string_view where, std::string_view what) { return {ErrorKind::kNoResult, where, what}; }
+Error no_result(std::string_view where, std::string_view what) {
+  return {ErrorKind::kNoResult, where, what};
+}
 
 Error invalid_input(std::string_view where, std::string_view what) {
   return {ErrorKind::kInvalidInput, where, what};
 }
 
-Error io_error(std::string_view where, std::string_view what) { return {ErrorKind::kIo, where, what}; }
+Error io_error(std::string_view where, std::string_view what) {
+  return {ErrorKind::kIo, where, what};
+}
 
 }  // namespace apriltrack

@@ -41,11 +41,13 @@ class SharedLoop {
   std::exception_ptr error_;
 };
 
-void run_on_threads(std::size_t num_threads, std::size_t count, const std::function<void(std::size_t)>& body) {
+void run_on_threads(std::size_t num_threads, std::size_t count,
+                    const std::function<void(std::size_t)>& body) {
   SharedLoop loop(count, body);
   {
     std::vector<std::jthread> helpers;
-    for (std::size_t i = 1; i < std::min(num_threads, count); ++i) helpers.emplace_back([&loop] { loop.run(); });
+    for (std::size_t i = 1; i < std::min(num_threads, count); ++i)
+      helpers.emplace_back([&loop] { loop.run(); });
     loop.run();
   }
   loop.rethrow();

@@ -19,11 +19,17 @@ std::uint64_t mix(std::uint64_t z) {
 RandomStream::RandomStream(std::uint64_t seed, std::uint64_t key_1, std::uint64_t key_2)
     : key_(mix(mix(mix(seed + kGoldenGamma) + key_1 + kGoldenGamma) + key_2 + kGoldenGamma)) {}
 
-RandomStream::result_type RandomStream::operator()() { return mix(key_ + kGoldenGamma * ++counter_); }
+RandomStream::result_type RandomStream::operator()() {
+  return mix(key_ + kGoldenGamma * ++counter_);
+}
 
-double RandomStream::uniform() { return static_cast<double>((*this)() >> 11) * 0x1.0p-53; }
+double RandomStream::uniform() {
+  return static_cast<double>((*this)() >> 11) * 0x1.0p-53;
+}
 
-double RandomStream::uniform(double low, double high) { return low + (high - low) * uniform(); }
+double RandomStream::uniform(double low, double high) {
+  return low + (high - low) * uniform();
+}
 
 double RandomStream::normal() {
   const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));

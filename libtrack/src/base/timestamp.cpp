@@ -22,14 +22,19 @@ std::optional<std::int64_t> parse_digits(std::string_view text) {
 
 }  // namespace
 
-double seconds_between(Timestamp earlier, Timestamp later) { return static_cast<double>(later.ns - earlier.ns) * 1e-9; }
+double seconds_between(Timestamp earlier, Timestamp later) {
+  return static_cast<double>(later.ns - earlier.ns) * 1e-9;
+}
 
-Timestamp advance(Timestamp time, double seconds) { return {time.ns + std::llround(seconds * 1e9)}; }
+Timestamp advance(Timestamp time, double seconds) {
+  return {time.ns + std::llround(seconds * 1e9)};
+}
 
 std::string format_seconds(Timestamp time) {
   const char* sign = time.ns < 0 ? "-" : "";
   // Unsigned, so that the most negative number has a magnitude too.
-  const auto magnitude = time.ns < 0 ? ~static_cast<std::uint64_t>(time.ns) + 1 : static_cast<std::uint64_t>(time.ns);
+  const auto magnitude =
+      time.ns < 0 ? ~static_cast<std::uint64_t>(time.ns) + 1 : static_cast<std::uint64_t>(time.ns);
   return fmt::format("{}{}.{:09d}", sign, magnitude / kNsPerSecond, magnitude % kNsPerSecond);
 }
 
@@ -42,7 +47,8 @@ std::optional<Timestamp> parse_seconds(std::string_view text) {
   std::int64_t fraction = 0;
   if (point < text.size()) {
     std::string decimals(text.substr(point + 1));
-    if (decimals.empty() || decimals.find_first_not_of("0123456789") != std::string::npos) return std::nullopt;
+    if (decimals.empty() || decimals.find_first_not_of("0123456789") != std::string::npos)
+      return std::nullopt;
     decimals.resize(kDecimals, '0');
     fraction = *parse_digits(decimals);
   }

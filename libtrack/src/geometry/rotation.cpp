@@ -5,7 +5,8 @@
 namespace apriltrack {
 namespace {
 
-// Below this angle the series are exact to double precision: their first dropped term is angle^4 / 120 < 1e-17.
+// Below this angle the series are exact to double precision: their first dropped term is angle^4 / 120 <
+// 1e-17.
 constexpr double kSmallAngle_rad = 1e-4;
 
 }  // namespace
@@ -42,7 +43,8 @@ Eigen::Matrix3d rotation_left_jacobian(const Eigen::Vector3d& w) {
   const bool is_small = angle < kSmallAngle_rad;
   const double half_sine = std::sin(0.5 * angle);  // 2 sin^2(x/2) keeps the digits that 1 - cos(x) loses
   const double a = is_small ? 0.5 - angle_squared / 24.0 : 2.0 * half_sine * half_sine / angle_squared;
-  const double b = is_small ? 1.0 / 6.0 - angle_squared / 120.0 : (angle - std::sin(angle)) / (angle_squared * angle);
+  const double b =
+      is_small ? 1.0 / 6.0 - angle_squared / 120.0 : (angle - std::sin(angle)) / (angle_squared * angle);
   const Eigen::Matrix3d W = skew(w);
   return Eigen::Matrix3d::Identity() + a * W + b * W * W;
 }

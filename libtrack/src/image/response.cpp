@@ -25,7 +25,8 @@ template <class T>
 Image<T> map_pixels(const GrayView& image, const std::array<T, 256>& table) {
   Image<T> out(image.width(), image.height());
   for (int y = 0; y < image.height(); ++y) {
-    std::transform(image.row(y), image.row(y) + image.width(), out.row(y), [&](std::uint8_t code) { return table[code]; });
+    std::transform(image.row(y), image.row(y) + image.width(), out.row(y),
+                   [&](std::uint8_t code) { return table[code]; });
   }
   return out;
 }
@@ -34,20 +35,25 @@ Image<T> map_pixels(const GrayView& image, const std::array<T, 256>& table) {
 
 ResponseCurve::ResponseCurve(const std::array<float, 256>& linear_light, std::string name)
     : linear_light_(linear_light), name_(std::move(name)) {
-  APRILTRACK_CHECK(std::all_of(linear_light.begin(), linear_light.end(), [](float v) { return std::isfinite(v); }),
-                   "a response table must hold finite numbers");
-  APRILTRACK_CHECK(std::is_sorted(linear_light.begin(), linear_light.end()), "a response table must never decrease");
+  APRILTRACK_CHECK(
+      std::all_of(linear_light.begin(), linear_light.end(), [](float v) { return std::isfinite(v); }),
+      "a response table must hold finite numbers");
+  APRILTRACK_CHECK(std::is_sorted(linear_light.begin(), linear_light.end()),
+                   "a response table must never decrease");
 }
 
 ResponseCurve ResponseCurve::linear() {
   return ResponseCurve(tabulate([](double code) { return code; }), "linear");
 }
 
-ResponseCurve ResponseCurve::srgb() { return ResponseCurve(tabulate(srgb_to_linear), "srgb"); }
+ResponseCurve ResponseCurve::srgb() {
+  return ResponseCurve(tabulate(srgb_to_linear), "srgb");
+}
 
 ResponseCurve ResponseCurve::gamma(double exponent) {
   APRILTRACK_CHECK(exponent >= 0.2 && exponent <= 5.0, "a gamma exponent must lie in [0.2, 5]");
-  return ResponseCurve(tabulate([&](double code) { return std::pow(code, exponent); }), fmt::format("gamma:{}", exponent));
+  return ResponseCurve(tabulate([&](double code) { return std::pow(code, exponent); }),
+                       fmt::format("gamma:{}", exponent));
 }
 
 Image<float> to_linear_light(const GrayView& image, const ResponseCurve& response) {

@@ -6,7 +6,8 @@
 
 namespace apriltrack {
 
-/// Why the world is not as asked. The values are the exit statuses of the command line (docs/file_formats.md).
+/// Why the world is not as asked. The values are the exit statuses of the command line
+/// (docs/file_formats.md).
 enum class ErrorKind {
   kNoResult = 1,      ///< It ran, and no usable result came: no tags seen, nothing connected, not converged.
   kInvalidInput = 2,  ///< The command line, an option, or the CONTENT of a file is wrong.

@@ -12,7 +12,8 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// A rigid transform. `T_a_b * p_b = p_a`: equal neighbours cancel.
 ///
-/// Perturbations act on the right, `T * exp(xi)`: xi is expressed in the frame on the right (docs/conventions.md).
+/// Perturbations act on the right, `T * exp(xi)`: xi is expressed in the frame on the right
+/// (docs/conventions.md).
 class Pose {
  public:
   Pose() = default;
@@ -50,7 +51,8 @@ class Pose {
   Eigen::Vector3d translation_ = Eigen::Vector3d::Zero();
 };
 
-/// a at fraction 0, b at fraction 1, along the constant twist between them; fractions outside [0, 1] extrapolate.
+/// a at fraction 0, b at fraction 1, along the constant twist between them; fractions outside [0, 1]
+/// extrapolate.
 Pose interpolate(const Pose& a, const Pose& b, double fraction);
 
 /// Angle between two orientations, in [0, pi].

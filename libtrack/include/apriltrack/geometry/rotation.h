@@ -13,8 +13,8 @@ Eigen::Quaterniond rotation_exp(const Eigen::Vector3d& rotation_vector);
 /// Inverse of rotation_exp, angle in [0, pi]; q and -q give the same answer.
 Eigen::Vector3d rotation_log(const Eigen::Quaterniond& rotation);
 
-/// Left Jacobian of SO(3): `exp(w + dw) = exp(J dw) * exp(w)` to first order; also the map from the translation
-/// part of a twist to the translation of its exponential.
+/// Left Jacobian of SO(3): `exp(w + dw) = exp(J dw) * exp(w)` to first order; also the map from the
+/// translation part of a twist to the translation of its exponential.
 Eigen::Matrix3d rotation_left_jacobian(const Eigen::Vector3d& rotation_vector);
 Eigen::Matrix3d rotation_left_jacobian_inverse(const Eigen::Vector3d& rotation_vector);
 

@@ -13,7 +13,7 @@ struct Frame {
   Timestamp timestamp;               ///< Middle of the exposure.
   std::optional<double> exposure_s;  ///< Of this frame; else the camera's own value holds.
   double gain = 1.0;                 ///< Relative to the first frame of the recording.
-  int camera_index = 0;              ///< Into the rig's cameras; the camera itself is passed beside the frame.
+  int camera_index = 0;  ///< Into the rig's cameras; the camera itself is passed beside the frame.
 };
 
 }  // namespace apriltrack

@@ -7,8 +7,8 @@
 
 namespace apriltrack {
 
-/// A non-owning view of a single-channel image, row by row. Pixel (0, 0) is the CENTRE of the top-left pixel, so
-/// pixel (x, y) covers [x - 0.5, x + 0.5] x [y - 0.5, y + 0.5] (docs/conventions.md).
+/// A non-owning view of a single-channel image, row by row. Pixel (0, 0) is the CENTRE of the top-left pixel,
+/// so pixel (x, y) covers [x - 0.5, x + 0.5] x [y - 0.5, y + 0.5] (docs/conventions.md).
 template <class T>
 class ImageView {
  public:
@@ -19,8 +19,8 @@ class ImageView {
 
   /// A view of mutable pixels serves as a view of constant ones.
   template <class U>
-    requires(std::is_same_v<const U, T>)
-  ImageView(const ImageView<U>& other) : ImageView(other.data(), other.width(), other.height(), other.stride()) {}
+  requires(std::is_same_v<const U, T>) ImageView(const ImageView<U>& other)
+      : ImageView(other.data(), other.width(), other.height(), other.stride()) {}
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -45,7 +45,9 @@ class Image {
  public:
   Image() = default;
   Image(int width, int height, T value = T())
-      : pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), value), width_(width), height_(height) {}
+      : pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), value),
+        width_(width),
+        height_(height) {}
 
   int width() const { return width_; }
   int height() const { return height_; }

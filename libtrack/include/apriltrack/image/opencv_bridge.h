@@ -1,7 +1,7 @@
 #pragma once
 
-// Zero-copy views between our images and cv::Mat, for programs that use OpenCV. Header only: the library's core
-// neither includes nor links OpenCV; link opencv_core in your own program.
+// Zero-copy views between our images and cv::Mat, for programs that use OpenCV. Header only: the library's
+// core neither includes nor links OpenCV; link opencv_core in your own program.
 
 #include <opencv2/core.hpp>
 
@@ -16,7 +16,8 @@ inline GrayView view_of(const cv::Mat& mat) {
   return {mat.ptr<std::uint8_t>(), mat.cols, mat.rows, static_cast<std::ptrdiff_t>(mat.step[0])};
 }
 
-/// A cv::Mat header over the view's pixels, without a copy; they must outlive it and must not be written through it.
+/// A cv::Mat header over the view's pixels, without a copy; they must outlive it and must not be written
+/// through it.
 inline cv::Mat mat_of(const GrayView& view) {
   return {view.height(), view.width(), CV_8UC1, const_cast<std::uint8_t*>(view.data()),
           static_cast<std::size_t>(view.stride())};

@@ -10,8 +10,8 @@ namespace apriltrack {
 
 /// The camera's response: which linear light an 8-bit grey level stands for.
 ///
-/// Blur adds up in linear light only, and an edge blurred in light but measured in sRGB codes seems to lie 0.4 px
-/// inside the dark side; so corners are localised, and blur is modelled, after the response is undone.
+/// Blur adds up in linear light only, and an edge blurred in light but measured in sRGB codes seems to lie
+/// 0.4 px inside the dark side; so corners are localised, and blur is modelled, after the response is undone.
 class ResponseCurve {
  public:
   /// linear_light: light of each grey level, 0 at no light and 1 at full scale; must never decrease.

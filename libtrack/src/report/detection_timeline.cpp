@@ -1,0 +1,165 @@
+#include "apriltrack/report/detection_timeline.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apriltrack/base/check.h"
+#include "canvas.h"
+
+namespace apriltrack {
+namespace {
+
+// Layout in points.
+constexpr double kWidth = 1200.0;
+constexpr double kMargin = 60.0;
+constexpr double kInner = kWidth - 2.0 * kMargin;
+constexpr double kTitleHeight = 70.0;
+constexpr double kGap = 16.0;
+constexpr double kCaptionHeight = 30.0;
+constexpr double kChartHeight = 260.0;
+constexpr double kFooterHeight = 96.0;
+
+const cv::Scalar kInk(40, 34, 30);
+const cv::Scalar kPaleInk(135, 125, 118);
+const cv::Scalar kGrid(228, 224, 220);
+
+struct Legend {
+  FrameOutcome outcome;
+  const char* words;
+  cv::Scalar colour;  // blue, green, red; told apart by colour-blind eyes too (Okabe and Ito 2008)
+};
+const Legend kLegend[] = {
+    {FrameOutcome::kPoseRight, "pose within 5 px", cv::Scalar(115, 158, 0)},
+    {FrameOutcome::kPoseWrong, "pose over 5 px off", cv::Scalar(0, 159, 230)},
+    {FrameOutcome::kBlind, "blind: tags in view, no pose", cv::Scalar(0, 70, 213)},
+    {FrameOutcome::kNoTagInView, "no tag in view", cv::Scalar(190, 190, 190)},
+};
+
+cv::Scalar colour_of(FrameOutcome outcome) {
+  return std::find_if(std::begin(kLegend), std::end(kLegend),
+                      [&](const Legend& l) { return l.outcome == outcome; })
+      ->colour;
+}
+
+struct Strip {
+  double width = 0.0;  // of one picture
+  double height = 0.0;
+};
+
+Strip example_strip(std::span<const ExampleFrame> examples) {
+  if (examples.empty()) return {};
+  const auto count = static_cast<double>(examples.size());
+  const double width = (kInner - kGap * (count - 1.0)) / count;
+  double tallest = 0.0;
+  for (const ExampleFrame& example : examples)
+    tallest = std::max(tallest, width * example.image.height() / example.image.width());
+  return {width, tallest};
+}
+
+void draw_outline(Canvas& canvas, const TagOutline& outline, cv::Point2d origin, double scale) {
+  const auto place = [&](const Eigen::Vector2d& pixel) {
+    return cv::Point2d(origin.x + scale * (pixel.x() + 0.5), origin.y + scale * (pixel.y() + 0.5));
+  };
+  for (std::size_t i = 0; i < 4; ++i) {
+    canvas.line(place(outline.corners_px[i]), place(outline.corners_px[(i + 1) % 4]),
+                colour_of(outline.outcome), 2.0);
+  }
+}
+
+void draw_examples(Canvas& canvas, std::span<const ExampleFrame> examples, const Strip& strip) {
+  double x = kMargin;
+  for (const ExampleFrame& example : examples) {
+    const double scale = strip.width / example.image.width();
+    canvas.picture(example.image, {x, kTitleHeight, strip.width, scale * example.image.height()});
+    for (const TagOutline& outline : example.outlines)
+      draw_outline(canvas, outline, {x, kTitleHeight}, scale);
+    canvas.text(example.caption, {x, kTitleHeight + strip.height + 20.0}, 11.0, kInk);
+    x += strip.width + kGap;
+  }
+}
+
+/// Where times and blurs lie on the canvas.
+struct Axes {
+  double top, start_s, end_s, max_blur_px;
+
+  double x(double time_s) const { return kMargin + kInner * (time_s - start_s) / (end_s - start_s); }
+  double y(double blur_px) const { return top + kChartHeight * (1.0 - std::min(blur_px / max_blur_px, 1.0)); }
+};
+
+Axes axes_for(std::span<const TimelineFrame> frames, double top) {
+  double max_blur = 10.0;
+  for (const TimelineFrame& frame : frames) max_blur = std::max(max_blur, frame.blur_px);
+  const double start = frames.front().time_s;
+  return {top, start, std::max(frames.back().time_s, start + 1e-3), 10.0 * std::ceil(max_blur / 10.0)};
+}
+
+void draw_grid(Canvas& canvas, const Axes& axes) {
+  const double blur_step = axes.max_blur_px > 50.0 ? 20.0 : 10.0;
+  for (double blur = 0.0; blur <= axes.max_blur_px + 1e-9; blur += blur_step) {
+    canvas.line({kMargin, axes.y(blur)}, {kMargin + kInner, axes.y(blur)}, kGrid);
+    canvas.text(fmt::format("{:.0f}", blur), {kMargin - 8.0, axes.y(blur) + 4.0}, 9.0, kPaleInk,
+                Canvas::Align::kRight);
+  }
+  const double duration = axes.end_s - axes.start_s;
+  const double step = std::max(1.0, std::ceil(duration / 10.0));
+  for (double t = 0.0; t <= duration + 1e-9; t += step) {
+    canvas.text(fmt::format("{:.0f} s", t), {axes.x(axes.start_s + t), axes.top + kChartHeight + 18.0}, 9.0,
+                kPaleInk, Canvas::Align::kCentre);
+  }
+  canvas.text("motion blur of the worst corner, px", {kMargin, axes.top - 10.0}, 10.0, kPaleInk);
+}
+
+void draw_bars(Canvas& canvas, std::span<const TimelineFrame> frames, const Axes& axes) {
+  const double slot = kInner / static_cast<double>(frames.size());
+  for (const TimelineFrame& frame : frames) {
+    const double top =
+        std::min(axes.y(frame.blur_px), axes.y(0.0) - 2.0);  // a sharp frame shows its colour too
+    canvas.box({axes.x(frame.time_s) - 0.5 * slot, top, std::max(slot, 1.0), axes.y(0.0) - top},
+               colour_of(frame.outcome));
+  }
+}
+
+void draw_example_marks(Canvas& canvas, std::span<const ExampleFrame> examples, const Strip& strip,
+                        const Axes& axes) {
+  double x = kMargin + 0.5 * strip.width;
+  for (const ExampleFrame& example : examples) {
+    canvas.line({x, kTitleHeight + strip.height + kCaptionHeight}, {axes.x(example.time_s), axes.top}, kGrid,
+                1.5);
+    x += strip.width + kGap;
+  }
+}
+
+void draw_legend(Canvas& canvas, std::span<const TimelineFrame> frames, double y) {
+  double x = kMargin;
+  for (const Legend& entry : kLegend) {
+    const auto count = std::count_if(frames.begin(), frames.end(), [&](const TimelineFrame& frame) {
+      return frame.outcome == entry.outcome;
+    });
+    const double share = 100.0 * static_cast<double>(count) / static_cast<double>(frames.size());
+    canvas.box({x, y - 11.0, 14.0, 14.0}, entry.colour);
+    canvas.text(fmt::format("{}  {:.0f} %", entry.words, share), {x + 22.0, y}, 10.5, kInk);
+    x += kInner / 4.0 + (entry.outcome == FrameOutcome::kBlind ? 40.0 : -10.0);
+  }
+}
+
+}  // namespace
+
+void write_detection_timeline(const std::filesystem::path& path, const std::string& title,
+                              std::span<const TimelineFrame> frames, std::span<const ExampleFrame> examples) {
+  APRILTRACK_CHECK(!frames.empty(), "a time line needs at least one frame");
+  const Strip strip = example_strip(examples);
+  const double chart_top = kTitleHeight + strip.height + kCaptionHeight + 56.0;
+  Canvas canvas(static_cast<int>(kWidth), static_cast<int>(chart_top + kChartHeight + kFooterHeight));
+  const Axes axes = axes_for(frames, chart_top);
+  canvas.text(title, {kMargin, 42.0}, 16.0, kInk);
+  draw_examples(canvas, examples, strip);
+  draw_grid(canvas, axes);
+  draw_example_marks(canvas, examples, strip, axes);
+  draw_bars(canvas, frames, axes);
+  draw_legend(canvas, frames, chart_top + kChartHeight + 60.0);
+  canvas.write_png(path);
+}
+
+}  // namespace apriltrack
