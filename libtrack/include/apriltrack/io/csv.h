@@ -8,13 +8,15 @@
 
 namespace apriltrack {
 
-/// A table with a header line; columns are found by name. Comma-separated, no quoting, LF or CRLF, `#` before the
-/// header's first name is passed over (as EuRoC writes it), blank lines are passed over.
+/// A table with a header line; columns are found by name. Comma-separated, no quoting, LF or CRLF, `#` before
+/// the header's first name is passed over (as EuRoC writes it), blank lines are passed over.
 class CsvTable {
  public:
-  /// Throws Error(kIo) when the file cannot be read; Error(kInvalidInput) with file and line when a row has more or
-  /// fewer fields than the header, or a required column is missing (the message lists those there are).
-  static CsvTable read_file(const std::filesystem::path& path, const std::vector<std::string>& required_columns);
+  /// Throws Error(kIo) when the file cannot be read; Error(kInvalidInput) with file and line when a row has
+  /// more or fewer fields than the header, or a required column is missing (the message lists those there
+  /// are).
+  static CsvTable read_file(const std::filesystem::path& path,
+                            const std::vector<std::string>& required_columns);
 
   std::size_t num_rows() const { return rows_.size(); }
   bool has_column(std::string_view name) const { return column(name).has_value(); }
