@@ -1,0 +1,118 @@
+#include "apriltrack/eval/corner_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "apriltrack/base/check.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kMinVisibleDepth_m = 0.02;
+constexpr double kMinEstimatedDepth_m = 0.01;
+constexpr double kMaxViewAngle_rad = 80.0 * std::numbers::pi / 180.0;
+
+/// The lens formulae without their domain; see the models' headers for symbols and sources.
+struct ContinuedLens {
+  Eigen::Vector2d point;  ///< (X/Z, Y/Z)
+
+  Eigen::Vector2d operator()(const NoDistortion&) const { return point; }
+
+  Eigen::Vector2d operator()(const RadtanDistortion& lens) const {
+    std::vector<double> k = lens.coefficients();
+    k.resize(8, 0.0);
+    const double x = point.x();
+    const double y = point.y();
+    const double s = point.squaredNorm();
+    const double f = (1.0 + s * (k[0] + s * (k[1] + s * k[4]))) / (1.0 + s * (k[5] + s * (k[6] + s * k[7])));
+    return {x * f + 2.0 * k[2] * x * y + k[3] * (s + 2.0 * x * x),
+            y * f + k[2] * (s + 2.0 * y * y) + 2.0 * k[3] * x * y};
+  }
+
+  Eigen::Vector2d operator()(const EquidistantDistortion& lens) const {
+    const std::vector<double> k = lens.coefficients();
+    const double r = point.norm();
+    if (r == 0.0) return point;
+    const double angle = std::atan(r);
+    const double a2 = angle * angle;
+    const double distorted = angle * (1.0 + a2 * (k[0] + a2 * (k[1] + a2 * (k[2] + a2 * k[3]))));
+    return distorted / r * point;
+  }
+};
+
+/// NaN, where a pole of the polynomial is hit, counts as the largest error too.
+double capped_distance(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const double distance = (a - b).norm();
+  return distance < kMaxCornerError_px ? distance : kMaxCornerError_px;
+}
+
+bool is_visible(const CornerScene& scene, const MapTag& tag,
+                const std::array<Eigen::Vector3d, 4>& corners_map, const Pose& T_camera_map) {
+  const auto depth = [&](const Eigen::Vector3d& corner_map) { return (T_camera_map * corner_map).z(); };
+  const bool is_before_camera = std::ranges::all_of(
+      corners_map, [&](const auto& corner) { return depth(corner) > kMinVisibleDepth_m; });
+  if (!is_before_camera) return false;
+  const Pose T_camera_tag = T_camera_map * tag.T_map_tag;
+  const Eigen::Vector3d& centre = T_camera_tag.translation();
+  const Eigen::Vector2d pixel = project_continued(scene.camera.model, centre);
+  const bool is_in_image = pixel.x() >= 0.0 && pixel.x() < scene.camera.width && pixel.y() >= 0.0 &&
+                           pixel.y() < scene.camera.height;
+  if (!is_in_image) return false;
+  const Eigen::Vector3d into_tag = T_camera_tag.rotation() * Eigen::Vector3d::UnitZ();
+  return into_tag.dot(centre.normalized()) >= std::cos(kMaxViewAngle_rad);
+}
+
+}  // namespace
+
+Eigen::Vector2d project_continued(const CameraModel& model, const Eigen::Vector3d& point_camera) {
+  if (const auto pixel = model.project(point_camera)) return *pixel;
+  const Eigen::Vector2d distorted =
+      std::visit(ContinuedLens{point_camera.head<2>() / point_camera.z()}, model.distortion());
+  const Pinhole& pinhole = model.pinhole();
+  return {pinhole.fx * distorted.x() + pinhole.cx, pinhole.fy * distorted.y() + pinhole.cy};
+}
+
+std::vector<VisibleTag> visible_tags(const CornerScene& scene, const Pose& T_camera_map) {
+  std::vector<VisibleTag> visible;
+  for (const MapTag& tag : scene.map.tags) {
+    const auto corners_map = corners_in_map(tag);
+    if (is_visible(scene, tag, corners_map, T_camera_map)) visible.push_back({tag.key, corners_map});
+  }
+  return visible;
+}
+
+double mean_corner_error_px(const CornerScene& scene, const std::vector<VisibleTag>& tags,
+                            const Pose& T_camera_map_truth, const Pose& T_camera_map_estimate) {
+  APRILTRACK_CHECK(!tags.empty(), "a corner error is over at least one visible tag");
+  const CameraModel& model = scene.camera.model;
+  double sum = 0.0;
+  for (const VisibleTag& tag : tags) {
+    const bool is_before_camera =
+        std::ranges::all_of(tag.corners_map, [&](const Eigen::Vector3d& corner_map) {
+          return (T_camera_map_estimate * corner_map).z() > kMinEstimatedDepth_m;
+        });
+    for (const Eigen::Vector3d& corner_map : tag.corners_map) {
+      sum += is_before_camera ? capped_distance(project_continued(model, T_camera_map_truth * corner_map),
+                                                project_continued(model, T_camera_map_estimate * corner_map))
+                              : kMaxCornerError_px;
+    }
+  }
+  return sum / (4.0 * static_cast<double>(tags.size()));
+}
+
+double longest_corner_path_px(const CornerScene& scene, const std::vector<VisibleTag>& tags,
+                              const Pose& T_camera_map_middle, const Pose& T_camera_map_end) {
+  double longest = 0.0;
+  for (const VisibleTag& tag : tags) {
+    for (const Eigen::Vector3d& corner_map : tag.corners_map) {
+      const Eigen::Vector2d half_path =
+          project_continued(scene.camera.model, T_camera_map_end * corner_map) -
+          project_continued(scene.camera.model, T_camera_map_middle * corner_map);
+      longest = std::max(longest, 2.0 * half_path.norm());
+    }
+  }
+  return longest;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,271 @@
+#include "apriltrack/eval/evaluate_trajectory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/eval/alignment.h"
+#include "apriltrack/eval/statistics.h"
+#include "apriltrack/geometry/rotation.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr std::int64_t kMaxTimeDifference_ns = 1'000'000;
+constexpr double kSuccess_px = 5.0;
+constexpr std::array<double, 6> kBlurBinStarts_px = {0.0, 2.0, 5.0, 10.0, 20.0, 40.0};
+constexpr int kMinPosesToAlign = 3;
+
+/// For each true frame the estimate's pose nearest in time, if it is near enough.
+using Matches = std::vector<const TimedPose*>;
+
+const TimedPose* nearest(const Trajectory& trajectory, Timestamp time) {
+  const auto after = std::ranges::lower_bound(trajectory, time, {}, &TimedPose::timestamp);
+  const TimedPose* best = nullptr;
+  std::int64_t best_ns = kMaxTimeDifference_ns;
+  const auto offer = [&](const TimedPose& pose) {
+    const std::int64_t difference_ns = std::abs(pose.timestamp.ns - time.ns);
+    if (difference_ns >= best_ns) return;
+    best = &pose;
+    best_ns = difference_ns;
+  };
+  if (after != trajectory.begin()) offer(*std::prev(after));
+  if (after != trajectory.end()) offer(*after);
+  return best;
+}
+
+Matches match(const Trajectory& truth, const Trajectory& estimate) {
+  Matches matches(truth.size());
+  std::ranges::transform(truth, matches.begin(),
+                         [&](const TimedPose& pose) { return nearest(estimate, pose.timestamp); });
+  return matches;
+}
+
+std::ptrdiff_t count_matches(const Matches& matches) {
+  return std::ranges::count_if(matches, [](const TimedPose* pose) { return pose != nullptr; });
+}
+
+/// How the times differ, for the user whose recordings do not meet.
+std::string describe_time_mismatch(const Trajectory& truth, const Trajectory& estimate) {
+  if (estimate.empty())
+    return "the estimate has no pose at all: the tracker lost every frame, or wrote another file";
+  std::string text = fmt::format(
+      "no frame is in both within 1 ms: the truth runs from {} to {} s, the estimate from {} to {} s",
+      format_seconds(truth.front().timestamp), format_seconds(truth.back().timestamp),
+      format_seconds(estimate.front().timestamp), format_seconds(estimate.back().timestamp));
+  const std::int64_t offset_ns = estimate.front().timestamp.ns - truth.front().timestamp.ns;
+  Trajectory moved = estimate;
+  for (TimedPose& pose : moved) pose.timestamp.ns -= offset_ns;
+  const std::ptrdiff_t num_matched = count_matches(match(truth, moved));
+  if (num_matched > 1) {
+    text += fmt::format("; taking {} s off the estimate's times would join {} of its {} poses",
+                        format_seconds({offset_ns}), num_matched, estimate.size());
+  }
+  return text + "; are both of the same recording, and on the same clock?";
+}
+
+void check_scene(const CornerScene& scene) {
+  if (scene.camera.width <= 0 || scene.camera.height <= 0)
+    throw invalid_input("camera " + scene.camera.name,
+                        "resolution is missing; it tells which tags are in the image");
+  if (scene.map.tags.empty()) throw invalid_input("map", "has no tag, so that there is no corner to measure");
+}
+
+/// Positions by a straight line and orientations by the shortest turn, not along one twist: the definition by
+/// which recordings are binned by their blur.
+Pose interpolate_apart(const Pose& a, const Pose& b, double fraction) {
+  const Eigen::Quaterniond turn =
+      rotation_exp(fraction * rotation_log(a.rotation().conjugate() * b.rotation()));
+  return {a.rotation() * turn, (1.0 - fraction) * a.translation() + fraction * b.translation()};
+}
+
+Pose camera_from_map(const Pose& pose, TrajectoryKind kind) {
+  return kind == TrajectoryKind::kJoint ? pose : pose.inverse();
+}
+
+/// Of true frame i, by the motion to the frame after it (from the one before, for the last).
+double blur_px(const Trajectory& truth, std::size_t i, const CornerScene& scene,
+               const std::vector<VisibleTag>& visible, TrajectoryKind kind) {
+  const double exposure_s = scene.camera.exposure_s.value_or(0.0);
+  if (exposure_s <= 0.0 || truth.size() < 2) return 0.0;
+  const TimedPose& other = i + 1 < truth.size() ? truth[i + 1] : truth[i - 1];
+  const double interval_s = std::abs(seconds_between(truth[i].timestamp, other.timestamp));
+  const Pose end = interpolate_apart(truth[i].pose, other.pose, std::min(exposure_s / 2.0 / interval_s, 1.0));
+  return longest_corner_path_px(scene, visible, camera_from_map(truth[i].pose, kind),
+                                camera_from_map(end, kind));
+}
+
+/// nullopt when the frame does not count.
+std::optional<FrameScore> score_frame(const Trajectory& truth, std::size_t i,
+                                      const std::optional<Pose>& estimate, const CornerScene* scene,
+                                      TrajectoryKind kind) {
+  FrameScore score{truth[i].timestamp, 0.0, std::nullopt, std::nullopt};
+  const Pose T_camera_map = camera_from_map(truth[i].pose, kind);
+  std::vector<VisibleTag> visible;
+  if (scene) {
+    visible = visible_tags(*scene, T_camera_map);
+    if (visible.empty()) return std::nullopt;
+    score.blur_px = blur_px(truth, i, *scene, visible, kind);
+  }
+  if (estimate) {
+    score.error = pose_error(truth[i].pose, *estimate);
+    if (scene)
+      score.corner_error_px =
+          mean_corner_error_px(*scene, visible, T_camera_map, camera_from_map(*estimate, kind));
+  }
+  return score;
+}
+
+struct MatchedPoses {
+  std::vector<Pose> truth;
+  std::vector<Pose> estimate;
+};
+
+MatchedPoses matched_poses(const Trajectory& truth, const Matches& matches) {
+  MatchedPoses poses;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (!matches[i]) continue;
+    poses.truth.push_back(truth[i].pose);
+    poses.estimate.push_back(matches[i]->pose);
+  }
+  return poses;
+}
+
+std::optional<Pose> align_positions(const MatchedPoses& poses) {
+  if (poses.truth.size() < kMinPosesToAlign) return std::nullopt;
+  return align_rigidly(poses.truth, poses.estimate, 0.0);
+}
+
+Pose alignment_or_throw(const std::optional<Pose>& T_truth_estimate) {
+  if (T_truth_estimate) return *T_truth_estimate;
+  throw no_result(
+      "align",
+      "the positions of the common frames (fewer than three, or all on one line) do not settle a rotation; "
+      "evaluate without alignment");
+}
+
+std::optional<double> position_rmse_after(const std::optional<Pose>& T_truth_estimate,
+                                          const MatchedPoses& poses) {
+  if (!T_truth_estimate) return std::nullopt;
+  std::vector<double> distances_m;
+  for (std::size_t i = 0; i < poses.truth.size(); ++i)
+    distances_m.push_back(
+        (poses.truth[i].translation() - *T_truth_estimate * poses.estimate[i].translation()).norm());
+  return root_mean_square(distances_m);
+}
+
+std::optional<RelativePoseError> relative_error(const Trajectory& truth, const Matches& matches) {
+  std::vector<double> positions_m;
+  std::vector<double> rotations_rad;
+  for (std::size_t i = 0; i + 1 < truth.size(); ++i) {
+    if (!matches[i] || !matches[i + 1]) continue;
+    const PoseError error = pose_error(truth[i].pose.inverse() * truth[i + 1].pose,
+                                       matches[i]->pose.inverse() * matches[i + 1]->pose);
+    positions_m.push_back(error.position_m);
+    rotations_rad.push_back(error.rotation_rad);
+  }
+  if (positions_m.empty()) return std::nullopt;
+  return RelativePoseError{static_cast<int>(positions_m.size()), root_mean_square(positions_m),
+                           root_mean_square(rotations_rad)};
+}
+
+std::vector<BlurBin> bin_by_blur(const std::vector<FrameScore>& frames) {
+  std::vector<BlurBin> bins;
+  for (std::size_t b = 0; b < kBlurBinStarts_px.size(); ++b) {
+    BlurBin bin;
+    bin.from_px = kBlurBinStarts_px[b];
+    if (b + 1 < kBlurBinStarts_px.size()) bin.to_px = kBlurBinStarts_px[b + 1];
+    std::vector<FrameScore> inside;
+    std::ranges::copy_if(frames, std::back_inserter(inside), [&](const FrameScore& frame) {
+      return frame.blur_px >= bin.from_px && frame.blur_px < bin.to_px;
+    });
+    if (inside.empty()) continue;
+    bin.summary = summarise(inside);
+    bins.push_back(bin);
+  }
+  return bins;
+}
+
+int count_unmatched(const Trajectory& truth, const Trajectory& estimate) {
+  return static_cast<int>(std::ranges::count_if(
+      estimate, [&](const TimedPose& pose) { return nearest(truth, pose.timestamp) == nullptr; }));
+}
+
+}  // namespace
+
+PoseError pose_error(const Pose& truth, const Pose& estimate) {
+  const Pose difference = truth.inverse() * estimate;
+  const Eigen::Vector3d rotation_vector = rotation_log(difference.rotation());
+  PoseError error;
+  error.position_m = difference.translation().norm();
+  error.rotation_rad = rotation_vector.norm();
+  error.xi_estimate_truth << -(difference.rotation().conjugate() * difference.translation()),
+      -rotation_vector;
+  return error;
+}
+
+ErrorSummary summarise(const std::vector<FrameScore>& frames) {
+  std::vector<double> corners_px;
+  std::vector<double> positions_m;
+  std::vector<double> rotations_rad;
+  for (const FrameScore& frame : frames) {
+    if (frame.corner_error_px) corners_px.push_back(*frame.corner_error_px);
+    if (!frame.error) continue;
+    positions_m.push_back(frame.error->position_m);
+    rotations_rad.push_back(frame.error->rotation_rad);
+  }
+  ErrorSummary summary;
+  summary.frames = static_cast<int>(frames.size());
+  if (positions_m.empty()) return summary;
+  summary.coverage = static_cast<double>(positions_m.size()) / summary.frames;
+  summary.position_rmse_m = root_mean_square(positions_m);
+  summary.rotation_rmse_rad = root_mean_square(rotations_rad);
+  summary.position_median_m = median(positions_m);
+  summary.rotation_median_rad = median(rotations_rad);
+  if (corners_px.empty()) return summary;
+  const auto num_good =
+      std::ranges::count_if(corners_px, [](double error_px) { return error_px < kSuccess_px; });
+  summary.success_5px = static_cast<double>(num_good) / summary.frames;
+  summary.median_px = median(corners_px);
+  summary.p95_px = percentile(corners_px, 0.95);
+  return summary;
+}
+
+TrajectoryEvaluation evaluate_trajectory(const Trajectory& truth, const Trajectory& estimate,
+                                         const CornerScene* scene, const EvaluationOptions& options) {
+  if (truth.empty()) throw no_result("truth", "has no pose");
+  if (scene) check_scene(*scene);
+  const Matches matches = match(truth, estimate);
+  if (count_matches(matches) == 0) throw no_result("estimate", describe_time_mismatch(truth, estimate));
+
+  const MatchedPoses poses = matched_poses(truth, matches);
+  const std::optional<Pose> T_truth_estimate = align_positions(poses);
+
+  TrajectoryEvaluation evaluation;
+  evaluation.truth_frames = static_cast<int>(truth.size());
+  evaluation.unmatched_estimates = count_unmatched(truth, estimate);
+  evaluation.aligned_position_rmse_m = position_rmse_after(T_truth_estimate, poses);
+  evaluation.relative = relative_error(truth, matches);
+  if (options.align) evaluation.T_truth_estimate = alignment_or_throw(T_truth_estimate);
+
+  const Pose motion = evaluation.T_truth_estimate.value_or(Pose::identity());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    std::optional<Pose> pose;
+    if (matches[i]) pose = options.align ? motion * matches[i]->pose : matches[i]->pose;
+    if (const auto score = score_frame(truth, i, pose, scene, options.kind))
+      evaluation.frames.push_back(*score);
+  }
+  if (evaluation.frames.empty())
+    throw no_result(
+        "truth", "shows no tag in any frame; do camera, map and mode (ego or joint) belong to this truth?");
+
+  evaluation.overall = summarise(evaluation.frames);
+  if (scene) evaluation.by_blur = bin_by_blur(evaluation.frames);
+  return evaluation;
+}
+
+}  // namespace apriltrack
