@@ -1,0 +1,49 @@
+#include "apriltrack/camera/camera_model.h"
+
+#include <cmath>
+
+#include "apriltrack/base/check.h"
+
+namespace apriltrack {
+namespace {
+
+struct NameOf {
+  const char* operator()(const NoDistortion&) const { return "none"; }
+  const char* operator()(const RadtanDistortion&) const { return "radtan"; }
+  const char* operator()(const EquidistantDistortion&) const { return "equidistant"; }
+};
+
+}  // namespace
+
+CameraModel::CameraModel(const Pinhole& pinhole, const Distortion& distortion)
+    : pinhole_(pinhole), distortion_(distortion) {
+  APRILTRACK_CHECK(
+      pinhole.fx > 0.0 && pinhole.fy > 0.0 && std::isfinite(pinhole.fx) && std::isfinite(pinhole.fy),
+      "focal lengths must be finite and > 0");
+  APRILTRACK_CHECK(std::isfinite(pinhole.cx) && std::isfinite(pinhole.cy),
+                   "the principal point must be finite");
+}
+
+std::optional<Eigen::Vector2d> CameraModel::project(const Eigen::Vector3d& point_camera,
+                                                    Eigen::Matrix<double, 2, 3>* jacobian) const {
+  const auto distorted =
+      std::visit([&](const auto& lens) { return lens.distort(point_camera, jacobian); }, distortion_);
+  if (!distorted) return std::nullopt;
+  const Eigen::Vector2d focal(pinhole_.fx, pinhole_.fy);
+  const Eigen::Vector2d pixel = focal.cwiseProduct(*distorted) + Eigen::Vector2d(pinhole_.cx, pinhole_.cy);
+  if (!pixel.allFinite()) return std::nullopt;
+  if (jacobian) *jacobian = (focal.asDiagonal() * *jacobian).eval();
+  return pixel;
+}
+
+std::optional<Eigen::Vector3d> CameraModel::unproject(const Eigen::Vector2d& pixel) const {
+  const Eigen::Vector2d distorted((pixel.x() - pinhole_.cx) / pinhole_.fx,
+                                  (pixel.y() - pinhole_.cy) / pinhole_.fy);
+  return std::visit([&](const auto& lens) { return lens.undistort(distorted); }, distortion_);
+}
+
+std::string CameraModel::distortion_name() const {
+  return std::visit(NameOf{}, distortion_);
+}
+
+}  // namespace apriltrack
