@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+
+#include "apriltrack/image/image.h"
+#include "apriltrack/image/response.h"
+#include "apriltrack/tags/tag_corners.h"
+#include "apriltrack/tags/tag_family.h"
+
+namespace apriltrack {
+
+using Quad = std::array<Eigen::Vector2d, kNumCorners>;
+
+/// Corners as intersections of curves fitted to the four edges in linear light (docs/algorithms/detector.md).
+///
+/// Samples lie across each edge, inside up to two and a half cells deep and outside as far as the family
+/// prints, and are compared with the tag's own cells under blur: so data bits and small or blurred cells do
+/// not pull the edge. pattern: of the tag that was read. is_white_inside: the family's border is reversed.
+/// start_px: the quad as found, right to about a cell.
+/// nullopt when an edge cannot be fitted or a corner would move by more than what the start may be wrong.
+std::optional<Quad> refine_corners(const GrayView& image, const ResponseCurve& response,
+                                   const TagPattern& pattern, bool is_white_inside, const Quad& start_px);
+
+}  // namespace apriltrack

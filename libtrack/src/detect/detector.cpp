@@ -1,0 +1,118 @@
+#include "apriltrack/detect/detector.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/tags/tag_family.h"
+#include "corner_refinement.h"
+#include "joined_borders.h"
+#include "library_detector.h"
+#include "merge.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kMaxDecimate = 8.0;
+constexpr int kMaxHamming = 2;  // what the decoding tables correct
+/// Kalibr's printed grids, whose black squares touch the tags' corners.
+constexpr std::string_view kGridFamily = "tag36h11b2";
+
+[[noreturn]] void refuse(std::string_view option, const std::string& value, std::string_view range) {
+  throw invalid_input("detector", fmt::format("{} must be {} (is {})", option, range, value));
+}
+
+}  // namespace
+
+void DetectorOptions::check() const {
+  if (families.empty()) refuse("families", "empty", "a list of at least one family");
+  for (const std::string& name : families) {
+    if (!TagFamily::is_known(name)) TagFamily::get(name);  // its message lists the known names
+    if (std::count(families.begin(), families.end(), name) > 1)
+      refuse("families", name + " twice", "each named once");
+  }
+  // The library reduces images by whole numbers and by one and a half.
+  if (!(decimate == 1.5 || (decimate >= 1.0 && decimate <= kMaxDecimate && decimate == std::floor(decimate))))
+    refuse("decimate", fmt::format("{}", decimate), "1, 1.5, or a whole number from 2 to 8");
+  if (!(min_decision_margin >= 0.0 && min_decision_margin <= 255.0))
+    refuse("min_decision_margin", fmt::format("{}", min_decision_margin), "in [0, 255]");
+  if (!(max_hamming >= 0 && max_hamming <= kMaxHamming))
+    refuse("max_hamming", fmt::format("{}", max_hamming), "in [0, 2]");
+}
+
+class Detector::Implementation {
+ public:
+  explicit Implementation(const DetectorOptions& options)
+      : options_((options.check(), options)),
+        library_(options.families, options.decimate, options.refine_edges),
+        has_grids_(std::ranges::find(options.families, kGridFamily) != options.families.end()) {}
+
+  const DetectorOptions& options() const { return options_; }
+
+  std::vector<Detection> detect(const GrayView& image) {
+    std::vector<Detection> detections;
+    for (Candidate& candidate : merge_same_quads(find(image))) {
+      localise(image, &candidate.detection);
+      detections.push_back(std::move(candidate.detection));
+    }
+    sort_detections(detections);
+    return detections;
+  }
+
+ private:
+  /// Finding in linear light alone loses dark tags, in the raw image alone blurred ones: both, each tag once.
+  std::vector<Candidate> find(const GrayView& image) {
+    std::vector<Candidate> candidates;
+    const bool is_linear = options_.response.is_linear();
+    find_in(image, is_linear, &candidates);
+    if (has_grids_) find_in(shrink_black(image).view(), is_linear, &candidates);
+    if (is_linear) return candidates;
+    const GrayImage linear = to_linear_bytes(image, options_.response);
+    find_in(linear.view(), true, &candidates);
+    return candidates;
+  }
+
+  void find_in(const GrayView& image, bool is_linear_light, std::vector<Candidate>* candidates) {
+    for (const LibraryDetection& found : library_.detect(image)) {
+      if (found.hamming > options_.max_hamming || found.decision_margin < options_.min_decision_margin)
+        continue;
+      candidates->push_back({{{options_.families[found.family_index], found.id},
+                              found.corners_px,
+                              found.hamming,
+                              found.decision_margin},
+                             is_linear_light});
+    }
+  }
+
+  void localise(const GrayView& image, Detection* detection) const {
+    if (!options_.refine_edges) return;
+    const TagFamily& family = TagFamily::get(detection->tag.family);
+    const std::optional<Quad> refined =
+        refine_corners(image, options_.response, family.pattern(detection->tag.id),
+                       family.has_reversed_border(), detection->corners_px);
+    if (refined) detection->corners_px = *refined;
+  }
+
+  DetectorOptions options_;
+  LibraryDetector library_;
+  bool has_grids_;
+};
+
+Detector::Detector(const DetectorOptions& options)
+    : implementation_(std::make_unique<Implementation>(options)) {}
+Detector::~Detector() = default;
+Detector::Detector(Detector&&) noexcept = default;
+Detector& Detector::operator=(Detector&&) noexcept = default;
+
+std::vector<Detection> Detector::detect(const GrayView& image) {
+  return implementation_->detect(image);
+}
+
+const DetectorOptions& Detector::options() const {
+  return implementation_->options();
+}
+
+}  // namespace apriltrack

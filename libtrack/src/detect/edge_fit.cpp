@@ -1,0 +1,199 @@
+#include "edge_fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace apriltrack {
+namespace {
+
+enum Parameter { kOffset, kSlope, kBend, kLogSigma, kInner, kOuter, kInnerTilt, kOuterTilt, kNumParameters };
+using Parameters = Eigen::Matrix<double, kNumParameters, 1>;
+using Information = Eigen::Matrix<double, kNumParameters, kNumParameters>;
+
+constexpr int kMaxIterations = 15;
+constexpr std::size_t kMinSamples = 24;
+constexpr double kMinSigma_px = 0.35;  // a pixel's own box has 0.29
+constexpr double kMaxSigma_px = 30.0;
+/// Levels may tilt along the edge by this part of the contrast (one standard deviation).
+constexpr double kTiltPrior = 0.15;
+/// Samples are interpolated from the same pixels, and what is wrong with them (steps of the pixel grid, JPEG)
+/// does not average out like noise: this many count as one.
+constexpr double kSamplesPerDatum = 4.0;
+/// Residuals beyond this part of the contrast are some other thing's edge.
+constexpr double kMinOutlierScale = 0.06;
+
+/// Cumulative and density of the standard normal distribution, interpolated from a table to 1e-5: thousands
+/// of values are needed per tag, and erfc alone would take most of the detector's own time.
+class NormalTable {
+ public:
+  static const NormalTable& get() {
+    static const NormalTable table;
+    return table;
+  }
+  struct Value {
+    double cumulative;
+    double density;
+  };
+  Value at(double z) const {
+    const double place = (z + kRange) * kPerUnit;
+    if (!(place > 0.0)) return {0.0, 0.0};
+    if (place >= kSize - 1) return {1.0, 0.0};
+    const auto i = static_cast<std::size_t>(place);
+    const double f = place - static_cast<double>(i);
+    return {cumulative_[i] + f * (cumulative_[i + 1] - cumulative_[i]),
+            density_[i] + f * (density_[i + 1] - density_[i])};
+  }
+
+ private:
+  static constexpr int kPerUnit = 128;
+  static constexpr double kRange = 4.5;
+  static constexpr int kSize = 2 * 576 + 1;
+
+  NormalTable() {
+    for (int i = 0; i < kSize; ++i) {
+      const double z = static_cast<double>(i) / kPerUnit - kRange;
+      cumulative_[static_cast<std::size_t>(i)] = 0.5 * std::erfc(-z / std::numbers::sqrt2);
+      density_[static_cast<std::size_t>(i)] = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
+    }
+  }
+
+  std::array<double, kSize> cumulative_;
+  std::array<double, kSize> density_;
+};
+
+/// Residual (measured minus modelled light) and the model's derivative.
+double residual(const NormalTable& normal, const EdgeSample& sample, const EdgeProfile& profile,
+                double inverse_sigma, const Parameters& p, Parameters* derivative) {
+  const double t = sample.along;
+  const double bend_basis = t * t - 1.0 / 3.0;
+  const double from_edge = sample.across - (p[kOffset] + p[kSlope] * t + p[kBend] * bend_basis);
+  double level = profile.innermost_level;
+  double by_z = 0.0;      // d level / d z for a common shift of all changes
+  double by_sigma = 0.0;  // d level / d log sigma
+  for (int i = 0; i < profile.num_changes; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double z = (from_edge - profile.position_px[k]) * inverse_sigma;
+    const NormalTable::Value value = normal.at(z);
+    level += profile.height[k] * value.cumulative;
+    by_z += profile.height[k] * value.density;
+    by_sigma -= profile.height[k] * value.density * z;
+  }
+  const double inner = p[kInner] + p[kInnerTilt] * t;
+  const double outer = p[kOuter] + p[kOuterTilt] * t;
+  const double contrast = outer - inner;
+  const double by_offset = -contrast * by_z * inverse_sigma;
+  *derivative << by_offset, by_offset * t, by_offset * bend_basis, contrast * by_sigma, 1.0 - level, level,
+      (1.0 - level) * t, level * t;
+  return sample.light - (inner + contrast * level);
+}
+
+/// Levels from the means of either side, which blur and data bits only bring nearer to each other.
+std::optional<Parameters> initial_parameters(const std::vector<EdgeSample>& samples,
+                                             const EdgeFitOptions& options) {
+  double sums[2] = {0.0, 0.0};
+  int counts[2] = {0, 0};
+  for (const EdgeSample& sample : samples) {
+    const int side = sample.across > 0.0 ? 1 : 0;
+    sums[side] += sample.light;
+    ++counts[side];
+  }
+  if (counts[0] == 0 || counts[1] == 0) return std::nullopt;
+  Parameters p = Parameters::Zero();
+  p[kLogSigma] = std::log(options.initial_sigma_px);
+  p[kInner] = sums[0] / counts[0];
+  p[kOuter] = sums[1] / counts[1];
+  if (options.polarity * (p[kOuter] - p[kInner]) <= 0.0) return std::nullopt;
+  return p;
+}
+
+struct NormalEquations {
+  Information information = Information::Zero();
+  Parameters gradient = Parameters::Zero();
+  double weighted_squares = 0.0;
+  double weights = 0.0;
+};
+
+NormalEquations linearise(const std::vector<EdgeSample>& samples, const std::vector<EdgeProfile>& profiles,
+                          const Parameters& p, double outlier_scale) {
+  const NormalTable& normal = NormalTable::get();
+  const double inverse_sigma = std::exp(-p[kLogSigma]);
+  NormalEquations equations;
+  Parameters derivative;
+  for (const EdgeSample& sample : samples) {
+    const double r = residual(normal, sample, profiles[sample.profile], inverse_sigma, p, &derivative);
+    const double ratio = r / outlier_scale;
+    const double weight = 1.0 / ((1.0 + ratio * ratio) * (1.0 + ratio * ratio));
+    const Parameters weighted = weight * derivative;
+    for (int row = 0; row < kNumParameters; ++row)
+      for (int column = 0; column <= row; ++column)
+        equations.information(row, column) += weighted[row] * derivative[column];
+    equations.gradient += weight * r * derivative;
+    equations.weighted_squares += weight * r * r;
+    equations.weights += weight;
+  }
+  return equations;
+}
+
+/// Gaussian priors that keep the bend and the tilts at zero where the samples do not say otherwise.
+void add_priors(double variance, double contrast, double bend_prior_px, const Parameters& p,
+                NormalEquations* equations) {
+  const auto add = [&](Parameter index, double sigma) {
+    const double weight = variance / (sigma * sigma);
+    equations->information(index, index) += weight;
+    equations->gradient[index] -= weight * p[index];
+  };
+  add(kBend, bend_prior_px);
+  add(kInnerTilt, kTiltPrior * contrast);
+  add(kOuterTilt, kTiltPrior * contrast);
+}
+
+}  // namespace
+
+std::optional<FittedEdge> fit_edge(const std::vector<EdgeSample>& samples,
+                                   const std::vector<EdgeProfile>& profiles, const EdgeFitOptions& options) {
+  if (samples.size() < kMinSamples) return std::nullopt;
+  const std::optional<Parameters> start = initial_parameters(samples, options);
+  if (!start) return std::nullopt;
+  Parameters p = *start;
+
+  double outlier_scale = std::abs(p[kOuter] - p[kInner]);  // nearly plain least squares at first
+  double variance = 0.0;
+  NormalEquations equations;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    equations = linearise(samples, profiles, p, outlier_scale);
+    const double contrast = std::abs(p[kOuter] - p[kInner]);
+    variance = std::max(equations.weighted_squares / equations.weights, 1e-6 * contrast * contrast) *
+               kSamplesPerDatum;
+    add_priors(variance, contrast, options.bend_prior_px, p, &equations);
+    equations.information.diagonal() *= 1.0 + 1e-4;
+    Parameters step = equations.information.selfadjointView<Eigen::Lower>().ldlt().solve(equations.gradient);
+    if (!step.allFinite()) return std::nullopt;
+    step[kLogSigma] = std::clamp(step[kLogSigma], -0.5, 0.5);
+    p += step;
+    p[kLogSigma] = std::clamp(p[kLogSigma], std::log(kMinSigma_px), std::log(kMaxSigma_px));
+    if (options.polarity * (p[kOuter] - p[kInner]) <= 0.0) return std::nullopt;
+    outlier_scale = std::max(4.0 * std::sqrt(equations.weighted_squares / equations.weights),
+                             kMinOutlierScale * contrast);
+    if (iteration > 3 && std::abs(step[kOffset]) + std::abs(step[kSlope]) + std::abs(step[kBend]) < 2e-3)
+      break;
+  }
+
+  FittedEdge edge;
+  edge.offset = p[kOffset];
+  edge.slope = p[kSlope];
+  edge.bend = p[kBend];
+  edge.sigma_px = std::exp(p[kLogSigma]);
+  edge.inner_light = p[kInner];
+  edge.outer_light = p[kOuter];
+  edge.residual_rms =
+      std::sqrt(equations.weighted_squares / equations.weights) / std::abs(p[kOuter] - p[kInner]);
+  const Information full = equations.information.selfadjointView<Eigen::Lower>();
+  const Parameters column = full.ldlt().solve(Parameters::Unit(kOffset));
+  edge.sigma_offset_px = std::sqrt(std::max(0.0, variance * column[kOffset]));
+  return edge;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,146 @@
+#include "library_detector.h"
+
+#include <apriltag/apriltag.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apriltrack/base/check.h"
+#include "apriltrack/tags/native_family.h"
+#include "apriltrack/tags/tag_family.h"
+
+namespace apriltrack {
+namespace {
+
+/// The library's threshold works on tiles of 4 x 4 pixels and reads each tile's neighbours: smaller images
+/// hold no tag, and make it read outside.
+constexpr int kMinImageSide_px = 12;
+
+struct DetectorDeleter {
+  void operator()(apriltag_detector_t* detector) const { apriltag_detector_destroy(detector); }
+};
+
+struct DetectionsDeleter {
+  void operator()(zarray_t* detections) const { apriltag_detections_destroy(detections); }
+};
+
+}  // namespace
+
+struct LibraryDetector::State {
+  // The detector refers to the families until it is destroyed: it comes last, so that it goes first.
+  std::vector<NativeFamily> families;
+  std::unique_ptr<apriltag_detector_t, DetectorDeleter> detector;
+};
+
+LibraryDetector::LibraryDetector(const std::vector<std::string>& families, double decimate, bool refine_edges)
+    : state_(std::make_unique<State>()) {
+  state_->detector.reset(apriltag_detector_create());
+  apriltag_detector_t* detector = state_->detector.get();
+  // With two threads the library's answer differs from run to run when an id occurs more than once.
+  detector->nthreads = 1;
+  detector->quad_decimate = static_cast<float>(decimate);
+  detector->refine_edges = refine_edges;
+  for (const std::string& name : families) {
+    state_->families.push_back(make_native_family(name));
+    apriltag_detector_add_family_bits(detector, state_->families.back().get(),
+                                      TagFamily::get(name).max_corrected_bits());
+  }
+}
+
+LibraryDetector::~LibraryDetector() = default;
+LibraryDetector::LibraryDetector(LibraryDetector&&) noexcept = default;
+LibraryDetector& LibraryDetector::operator=(LibraryDetector&&) noexcept = default;
+
+std::vector<LibraryDetection> LibraryDetector::detect(const GrayView& image) {
+  const Eigen::Vector2d offset = Eigen::Vector2d::Constant(library_pixel_offset());
+  std::vector<LibraryDetection> detections = detect_in_library_pixels(image);
+  for (LibraryDetection& detection : detections)
+    for (Eigen::Vector2d& corner : detection.corners_px) corner -= offset;
+  return detections;
+}
+
+std::vector<LibraryDetection> LibraryDetector::detect_in_library_pixels(const GrayView& image) {
+  if (image.width() < kMinImageSide_px || image.height() < kMinImageSide_px) return {};
+  // The library takes a mutable buffer but only reads it.
+  image_u8_t native_image = {image.width(), image.height(), static_cast<int32_t>(image.stride()),
+                             const_cast<std::uint8_t*>(image.data())};
+  const std::unique_ptr<zarray_t, DetectionsDeleter> found(
+      apriltag_detector_detect(state_->detector.get(), &native_image));
+  std::vector<LibraryDetection> detections;
+  for (int i = 0; i < zarray_size(found.get()); ++i) {
+    apriltag_detection_t* native = nullptr;
+    zarray_get(found.get(), i, &native);
+    const auto family = std::find_if(state_->families.begin(), state_->families.end(),
+                                     [&](const NativeFamily& f) { return f.get() == native->family; });
+    LibraryDetection detection;
+    detection.family_index = static_cast<std::size_t>(family - state_->families.begin());
+    detection.id = native->id;
+    detection.hamming = native->hamming;
+    detection.decision_margin = native->decision_margin;
+    for (std::size_t k = 0; k < kNumCorners; ++k)
+      detection.corners_px[k] = Eigen::Vector2d(native->p[k][0], native->p[k][1]);
+    detections.push_back(detection);
+  }
+  return detections;
+}
+
+namespace {
+
+/// A blurred picture of one tag, in linear light, for the measurement below only. Every pixel is the mean of
+/// `kSamples` x `kSamples` points of the pattern.
+GrayImage render_upright_tag(const TagPattern& pattern, const Eigen::Vector2d& centre_px, double half_size_px,
+                             double angle_rad, int side_px) {
+  constexpr int kSamples = 6;
+  const double c = std::cos(angle_rad) / half_size_px;
+  const double s = std::sin(angle_rad) / half_size_px;
+  GrayImage image(side_px, side_px);
+  for (int y = 0; y < side_px; ++y) {
+    for (int x = 0; x < side_px; ++x) {
+      double sum = 0.0;
+      for (int j = 0; j < kSamples; ++j) {
+        for (int i = 0; i < kSamples; ++i) {
+          const double dx = x - 0.5 + (i + 0.5) / kSamples - centre_px.x();
+          const double dy = y - 0.5 + (j + 0.5) / kSamples - centre_px.y();
+          sum += pattern.brightness(c * dx + s * dy, -s * dx + c * dy);
+        }
+      }
+      image(x, y) = static_cast<std::uint8_t>(std::lround(20.0 + 200.0 * sum / (kSamples * kSamples)));
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+double measure_library_pixel_offset() {
+  // Turned, so that no edge runs along the pixels, and at centres that balance what rounding is left.
+  constexpr int kSide_px = 80;
+  constexpr double kHalfSize_px = 24.3;
+  const TagPattern pattern = TagFamily::get("tag36h11").pattern(0);
+  LibraryDetector detector({"tag36h11"}, 1.0, true);
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector2d centre_px(39.5 + 0.25 * i, 39.5 + 0.25 * ((i * 3) % 4));
+    const GrayImage image = render_upright_tag(pattern, centre_px, kHalfSize_px, 0.2 + 0.15 * i, kSide_px);
+    for (const LibraryDetection& detection : detector.detect_in_library_pixels(image.view())) {
+      for (const Eigen::Vector2d& corner : detection.corners_px) sum += (corner - centre_px).mean();
+      count += kNumCorners;
+    }
+  }
+  APRILTRACK_CHECK(count > 0, "the installed AprilTag library does not find a plain rendered tag");
+  const double offset = sum / count;
+  const double rounded = std::round(2.0 * offset) / 2.0;
+  APRILTRACK_CHECK(
+      std::abs(offset - rounded) < 0.1,
+      "the installed AprilTag library's pixel origin is neither a pixel's centre nor its corner");
+  return rounded;
+}
+
+double library_pixel_offset() {
+  static const double offset =
+      measure_library_pixel_offset();  // initialised once, whatever the number of threads
+  return offset;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,71 @@
+#include "merge.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace apriltrack {
+namespace {
+
+constexpr double kSameQuad = 0.25;  // of an edge; the next square of a grid lies a whole edge away
+
+Eigen::Vector2d centre_of(const Detection& detection) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& corner : detection.corners_px) sum += corner;
+  return sum / kNumCorners;
+}
+
+double mean_edge(const Detection& detection) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < kNumCorners; ++k)
+    sum += (detection.corners_px[(k + 1) % kNumCorners] - detection.corners_px[k]).norm();
+  return sum / kNumCorners;
+}
+
+double largest_corner_distance(const Detection& a, const Detection& b, std::size_t turn) {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < kNumCorners; ++k)
+    largest = std::max(largest, (a.corners_px[k] - b.corners_px[(k + turn) % kNumCorners]).norm());
+  return largest;
+}
+
+}  // namespace
+
+bool is_same_quad(const Detection& a, const Detection& b) {
+  const double limit = kSameQuad * std::min(mean_edge(a), mean_edge(b));
+  for (std::size_t turn = 0; turn < kNumCorners; ++turn)
+    if (largest_corner_distance(a, b, turn) <= limit) return true;
+  return false;
+}
+
+std::vector<Candidate> merge_same_quads(std::vector<Candidate> candidates) {
+  const auto rank = [](const Candidate& c) {
+    return std::pair(c.detection.hamming.value_or(0), -c.detection.decision_margin.value_or(0.0));
+  };
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
+  std::vector<Candidate> kept;
+  for (Candidate& candidate : candidates) {
+    const auto same = std::find_if(kept.begin(), kept.end(), [&](const Candidate& other) {
+      return is_same_quad(candidate.detection, other.detection);
+    });
+    if (same == kept.end()) {
+      kept.push_back(std::move(candidate));
+    } else if (candidate.is_from_linear_light && !same->is_from_linear_light &&
+               candidate.detection.tag == same->detection.tag) {
+      same->detection.corners_px = candidate.detection.corners_px;
+      same->is_from_linear_light = true;
+    }
+  }
+  return kept;
+}
+
+void sort_detections(std::vector<Detection>& detections) {
+  std::stable_sort(detections.begin(), detections.end(), [](const Detection& a, const Detection& b) {
+    const Eigen::Vector2d centre_a = centre_of(a);
+    const Eigen::Vector2d centre_b = centre_of(b);
+    return std::tie(a.tag, centre_a.x(), centre_a.y()) < std::tie(b.tag, centre_b.x(), centre_b.y());
+  });
+}
+
+}  // namespace apriltrack

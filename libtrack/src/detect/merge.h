@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "apriltrack/detect/detection.h"
+
+namespace apriltrack {
+
+/// A detection and the kind of image that its corners come from.
+struct Candidate {
+  Detection detection;
+  bool is_from_linear_light = false;
+};
+
+/// Two quads that are one square of the scene, found twice: with the corners paired in the best of the four
+/// ways to turn it, none is off by more than a quarter of the lesser quad's mean edge.
+bool is_same_quad(const Detection& a, const Detection& b);
+
+/// What stays of detections found in several images or by several families: of each square the one with fewer
+/// corrected bits, then with the higher margin, then the first in the list. It takes over the corners of the
+/// same tag found in linear light, if its own are not.
+std::vector<Candidate> merge_same_quads(std::vector<Candidate> candidates);
+
+/// By family, id, then centre (x, y).
+void sort_detections(std::vector<Detection>& detections);
+
+}  // namespace apriltrack
