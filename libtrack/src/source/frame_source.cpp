@@ -1,0 +1,125 @@
+#include "apriltrack/source/frame_source.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <system_error>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/io/numbers.h"
+#include "image_inputs.h"
+#include "image_names.h"
+#include "video_source.h"
+
+namespace apriltrack {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kCameraPrefix = "camera:";
+constexpr std::string_view kDevicePrefix = "/dev/video";
+constexpr int kMaxCameraNumber = 255;
+
+void check_options(const SourceOptions& options) {
+  if (options.rate_hz && !(*options.rate_hz > 0.0 && std::isfinite(*options.rate_hz)))
+    throw invalid_input("--rate", fmt::format("must be > 0 frames a second (is {})", *options.rate_hz));
+  if (options.step < 1) throw invalid_input("--step", "must be at least 1 (is 0)");
+}
+
+std::unique_ptr<SkippableSource> open_camera(const std::string& input, std::string_view number_text) {
+  const auto number = parse_integer(number_text);
+  if (!number || *number < 0 || *number > kMaxCameraNumber) {
+    throw invalid_input(input,
+                        fmt::format("'{}' is no camera number: write camera:0 or /dev/video0", number_text));
+  }
+  if (input.starts_with(kDevicePrefix) && !fs::exists(input)) throw io_error(input, "no such camera");
+  return open_live_camera(static_cast<int>(*number), input);
+}
+
+std::unique_ptr<SkippableSource> list_source(const std::string& input, std::vector<ImageEntry> entries) {
+  return std::make_unique<ImageListSource>(input, std::move(entries));
+}
+
+std::unique_ptr<SkippableSource> open_folder(const std::string& input, std::optional<double> rate_hz) {
+  if (is_sequence_folder(input)) return list_source(input, list_sequence(input, rate_hz));
+  if (const auto camera = find_euroc_camera(input)) return list_source(input, list_euroc_camera(*camera));
+  return list_source(input, list_image_folder(input, rate_hz));
+}
+
+/// The first bytes of a file, if it can be read at all.
+std::string read_start(const std::string& input) {
+  const int fd = ::open(input.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  std::array<char, 1024> bytes;
+  const ssize_t count = fd < 0 ? -1 : ::read(fd, bytes.data(), bytes.size());
+  const int code = errno;
+  if (fd >= 0) ::close(fd);
+  if (count < 0)
+    throw io_error(input, fmt::format("cannot be read: {}", std::generic_category().message(code)));
+  return {bytes.data(), static_cast<std::size_t>(count)};
+}
+
+/// FFmpeg would "play" a text as a film of its letters.
+bool is_text(const std::string& start) {
+  const auto is_control = [](unsigned char c) { return c < ' ' && c != '\n' && c != '\r' && c != '\t'; };
+  return std::find_if(start.begin(), start.end(), is_control) == start.end();
+}
+
+std::unique_ptr<SkippableSource> open_file(const std::string& input, std::optional<double> rate_hz) {
+  const std::string start = read_start(input);
+  if (has_image_ending(input)) return list_source(input, list_single_image(input));
+  if (start.empty()) throw io_error(input, "the file is empty (0 bytes)");
+  if (is_text(start)) throw io_error(input, "is a text file, neither an image nor a video");
+  return open_video(input, rate_hz);
+}
+
+std::unique_ptr<SkippableSource> open_any(const std::string& input, std::optional<double> rate_hz) {
+  if (input.empty())
+    throw invalid_input("INPUT", "is empty: name a folder, an image pattern, a video or camera:N");
+  if (input.starts_with(kCameraPrefix))
+    return open_camera(input, std::string_view(input).substr(kCameraPrefix.size()));
+  if (input.starts_with(kDevicePrefix))
+    return open_camera(input, std::string_view(input).substr(kDevicePrefix.size()));
+  std::error_code error;
+  const fs::file_status status = fs::status(input, error);
+  if (fs::is_directory(status)) return open_folder(input, rate_hz);
+  if (fs::exists(status)) return open_file(input, rate_hz);
+  if (is_glob(input)) return list_source(input, list_glob(input, rate_hz));
+  if (status.type() == fs::file_type::not_found) throw io_error(input, "no such file or folder");
+  throw io_error(input, fmt::format("cannot be read: {}", error.message()));
+}
+
+std::optional<fs::path> sequence_file(const std::string& input, const char* name) {
+  std::error_code ignored;
+  const fs::path path = fs::path(input) / name;
+  if (!is_sequence_folder(input) || !fs::exists(path, ignored)) return std::nullopt;
+  return path;
+}
+
+}  // namespace
+
+Frame SourceFrame::frame(int camera_index) const {
+  return {.image = pixels.view(),
+          .timestamp = timestamp,
+          .exposure_s = exposure_s,
+          .gain = gain,
+          .camera_index = camera_index};
+}
+
+std::unique_ptr<FrameSource> open_source(const std::string& input, const SourceOptions& options) {
+  check_options(options);
+  return std::make_unique<SampledSource>(open_any(input, options.rate_hz), options);
+}
+
+std::optional<fs::path> sequence_camera_file(const std::string& input) {
+  return sequence_file(input, "camera.yaml");
+}
+
+std::optional<fs::path> sequence_map_file(const std::string& input) {
+  return sequence_file(input, "map.yaml");
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,87 @@
+#include "apriltrack/source/image_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "apriltrack/base/check.h"
+#include "apriltrack/base/error.h"
+#include "apriltrack/image/opencv_bridge.h"
+#include "apriltrack/io/atomic_file.h"
+#include "gray_pixels.h"
+#include "image_integrity.h"
+
+namespace apriltrack {
+namespace {
+
+/// Beyond any camera; a file of a few bytes may claim more, and must not take the machine's memory.
+constexpr std::int64_t kMaxPixels = 1 << 28;
+
+void check_regular_file(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::directory)
+    throw io_error(path.string(), "is a folder, not an image");
+  if (status.type() == std::filesystem::file_type::not_found) throw io_error(path.string(), "no such file");
+}
+
+void check_integrity(const std::string& bytes, const std::string& where) {
+  const ImageIntegrity found = inspect_image(bytes);
+  if (!found.damage.empty()) throw io_error(where, found.damage);
+  // Divided, not multiplied: both sides come from the file and may be as large as 32 bits allow.
+  if (found.height > 0 && found.width > kMaxPixels / found.height) {
+    throw io_error(where, fmt::format("claims {} x {} pixels; at most {} are read", found.width, found.height,
+                                      kMaxPixels));
+  }
+}
+
+/// Empty where OpenCV cannot make a picture of the bytes.
+cv::Mat decode(const std::string& bytes, const std::string& where) {
+  // OpenCV takes a mutable header over constant bytes; it does not write to them.
+  const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+  try {
+    return cv::imdecode(view, cv::IMREAD_GRAYSCALE);
+  } catch (const cv::Exception& error) {
+    throw io_error(where, fmt::format("cannot be decoded: {}", error.err));
+  }
+}
+
+std::string lower_case_ending(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+}  // namespace
+
+GrayImage read_image(const std::filesystem::path& path) {
+  const std::string where = path.string();
+  check_regular_file(path);
+  const std::string bytes = read_file(path);
+  if (bytes.size() > INT32_MAX) throw io_error(where, "is larger than 2 GiB: no image");
+  check_integrity(bytes, where);
+  const cv::Mat decoded = decode(bytes, where);
+  if (decoded.empty()) throw io_error(where, "is not an image that can be decoded, or is damaged");
+  return copy_of(decoded);
+}
+
+void write_image(const std::filesystem::path& path, const GrayView& image) {
+  APRILTRACK_CHECK(!image.is_empty(), "write_image needs at least one pixel");
+  const std::string ending = lower_case_ending(path);
+  if (ending != ".png" && ending != ".jpg" && ending != ".jpeg" && ending != ".pgm") {
+    throw invalid_input(path.string(),
+                        fmt::format("image file must end in .png, .jpg or .pgm (ends in '{}')", ending));
+  }
+  std::vector<unsigned char> bytes;
+  if (!cv::imencode(ending, mat_of(image), bytes)) throw io_error(path.string(), "cannot be encoded");
+  write_file_atomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,107 @@
+#include "image_inputs.h"
+
+#include <fmt/format.h>
+#include <glob.h>
+
+#include <algorithm>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/io/csv.h"
+#include "image_names.h"
+#include "image_times.h"
+
+namespace apriltrack {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kImageEndings = ".png, .jpg, .jpeg, .pgm, .ppm, .pnm, .bmp, .tif, .tiff or .webp";
+
+std::vector<fs::path> require_images(const fs::path& folder) {
+  try {
+    auto images = list_images(folder);
+    if (images.empty())
+      throw io_error(folder.string(), fmt::format("holds no images (files ending in {})", kImageEndings));
+    return images;
+  } catch (const fs::filesystem_error& error) {
+    throw io_error(folder.string(), fmt::format("cannot be read: {}", error.code().message()));
+  }
+}
+
+std::vector<fs::path> match(const std::string& pattern) {
+  glob_t matches{};
+  const int status = ::glob(pattern.c_str(), 0, nullptr, &matches);
+  std::vector<fs::path> paths;
+  for (std::size_t i = 0; status == 0 && i < matches.gl_pathc; ++i) paths.emplace_back(matches.gl_pathv[i]);
+  ::globfree(&matches);
+  return paths;
+}
+
+}  // namespace
+
+std::vector<ImageEntry> list_sequence(const fs::path& folder, std::optional<double> rate_hz) {
+  const fs::path frames = folder / "frames";
+  auto entries = give_times(require_images(frames), rate_hz, frames.string());
+  if (fs::exists(folder / "frames.csv")) add_frame_facts(folder / "frames.csv", entries);
+  return entries;
+}
+
+std::vector<ImageEntry> list_euroc_camera(const fs::path& camera_folder) {
+  constexpr std::string_view kTime = "timestamp [ns]";
+  constexpr std::string_view kFile = "filename";
+  const CsvTable table =
+      CsvTable::read_file(camera_folder / "data.csv", {std::string(kTime), std::string(kFile)});
+  std::vector<ImageEntry> entries;
+  for (std::size_t row = 0; row < table.num_rows(); ++row) {
+    const Timestamp time{table.integer(row, kTime)};
+    if (!entries.empty() && time <= entries.back().timestamp) {
+      throw invalid_input(table.where(row), fmt::format("{}: must be later than the row before's {} (is {})",
+                                                        kTime, entries.back().timestamp.ns, time.ns));
+    }
+    if (table.is_empty(row, kFile)) throw invalid_input(table.where(row), "filename: is empty");
+    entries.push_back({.path = camera_folder / "data" / table.text(row, kFile), .timestamp = time});
+  }
+  if (entries.empty()) throw io_error((camera_folder / "data.csv").string(), "lists no images");
+  return entries;
+}
+
+std::vector<ImageEntry> list_image_folder(const fs::path& folder, std::optional<double> rate_hz) {
+  return give_times(require_images(folder), rate_hz, folder.string());
+}
+
+std::vector<ImageEntry> list_glob(const std::string& pattern, std::optional<double> rate_hz) {
+  const std::vector<fs::path> matches = match(pattern);
+  if (matches.empty()) throw io_error(pattern, "no file matches this pattern");
+  std::vector<fs::path> images;
+  for (const fs::path& path : matches) {
+    if (has_image_ending(path) && !fs::is_directory(path)) images.push_back(path);
+  }
+  if (images.empty()) {
+    throw io_error(pattern,
+                   fmt::format("matches {} files, but no images ({})", matches.size(), kImageEndings));
+  }
+  std::ranges::sort(images, natural_less, [](const fs::path& path) { return path.string(); });
+  return give_times(images, rate_hz, pattern);
+}
+
+std::vector<ImageEntry> list_single_image(const fs::path& path) {
+  return {{.path = path, .timestamp = time_in_name(path).value_or(Timestamp{})}};
+}
+
+bool is_sequence_folder(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::is_directory(folder / "frames", ignored);
+}
+
+std::optional<fs::path> find_euroc_camera(const fs::path& folder) {
+  std::error_code ignored;
+  for (const fs::path& camera : {folder, folder / "cam0", folder / "mav0" / "cam0"}) {
+    if (fs::exists(camera / "data.csv", ignored)) return camera;
+  }
+  return std::nullopt;
+}
+
+bool is_glob(const std::string& input) {
+  return input.find_first_of("*?[") != std::string::npos;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,211 @@
+#include "image_integrity.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <optional>
+
+namespace apriltrack {
+namespace {
+
+constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
+constexpr std::string_view kJpegSignature = "\xff\xd8\xff";
+constexpr const char* kCut = "the file is cut short";
+constexpr const char* kBroken = "the data is damaged";
+
+std::uint8_t byte_at(std::string_view bytes, std::size_t at) {
+  return static_cast<std::uint8_t>(bytes[at]);
+}
+
+std::uint32_t big_endian(std::string_view bytes, std::size_t at, std::size_t count) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < count; ++i) value = (value << 8) | byte_at(bytes, at + i);
+  return value;
+}
+
+std::uint32_t little_endian_32(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 4; i-- > 0;) value = (value << 8) | byte_at(bytes, at + i);
+  return value;
+}
+
+/// Chunk by chunk to IEND (PNG specification, section 5.3); the decoder itself checks the sums.
+ImageIntegrity inspect_png(std::string_view bytes) {
+  constexpr std::size_t kFrame = 12;  // length, type and checksum round each chunk's data
+  ImageIntegrity found;
+  for (std::size_t at = kPngSignature.size(); at + kFrame <= bytes.size();) {
+    const std::size_t length = big_endian(bytes, at, 4);
+    const std::string_view type = bytes.substr(at + 4, 4);
+    if (length > bytes.size() - at - kFrame) break;
+    if (type == "IHDR" && length >= 8) {
+      found.width = big_endian(bytes, at + 8, 4);
+      found.height = big_endian(bytes, at + 12, 4);
+    }
+    if (type == "IEND") return found;
+    at += kFrame + length;
+  }
+  found.damage = fmt::format("{}: a PNG without its IEND chunk", kCut);
+  return found;
+}
+
+/// Markers of ITU-T T.81, annex B.
+namespace jpeg {
+constexpr std::uint8_t kEndOfImage = 0xD9;
+constexpr std::uint8_t kStartOfScan = 0xDA;
+constexpr std::uint8_t kNumberOfLines = 0xDC;
+constexpr std::uint8_t kTemporary = 0x01;
+bool is_restart(std::uint8_t marker) {
+  return marker >= 0xD0 && marker <= 0xD7;
+}
+bool is_start_of_frame(std::uint8_t marker) {
+  return marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+}
+bool is_baseline(std::uint8_t marker) {
+  return marker == 0xC0 || marker == 0xC1;
+}
+}  // namespace jpeg
+
+/// Walks the segments, not just the file's last bytes: thumbnails hold end markers too, and cameras append to
+/// files.
+class JpegWalk {
+ public:
+  explicit JpegWalk(std::string_view bytes) : bytes_(bytes) {}
+
+  ImageIntegrity run() {
+    while (found_.damage.empty() && !is_at_end_) step();
+    if (found_.damage.empty() && !has_scan_)
+      found_.damage = fmt::format("{}: a JPEG without a picture", kBroken);
+    return found_;
+  }
+
+ private:
+  void cut() { found_.damage = fmt::format("{}: a JPEG without its end marker", kCut); }
+  void broken() { found_.damage = fmt::format("{}: a JPEG marker stands where none may", kBroken); }
+
+  void step() {
+    const auto marker = read_marker();
+    if (!marker) return;
+    // A picture whose colours come in one scan is over with it; anything else there is a scan that broke off.
+    const bool may_follow = !is_complete_ || *marker == jpeg::kEndOfImage || *marker == jpeg::kNumberOfLines;
+    if (!may_follow || *marker == 0x00 || jpeg::is_restart(*marker)) return broken();
+    if (*marker == jpeg::kEndOfImage) {
+      is_at_end_ = true;
+    } else if (*marker != jpeg::kTemporary) {
+      read_segment(*marker);
+    }
+  }
+
+  std::optional<std::uint8_t> read_marker() {
+    if (at_ < bytes_.size() && byte_at(bytes_, at_) != 0xFF) {
+      broken();
+      return std::nullopt;
+    }
+    while (at_ < bytes_.size() && byte_at(bytes_, at_) == 0xFF) ++at_;  // fill bytes may precede a marker
+    if (at_ >= bytes_.size()) {
+      cut();
+      return std::nullopt;
+    }
+    return byte_at(bytes_, at_++);
+  }
+
+  void read_segment(std::uint8_t marker) {
+    if (at_ + 2 > bytes_.size()) return cut();
+    const std::size_t length = big_endian(bytes_, at_, 2);
+    if (length < 2) return broken();
+    if (length > bytes_.size() - at_) return cut();
+    if (jpeg::is_start_of_frame(marker) && length >= 8) {
+      found_.height = big_endian(bytes_, at_ + 3, 2);
+      found_.width = big_endian(bytes_, at_ + 5, 2);
+      num_components_ = byte_at(bytes_, at_ + 7);
+      is_baseline_ = jpeg::is_baseline(marker);
+    }
+    if (marker == jpeg::kStartOfScan) {
+      has_scan_ = true;
+      is_complete_ = is_baseline_ && length >= 3 && byte_at(bytes_, at_ + 2) == num_components_;
+    }
+    at_ += length;
+    if (marker == jpeg::kStartOfScan) pass_over_coded_data();
+  }
+
+  /// To the next marker that is neither a stuffed zero nor a restart.
+  void pass_over_coded_data() {
+    for (; at_ + 1 < bytes_.size(); ++at_) {
+      if (byte_at(bytes_, at_) != 0xFF) continue;
+      const std::uint8_t next = byte_at(bytes_, at_ + 1);
+      if (next != 0x00 && next != 0xFF && !jpeg::is_restart(next)) return;
+    }
+    cut();
+  }
+
+  std::string_view bytes_;
+  std::size_t at_ = 2;
+  ImageIntegrity found_;
+  int num_components_ = 0;
+  bool is_baseline_ = false;
+  bool has_scan_ = false;
+  bool is_complete_ = false;
+  bool is_at_end_ = false;
+};
+
+/// A number of a PNM header; comments run to the end of their line.
+std::optional<std::int64_t> read_pnm_number(std::string_view bytes, std::size_t& at) {
+  constexpr std::size_t kMaxDigits = 10;
+  while (at < bytes.size() && (std::isspace(byte_at(bytes, at)) || bytes[at] == '#')) {
+    if (bytes[at] == '#') at = std::min(bytes.find('\n', at), bytes.size() - 1);
+    ++at;
+  }
+  std::int64_t value = 0;
+  const std::size_t start = at;
+  for (; at < bytes.size() && std::isdigit(byte_at(bytes, at)) && at - start < kMaxDigits; ++at)
+    value = 10 * value + (bytes[at] - '0');
+  if (at == start) return std::nullopt;
+  return value;
+}
+
+/// Binary grey and colour (P5, P6).
+ImageIntegrity inspect_pnm(std::string_view bytes) {
+  ImageIntegrity found;
+  std::size_t at = 2;
+  const auto width = read_pnm_number(bytes, at);
+  const auto height = read_pnm_number(bytes, at);
+  const auto largest = read_pnm_number(bytes, at);
+  if (!width || !height || !largest) {
+    found.damage = fmt::format("{}: its header lacks width, height or largest value", kBroken);
+    return found;
+  }
+  found.width = *width;
+  found.height = *height;
+  const double bytes_per_pixel = (bytes[1] == '6' ? 3.0 : 1.0) * (*largest > 255 ? 2.0 : 1.0);
+  const double needed = bytes_per_pixel * static_cast<double>(*width) * static_cast<double>(*height);
+  const double present = static_cast<double>(bytes.size()) - static_cast<double>(at) - 1.0;
+  if (present < needed)
+    found.damage = fmt::format("{}: {:.0f} bytes of {:.0f}", kCut, std::max(present, 0.0), needed);
+  return found;
+}
+
+ImageIntegrity inspect_bmp(std::string_view bytes) {
+  constexpr std::size_t kHeader = 26;
+  ImageIntegrity found;
+  if (bytes.size() < kHeader || little_endian_32(bytes, 2) > bytes.size()) {
+    found.damage = fmt::format("{}: shorter than its own header says", kCut);
+    return found;
+  }
+  found.width = static_cast<std::int32_t>(little_endian_32(bytes, 18));
+  found.height = std::abs(static_cast<std::int64_t>(static_cast<std::int32_t>(little_endian_32(bytes, 22))));
+  return found;
+}
+
+}  // namespace
+
+ImageIntegrity inspect_image(std::string_view bytes) {
+  if (bytes.empty()) return {.damage = "the file is empty (0 bytes)"};
+  if (bytes.starts_with(kPngSignature)) return inspect_png(bytes);
+  if (bytes.starts_with(kJpegSignature)) return JpegWalk(bytes).run();
+  if (bytes.starts_with("P5") || bytes.starts_with("P6")) return inspect_pnm(bytes);
+  if (bytes.starts_with("BM")) return inspect_bmp(bytes);
+  return {};
+}
+
+}  // namespace apriltrack

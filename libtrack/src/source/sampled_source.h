@@ -1,0 +1,32 @@
+#pragma once
+
+#include <memory>
+
+#include "apriltrack/source/frame_source.h"
+
+namespace apriltrack {
+
+/// A source that can leave a frame out without the cost of decoding it.
+class SkippableSource : public FrameSource {
+ public:
+  /// False at the end.
+  virtual bool pass_over() = 0;
+};
+
+/// `skip`, `step` and `max_frames` over any source.
+class SampledSource : public FrameSource {
+ public:
+  SampledSource(std::unique_ptr<SkippableSource> source, const SourceOptions& options)
+      : source_(std::move(source)), options_(options) {}
+
+  std::optional<SourceFrame> next() override;
+  std::optional<std::size_t> num_frames() const override;
+  std::string name() const override { return source_->name(); }
+
+ private:
+  std::unique_ptr<SkippableSource> source_;
+  SourceOptions options_;
+  std::size_t num_taken_ = 0;
+};
+
+}  // namespace apriltrack

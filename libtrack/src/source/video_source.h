@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "sampled_source.h"
+
+namespace apriltrack {
+
+/// A video file; a frame's time is the one that the file gives it, variable rates included.
+/// rate_hz: only for files whose frames carry no times (raw streams); else the rate the file states.
+/// Throws Error(kIo) when it cannot be opened or holds no frame.
+std::unique_ptr<SkippableSource> open_video(const std::filesystem::path& path, std::optional<double> rate_hz);
+
+/// A live camera by its number. Times are the driver's, or else those of arrival, on the machine's monotonic
+/// clock. where: what messages call it. Throws Error(kIo) when it cannot be opened.
+std::unique_ptr<SkippableSource> open_live_camera(int number, const std::string& where);
+
+}  // namespace apriltrack
