@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
 
 namespace apriltrack {
 
@@ -17,9 +19,10 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 class Pose {
  public:
   Pose() = default;
-  /// rotation need not have unit length; it is normalised here, and its sign is kept.
+  /// rotation need not have unit length; it is normalised here, and its sign is kept. One that has unit length to
+  /// rounding stays as it is, so that a pose read back from a file is the same to the last bit.
   Pose(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation)
-      : rotation_(rotation.normalized()), translation_(translation) {}
+      : rotation_(has_unit_length(rotation) ? rotation : rotation.normalized()), translation_(translation) {}
   /// matrix: a rotation matrix; what is left of scale and skew by rounding is removed.
   Pose(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation)
       : Pose(Eigen::Quaterniond(rotation), translation) {}
@@ -47,6 +50,12 @@ class Pose {
   bool is_finite() const { return rotation_.coeffs().allFinite() && translation_.allFinite(); }
 
  private:
+  static bool has_unit_length(const Eigen::Quaterniond& rotation) {
+    // Normalising leaves up to 5 epsilon in the squared norm, squaring and summing included.
+    constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
+    return std::abs(rotation.squaredNorm() - 1.0) <= kRounding;
+  }
+
   Eigen::Quaterniond rotation_ = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation_ = Eigen::Vector3d::Zero();
 };
