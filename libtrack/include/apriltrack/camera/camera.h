@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/base/log.h"
 #include "apriltrack/camera/camera_model.h"
 #include "apriltrack/geometry/pose.h"
 #include "apriltrack/image/response.h"
@@ -17,10 +18,10 @@ struct Camera {
   CameraModel model;
   int width = 0;  ///< Pixels; 0 when the file does not say (some WPILib files): any image fits.
   int height = 0;
-  std::optional<double> exposure_s;
+  std::optional<double> exposure_s = std::nullopt;
   double line_delay_s = 0.0;  ///< Per row; 0 = global shutter.
   ResponseCurve response = ResponseCurve::srgb();
-  std::optional<Pose> T_this_previous;  ///< Kalibr's T_cn_cnm1; none for the first camera.
+  std::optional<Pose> T_this_previous = std::nullopt;  ///< Kalibr's T_cn_cnm1; none for the first camera.
 };
 
 /// The cameras of one file, in its order. The rig's pose is that of the first.
@@ -38,11 +39,15 @@ struct CameraRig {
 void check_resolution(const Camera& camera, int image_width, int image_height, const std::string& where);
 
 /// Reads Kalibr's camchain (with our additions), ROS camera_info YAML, OpenCV FileStorage YAML or WPILib /
-/// PhotonVision JSON; the format is recognised by its keys (docs/file_formats.md).
-/// Throws Error(kIo) when the file cannot be read, Error(kInvalidInput) with file, line and key when it is wrong.
-CameraRig read_cameras(const std::filesystem::path& path);
+/// PhotonVision JSON, EuRoC sensor.yaml; the format is recognised by its keys (docs/file_formats.md).
+/// Throws Error(kIo) when the file cannot be read, Error(kInvalidInput) with file, line and key when it is
+/// wrong. log: hears of what is odd but may be meant: a principal point outside the picture, a lens model
+/// that ends inside it.
+CameraRig read_cameras(const std::filesystem::path& path, const LogSink& log = silent_log());
 
-/// Writes our camera.yaml (Kalibr's camchain). Throws Error(kIo).
+/// Writes our camera.yaml (Kalibr's camchain). Reading it gives the same numbers to the last digit;
+/// rotations, whose matrix Kalibr wants, come back to 1e-15. A response table goes into a file of its own
+/// beside it. Throws Error(kIo).
 void write_cameras(const std::filesystem::path& path, const CameraRig& rig);
 
 }  // namespace apriltrack

@@ -1,0 +1,124 @@
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+
+#include "camera_fields.h"
+
+namespace apriltrack {
+namespace {
+
+/// Kalibr prints 16 digits, hand-written files a few: what a rotation may be off by.
+constexpr double kMaxRotationDefect = 1e-3;
+/// An exposure of more is most likely one in milliseconds.
+constexpr double kMaxExposure_s = 1.0;
+/// 30 us are usual; a sensor read upwards has a negative one.
+constexpr double kMaxLineDelay_s = 1e-3;
+
+Eigen::Matrix4d read_matrix4(const YamlNode& node) {
+  const auto rows = node.items();
+  if (rows.size() != 4)
+    node.fail(fmt::format("must be a 4x4 matrix, 4 lists of 4 numbers (has {} rows)", rows.size()));
+  Eigen::Matrix4d matrix;
+  for (int r = 0; r < 4; ++r) {
+    const std::vector<double> row = rows[static_cast<std::size_t>(r)].as_doubles(4);
+    matrix.row(r) = Eigen::RowVector4d::Map(row.data());
+  }
+  return matrix;
+}
+
+Pose read_rigid_transform(const YamlNode& node) {
+  const Eigen::Matrix4d matrix = read_matrix4(node);
+  if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
+    const bool is_transposed = matrix.col(3) == Eigen::Vector4d(0, 0, 0, 1);
+    node.fail(fmt::format("the last row must be 0 0 0 1{}",
+                          is_transposed ? "; the last column is: the matrix seems to be transposed" : ""));
+  }
+  const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
+  const double defect = (linear * linear.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (defect > kMaxRotationDefect) {
+    node.fail(fmt::format(
+        "its upper left 3x3 block must be a rotation: R R^T is off the identity by {:.3g}, allowed "
+        "is {}",
+        defect, kMaxRotationDefect));
+  }
+  if (linear.determinant() < 0.0)
+    node.fail("its upper left 3x3 block is a reflection (determinant -1), no rotation");
+  // The nearest rotation in the least-squares sense: U V^T of the singular value decomposition.
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
+  return Pose(rotation, matrix.topRightCorner<3, 1>());
+}
+
+void check_camera_model(const YamlNode& node) {
+  const std::string name = node.as_string();
+  if (name == "pinhole") return;
+  node.fail(fmt::format(
+      "'{}' is not supported; supported is pinhole, with distortion_model none, radtan or equidistant "
+      "(which serves fisheyes up to and beyond 180 degrees): calibrate with pinhole-radtan or "
+      "pinhole-equi",
+      name));
+}
+
+double read_exposure(const YamlNode& node) {
+  const double exposure_s = node.as_double();
+  if (!(exposure_s > 0.0 && exposure_s <= kMaxExposure_s)) {
+    node.fail(fmt::format("must lie in (0, {}] seconds (is {})", kMaxExposure_s, exposure_s));
+  }
+  return exposure_s;
+}
+
+double read_line_delay(const YamlNode& node) {
+  const double line_delay_s = node.as_double();
+  if (std::abs(line_delay_s) > kMaxLineDelay_s) {
+    node.fail(fmt::format("must lie in [-{0}, {0}] seconds per row (is {1})", kMaxLineDelay_s, line_delay_s));
+  }
+  return line_delay_s;
+}
+
+Camera read_camera(const std::string& name, const YamlNode& node, const std::filesystem::path& folder) {
+  node.expect_keys({"camera_model", "intrinsics", "distortion_model", "distortion_coeffs", "resolution",
+                    "exposure_time", "line_delay", "response", "T_cn_cnm1", "rostopic", "cam_overlaps",
+                    "T_cam_imu", "timeshift_cam_imu"});
+  check_camera_model(node.at("camera_model"));
+  const YamlNode model = node.at("distortion_model");
+  const auto coefficients = node.find("distortion_coeffs");
+  Camera camera{
+      .name = name,
+      .model =
+          CameraModel(read_pinhole_list(node.at("intrinsics")),
+                      read_distortion(model.as_string(), coefficients ? &*coefficients : nullptr, model)),
+  };
+  const Resolution resolution = read_resolution_list(node.at("resolution"));
+  camera.width = resolution.width;
+  camera.height = resolution.height;
+  if (const auto value = node.find("exposure_time")) camera.exposure_s = read_exposure(*value);
+  if (const auto value = node.find("line_delay")) camera.line_delay_s = read_line_delay(*value);
+  if (const auto value = node.find("response")) camera.response = read_response(*value, folder);
+  if (const auto value = node.find("T_cn_cnm1")) camera.T_this_previous = read_rigid_transform(*value);
+  return camera;
+}
+
+}  // namespace
+
+CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path& folder) {
+  CameraRig rig;
+  for (const auto& [key, node] : root.entries()) {
+    if (key.starts_with("x_")) continue;
+    const std::string expected = fmt::format("cam{}", rig.cameras.size());
+    if (key != expected) {
+      node.fail(fmt::format(
+          "expected '{}' here: a camera file lists cam0, cam1, ... in this order, and x_... for your "
+          "own",
+          expected));
+    }
+    rig.cameras.push_back(read_camera(key, node, folder));
+    if (rig.cameras.size() == 1 && rig.cameras[0].T_this_previous) {
+      node.at("T_cn_cnm1").fail("the first camera has none before it; remove this key");
+    }
+  }
+  return rig;
+}
+
+}  // namespace apriltrack
