@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detector.h"
@@ -24,8 +25,15 @@ struct LocalizerOptions {
 
 /// Localises by detection: every mapped tag's corners in one robust adjustment (`--method pnp`).
 ///
-/// What most robots do today, done well: linear-light corners, both planar solutions kept, and the ambiguity of a
-/// lone tag settled by the previous pose. One image at a time; give each thread its own.
+/// What most robots do today, done well: linear-light corners, both planar solutions of every tag kept, tags
+/// that disagree dropped. Two explanations of the same corners (a lone tag, or few in one plane) are weighed
+/// by their fit and by the poses of the last 0.3 s, moved on with constant velocity; the lesser one is
+/// reported beside the pose.
+///
+/// The covariance rests on the residuals, and for few tags on what corners are known to suffer from motion:
+/// 0.15 of the blur, which is taken from the last two poses and the exposure. The map is taken as exact. One
+/// image at a time; give each thread its own. No frame throws, whatever it shows: a pose is finite, or there
+/// is none and the result says why.
 class Localizer {
  public:
   /// Throws Error(kInvalidInput) when the map is empty or names an unknown family.
@@ -36,8 +44,12 @@ class Localizer {
 
   /// Requires an image of the camera's resolution. Frames come in the order of time.
   TrackResult localize(const Frame& frame);
-  /// The same from detections made elsewhere.
-  TrackResult localize(const FrameDetections& detections);
+  /// The same from detections made elsewhere, for instance several frames at a time.
+  /// exposure_s: of this frame; else the camera's own value holds.
+  TrackResult localize(const FrameDetections& detections, std::optional<double> exposure_s = std::nullopt);
+
+  /// What localize(Frame) detects with: the options given, with the map's families and the camera's response.
+  const DetectorOptions& detector_options() const;
 
  private:
   class Implementation;

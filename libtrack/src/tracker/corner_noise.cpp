@@ -1,0 +1,45 @@
+#include "corner_noise.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace apriltrack {
+namespace {
+
+constexpr double kSigmaPerBlur = 0.15;
+constexpr double kUnknownBlur_px = 5.0;
+constexpr double kPriorStrength = 6.0;
+
+}  // namespace
+
+double expected_corner_sigma_px(double sharp_sigma_px, std::optional<double> blur_px) {
+  return std::hypot(sharp_sigma_px, kSigmaPerBlur * blur_px.value_or(kUnknownBlur_px));
+}
+
+std::optional<double> corner_blur_px(const CameraModel& model, const PoseCandidate& candidate,
+                                     const Pose& T_camera_map_before, double age_s, double exposure_s) {
+  double sum_px2 = 0.0;
+  int count = 0;
+  for (const TagObservation* observation : candidate.inliers) {
+    for (std::size_t i = 0; i < kNumCorners; ++i) {
+      const auto before = model.project(T_camera_map_before * observation->corners_map[i]);
+      const auto now = model.project(candidate.T_camera_map * observation->corners_map[i]);
+      if (!before || !now) continue;
+      sum_px2 += (*now - *before).squaredNorm();
+      ++count;
+    }
+  }
+  if (count == 0 || !(age_s > 0.0)) return std::nullopt;
+  return std::sqrt(sum_px2 / count) * exposure_s / age_s;
+}
+
+double fitted_corner_sigma_px(double sharp_sigma_px, double expected_sigma_px,
+                              const PoseCandidate& candidate) {
+  const double degrees_of_freedom = 2.0 * candidate.num_corners() - 6.0;
+  const double variance_px2 =
+      (kPriorStrength * expected_sigma_px * expected_sigma_px + candidate.squared_error_px2) /
+      (kPriorStrength + degrees_of_freedom);
+  return std::max(sharp_sigma_px, std::sqrt(variance_px2));
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+
+#include "apriltrack/camera/camera_model.h"
+#include "apriltrack/geometry/pose.h"
+#include "pose_candidate.h"
+
+namespace apriltrack {
+
+/// Corner noise per axis to expect before the fit: that of sharp corners, and a share of the blur.
+///
+/// blur_px: path of a corner during the exposure; nullopt when the motion is not known.
+double expected_corner_sigma_px(double sharp_sigma_px, std::optional<double> blur_px);
+
+/// Path in pixels of the inliers' corners during `exposure_s`, from the motion since `T_camera_map_before`.
+std::optional<double> corner_blur_px(const CameraModel& model, const PoseCandidate& candidate,
+                                     const Pose& T_camera_map_before, double age_s, double exposure_s);
+
+/// What the expectation and the residuals say together; never below the sharp corners' sigma.
+///
+/// The expectation counts as kPriorStrength residuals (a scaled inverse chi-squared prior), so that many tags
+/// speak for themselves, while a lone tag, whose eight numbers leave two to judge by, cannot claim more than
+/// is known.
+double fitted_corner_sigma_px(double sharp_sigma_px, double expected_sigma_px,
+                              const PoseCandidate& candidate);
+
+}  // namespace apriltrack

@@ -1,0 +1,240 @@
+#include "apriltrack/tracker/localizer.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include "apriltrack/base/check.h"
+#include "apriltrack/base/error.h"
+#include "apriltrack/tags/tag_family.h"
+#include "corner_noise.h"
+#include "pose_adjustment.h"
+#include "pose_candidate.h"
+#include "pose_memory.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kUnknownExposure_s = 0.01;     // indoor webcams: 5 to 30 ms
+constexpr double kMinOdds = 1e-3;               // what is less likely than this is ruled out
+constexpr double kMinLogPriorOfSupport = -5.0;  // 3 sigma from the prediction
+
+/// Families in the map's order of first use.
+std::vector<std::string> families_of(const TagMap& map) {
+  std::vector<std::string> families;
+  for (const MapTag& tag : map.tags) {
+    if (std::find(families.begin(), families.end(), tag.key.family) == families.end()) {
+      families.push_back(tag.key.family);
+    }
+  }
+  return families;
+}
+
+DetectorOptions checked_detector_options(const Camera& camera, const TagMap& map,
+                                         const LocalizerOptions& options) {
+  options.check();
+  if (map.tags.empty()) throw invalid_input("map", "has no tags: nothing to localise by");
+  for (const MapTag& tag : map.tags) {
+    if (TagFamily::is_known(tag.key.family)) continue;
+    throw invalid_input("map", fmt::format("tag {}: unknown family; known are {}", to_string(tag.key),
+                                           fmt::join(TagFamily::names(), ", ")));
+  }
+  DetectorOptions detector = options.detector;
+  detector.families = families_of(map);
+  detector.response = camera.response;
+  return detector;
+}
+
+struct Choice {
+  PoseCandidate candidate;
+  double sigma_px = 0.0;
+  std::optional<PoseMemory::Mode> second;  ///< T_camera_map, and its odds.
+};
+
+}  // namespace
+
+void LocalizerOptions::check() const {
+  if (!(corner_sigma_px > 0.0 && std::isfinite(corner_sigma_px))) {
+    throw invalid_input("corner_sigma_px", fmt::format("must be > 0 (is {})", corner_sigma_px));
+  }
+  if (!(max_residual_rms_px >= corner_sigma_px && std::isfinite(max_residual_rms_px))) {
+    throw invalid_input("max_residual_rms_px", fmt::format("must be at least corner_sigma_px, {} (is {})",
+                                                           corner_sigma_px, max_residual_rms_px));
+  }
+  detector.check();
+}
+
+class Localizer::Implementation {
+ public:
+  Implementation(const Camera& camera, const TagMap& map, const LocalizerOptions& options)
+      : camera_(camera),
+        map_(map),
+        options_(options),
+        detector_options_(checked_detector_options(camera, map, options)) {}
+
+  TrackResult localize(const Frame& frame) {
+    const bool has_size = camera_.width > 0 && camera_.height > 0;
+    APRILTRACK_CHECK(
+        !has_size || (frame.image.width() == camera_.width && frame.image.height() == camera_.height),
+        "the image must have the camera's resolution");
+    const auto start = std::chrono::steady_clock::now();
+    if (!detector_) detector_.emplace(detector_options_);
+    const std::vector<Detection> detections = detector_->detect(frame.image);
+    const auto exposure_s = frame.exposure_s ? frame.exposure_s : camera_.exposure_s;
+    return localize(frame.timestamp, detections, exposure_s, start);
+  }
+
+  TrackResult localize(const FrameDetections& frame, std::optional<double> exposure_s) {
+    return localize(frame.timestamp, frame.detections, exposure_s ? exposure_s : camera_.exposure_s,
+                    std::chrono::steady_clock::now());
+  }
+
+  const DetectorOptions& detector_options() const { return detector_options_; }
+
+ private:
+  TrackResult localize(Timestamp time, const std::vector<Detection>& detections,
+                       std::optional<double> exposure_s, std::chrono::steady_clock::time_point start) {
+    TrackResult result;
+    result.timestamp = time;
+    const auto observations = observe_mapped_tags(map_, camera_.model, detections);
+    std::set<const MapTag*> tags;
+    for (const TagObservation& observation : observations) tags.insert(observation.tag);
+    result.tags_detected = static_cast<int>(tags.size());
+    if (observations.empty()) {
+      result.reason = detections.empty() ? "no tag seen" : "no tag of the map seen";
+    } else if (const auto choice = choose(time, observations, exposure_s.value_or(kUnknownExposure_s))) {
+      report(time, *choice, &result);
+    } else {
+      result.reason =
+          result.tags_detected > 1 ? "the tags seen do not agree on a pose" : "the corners seen fit no pose";
+    }
+    result.latency_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return result;
+  }
+
+  /// The candidate that corners and recent poses together make most likely, if it has enough behind it.
+  std::optional<Choice> choose(Timestamp time, const std::vector<TagObservation>& observations,
+                               double exposure_s) const {
+    std::vector<Pose> predictions;
+    for (const PoseMemory::Mode& mode : memory_.predict(time)) predictions.push_back(swapped(mode.pose));
+    const CandidateOptions options{options_.corner_sigma_px, options_.max_residual_rms_px};
+    std::vector<PoseCandidate> candidates =
+        find_pose_candidates(camera_.model, observations, predictions, options);
+    std::erase_if(candidates, [&](const PoseCandidate& c) { return !is_supported(time, observations, c); });
+    if (candidates.empty()) return std::nullopt;
+
+    // One sigma for all, or a bad fit would excuse itself.
+    const auto best_fit =
+        std::min_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+          return std::pair(-a.num_corners(), a.squared_error_px2) <
+                 std::pair(-b.num_corners(), b.squared_error_px2);
+        });
+    const double sigma_px = corner_sigma_px(time, *best_fit, exposure_s);
+    std::vector<double> cost;
+    for (const PoseCandidate& candidate : candidates) {
+      cost.push_back(misfit(camera_.model, observations, sigma_px, candidate.T_camera_map) -
+                     memory_.log_prior(time, swapped(candidate.T_camera_map)));
+    }
+    const auto best = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+    Choice choice{candidates[best], corner_sigma_px(time, candidates[best], exposure_s), std::nullopt};
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      const double odds = std::exp(cost[best] - cost[i]);
+      if (i == best || odds < kMinOdds || (choice.second && odds <= choice.second->weight)) continue;
+      choice.second = PoseMemory::Mode{candidates[i].T_camera_map, odds};
+    }
+    return choice;
+  }
+
+  /// Most of the tags seen agree, or the motion so far speaks for the few that do. A tag that the frame shows
+  /// twice speaks for nothing by itself: any of its copies may be the false one.
+  bool is_supported(Timestamp time, const std::vector<TagObservation>& observations,
+                    const PoseCandidate& candidate) const {
+    std::set<const MapTag*> seen;
+    for (const TagObservation& observation : observations) seen.insert(observation.tag);
+    const bool has_unrepeated = std::any_of(candidate.inliers.begin(), candidate.inliers.end(),
+                                            [](const TagObservation* o) { return !o->is_repeated; });
+    const bool has_several = candidate.inliers.size() > 1;
+    const bool is_majority = 2 * candidate.inliers.size() > seen.size();
+    if (is_majority && (has_unrepeated || has_several)) return true;
+    return !memory_.predict(time).empty() &&
+           memory_.log_prior(time, swapped(candidate.T_camera_map)) > kMinLogPriorOfSupport;
+  }
+
+  double corner_sigma_px(Timestamp time, const PoseCandidate& candidate, double exposure_s) const {
+    std::optional<double> blur_px;
+    if (exposure_s == 0.0) {
+      blur_px = 0.0;
+    } else if (const auto last = memory_.last(time)) {
+      blur_px = corner_blur_px(camera_.model, candidate, swapped(last->pose), last->age_s, exposure_s);
+    }
+    const double expected_px = expected_corner_sigma_px(options_.corner_sigma_px, blur_px);
+    return fitted_corner_sigma_px(options_.corner_sigma_px, expected_px, candidate);
+  }
+
+  void report(Timestamp time, const Choice& choice, TrackResult* result) {
+    const Pose& T_camera_map = choice.candidate.T_camera_map;
+    const Matrix6d information = corner_information(camera_.model, choice.candidate.inliers, T_camera_map);
+    const Eigen::LLT<Matrix6d> factor(information);
+    const Matrix6d cov_T_camera_map = choice.sigma_px * choice.sigma_px * factor.solve(Matrix6d::Identity());
+    if (factor.info() != Eigen::Success || !cov_T_camera_map.allFinite()) {
+      result->reason = "the corners seen do not determine the pose";
+      return;
+    }
+    result->status = TrackStatus::kDetected;
+    result->pose = swapped(T_camera_map);
+    result->covariance = covariance_of_swapped(T_camera_map, cov_T_camera_map);
+    result->tags_tracked = count_tags(choice.candidate.inliers);
+    std::optional<PoseMemory::Mode> second;
+    if (choice.second) {
+      second = PoseMemory::Mode{swapped(choice.second->pose), choice.second->weight};
+      result->second_pose = second->pose;
+      result->second_mode_odds = second->weight;
+    }
+    memory_.remember(time, *result->pose, second);
+  }
+
+  /// T_camera_map to the pose that is reported and back: T_camera_body is itself, T_world_camera the inverse.
+  Pose swapped(const Pose& pose) const { return options_.mode == TrackMode::kEgo ? pose.inverse() : pose; }
+
+  /// (T exp(xi))^-1 = T^-1 exp(-adjoint(T) xi): the perturbation of the inverse is that of T, moved to its
+  /// left.
+  Matrix6d covariance_of_swapped(const Pose& T_camera_map, const Matrix6d& covariance) const {
+    Matrix6d moved = covariance;
+    if (options_.mode == TrackMode::kEgo) {
+      const Matrix6d adjoint = T_camera_map.adjoint();
+      moved = adjoint * covariance * adjoint.transpose();
+    }
+    return 0.5 * (moved + moved.transpose());
+  }
+
+  Camera camera_;
+  TagMap map_;
+  LocalizerOptions options_;
+  DetectorOptions detector_options_;
+  std::optional<Detector> detector_;  ///< Made for the first image: detections from a file need none.
+  PoseMemory memory_;
+};
+
+Localizer::Localizer(const Camera& camera, const TagMap& map, const LocalizerOptions& options)
+    : implementation_(std::make_unique<Implementation>(camera, map, options)) {}
+Localizer::~Localizer() = default;
+Localizer::Localizer(Localizer&&) noexcept = default;
+Localizer& Localizer::operator=(Localizer&&) noexcept = default;
+
+TrackResult Localizer::localize(const Frame& frame) {
+  return implementation_->localize(frame);
+}
+TrackResult Localizer::localize(const FrameDetections& detections, std::optional<double> exposure_s) {
+  return implementation_->localize(detections, exposure_s);
+}
+
+const DetectorOptions& Localizer::detector_options() const {
+  return implementation_->detector_options();
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include "apriltrack/camera/camera_model.h"
+#include "apriltrack/geometry/pose.h"
+#include "tag_observation.h"
+
+namespace apriltrack {
+
+/// One explanation of a frame: a pose, and the tags that agree with it.
+struct PoseCandidate {
+  Pose T_camera_map;
+  std::vector<const TagObservation*> inliers;  ///< At most one copy of each tag.
+  double squared_error_px2 = 0.0;              ///< Of the inliers' corners.
+
+  int num_corners() const { return kNumCorners * static_cast<int>(inliers.size()); }
+  /// Per axis.
+  double rms_px() const;
+};
+
+struct CandidateOptions {
+  double expected_sigma_px = 0.15;   ///< Of a corner, per axis.
+  double max_residual_rms_px = 4.0;  ///< A tag that fits worse agrees with no pose.
+};
+
+/// All distinct minima worth comparing, in no order: started from both planar poses of every tag and from
+/// `predictions` (T_camera_map), scored robustly on all corners, the best refined, tags that disagree
+/// dropped.
+std::vector<PoseCandidate> find_pose_candidates(const CameraModel& model,
+                                                const std::vector<TagObservation>& observations,
+                                                const std::vector<Pose>& predictions,
+                                                const CandidateOptions& options);
+
+/// -log likelihood of ALL observations under the pose, corners of sigma_px; what no pose explains counts as
+/// much as a tag three sigma off, wherever it lies. Copies of one tag count once, by the best.
+double misfit(const CameraModel& model, const std::vector<TagObservation>& observations, double sigma_px,
+              const Pose& T_camera_map);
+
+}  // namespace apriltrack

@@ -1,0 +1,51 @@
+#include "tag_observation.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+namespace apriltrack {
+namespace {
+
+std::optional<std::array<Eigen::Vector3d, kNumCorners>> corner_rays(
+    const CameraModel& model, const std::array<Eigen::Vector2d, kNumCorners>& corners_px) {
+  std::array<Eigen::Vector3d, kNumCorners> rays;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!corners_px[i].allFinite()) return std::nullopt;
+    const auto ray = model.unproject(corners_px[i]);
+    if (!ray) return std::nullopt;
+    rays[i] = *ray;
+  }
+  return rays;
+}
+
+}  // namespace
+
+std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const CameraModel& model,
+                                                const std::vector<Detection>& detections) {
+  std::vector<TagObservation> observations;
+  for (const Detection& detection : detections) {
+    const MapTag* tag = map.find(detection.tag);
+    if (tag == nullptr) continue;
+    const auto rays = corner_rays(model, detection.corners_px);
+    if (!rays) continue;
+    TagObservation observation{.tag = tag,
+                               .corners_map = corners_in_map(*tag),
+                               .corners_px = detection.corners_px,
+                               .planar_poses = solve_planar_pnp(*rays, tag->size_m),
+                               .is_repeated = false};
+    for (TagObservation& other : observations) {
+      if (other.tag == tag) other.is_repeated = observation.is_repeated = true;
+    }
+    observations.push_back(observation);
+  }
+  return observations;
+}
+
+int count_tags(const std::vector<const TagObservation*>& observations) {
+  std::set<const MapTag*> tags;
+  for (const TagObservation* observation : observations) tags.insert(observation->tag);
+  return static_cast<int>(tags.size());
+}
+
+}  // namespace apriltrack

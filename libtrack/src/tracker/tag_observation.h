@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "apriltrack/camera/camera_model.h"
+#include "apriltrack/detect/detection.h"
+#include "apriltrack/geometry/planar_pnp.h"
+#include "apriltrack/tags/tag_map.h"
+
+namespace apriltrack {
+
+/// A detection of a mapped tag with all that a pose can be judged by.
+struct TagObservation {
+  const MapTag* tag = nullptr;
+  std::array<Eigen::Vector3d, kNumCorners> corners_map;
+  std::array<Eigen::Vector2d, kNumCorners> corners_px;
+  PlanarPoses planar_poses;  ///< Both T_camera_tag; may be empty.
+  bool is_repeated = false;  ///< The frame shows this tag more than once: at most one of them can be it.
+};
+
+/// Leaves out tags that the map does not have, and corners that no ray of the lens model reaches. The
+/// observations point into `map`, which must outlive them.
+std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const CameraModel& model,
+                                                const std::vector<Detection>& detections);
+
+/// How many different tags there are; copies of one count once.
+int count_tags(const std::vector<const TagObservation*>& observations);
+
+}  // namespace apriltrack
