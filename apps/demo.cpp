@@ -1,10 +1,88 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
 #include "apriltrack/base/error.h"
 #include "commands.h"
+#include "console.h"
+#include "demo_picture.h"
 
 namespace apriltrack::app {
+namespace {
+namespace fs = std::filesystem;
+
+struct DemoOptions {
+  std::string output;
+  std::uint64_t seed = 1;
+  int threads = 0;
+};
+
+/// Runs one command of the program, shown first as a user would type it.
+void step(const Console& console, const std::string& what, std::vector<std::string> words) {
+  console.info(fmt::format("\n== {}\n$ apriltrack {}", what, fmt::join(words, " ")));
+  run_command(std::move(words));
+}
+
+void run_demo(const DemoOptions& options, const Console& console) {
+  const fs::path folder = options.output;
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  const std::string seed = std::to_string(options.seed);
+  const std::string threads = std::to_string(options.threads);
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (failure) throw io_error(folder.string(), fmt::format("cannot be made: {}", failure.message()));
+
+  step(console, "A gentle recording of a room of tags, to calibrate from",
+       {"simulate", "--scene", "room-gentle", "--frames", "150", "--output", path("gentle"), "--seed", seed,
+        "--threads", threads, "--force"});
+  step(console, "The same room, filmed by a hand in a hurry",
+       {"simulate", "--scene", "room", "--frames", "240", "--output", path("blurred"), "--seed", seed,
+        "--threads", threads, "--force"});
+  step(console, "Where are the tags? A map from the gentle recording's images",
+       {"calibrate", path("gentle"), "--tag-size", "0.16", "--output", path("map.yaml"), "--threads",
+        threads});
+  step(console, "The map against the truth", {"map", "diff", path("gentle/map.yaml"), path("map.yaml")});
+  step(console, "The map into the truth's frame, to compare trajectories",
+       {"map", "align", path("map.yaml"), "--onto", path("gentle/map.yaml"), "--output",
+        path("map_aligned.yaml")});
+  step(console, "Where is the camera? By detection alone, in the blurred recording",
+       {"track", path("blurred"), "--map", path("map_aligned.yaml"), "--method", "pnp", "--output",
+        path("pnp.tum"), "--frames-csv", path("pnp_frames.csv")});
+  step(console, "The trajectory against the truth",
+       {"evaluate", "--truth", path("blurred"), "--estimate", path("pnp.tum"), "--frames-csv",
+        path("pnp_frames.csv")});
+
+  const BlindnessFigures figures =
+      draw_blindness_picture(folder / "blurred", folder / "pnp.tum", folder / "blindness.png");
+  console.finish({{"picture", path("blindness.png")},
+                  {"frames", figures.frames},
+                  {"blind", figures.blind},
+                  {"within_5px", figures.right}},
+                 fmt::format("\nDetection alone gives a pose within 5 px in {} of {} frames, and is blind in "
+                             "{} in which tags are in view.\n"
+                             "Look at {}",
+                             figures.right, figures.frames, figures.blind, path("blindness.png")));
+}
+
+}  // namespace
 
 void add_demo_command(CLI::App& app) {
-  app.add_subcommand("demo")->callback([] { throw no_result("demo", "this command is being built"); });
+  auto options = std::make_shared<DemoOptions>();
+  auto console = std::make_shared<Console>();
+  CLI::App* command = app.add_subcommand("demo",
+                                         "The whole job on a rendered room: calibrate from a gentle "
+                                         "recording, localise in a violently blurred one, compare "
+                                         "with the truth.\n\n  apriltrack demo --output demo-output\n");
+  command
+      ->add_option("--output", options->output, "Folder for recordings, maps, trajectories and the picture")
+      ->required();
+  command->add_option("--seed", options->seed, "Of the rendered recordings")->capture_default_str();
+  command->add_option("--threads", options->threads, "0 = all cores; results do not depend on it")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  console->add_options(*command);
+  command->callback([options, console] { run_demo(*options, *console); });
 }
 
 }  // namespace apriltrack::app

@@ -1,0 +1,219 @@
+// The exit-status table of docs/file_formats.md, row by row, through the command line.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "program.h"
+#include "support/shared_data.h"
+
+namespace apriltrack::test {
+namespace {
+namespace fs = std::filesystem;
+
+const char* const kMap =
+    "apriltrack_map: 1\nframe: world\ndefault_family: tag36h11\ntags:\n  - id: 0\n    size: 0.16\n    pose:\n"
+    "      position: {x: 0.0, y: 0.0, z: 0.0}\n      orientation: {x: 0.0, y: 0.0, z: 0.0, w: 1.0}\n";
+const char* const kCamera =
+    "cam0:\n  camera_model: pinhole\n  intrinsics: [500.0, 500.0, 79.5, 59.5]\n  distortion_model: none\n"
+    "  distortion_coeffs: []\n  resolution: [160, 120]\n";
+
+/// A folder with a good camera, a good map, and one blank image; each test spoils one thing.
+class ExitStatus : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = temporary_folder();
+    write_text(path("camera.yaml"), kCamera);
+    write_text(path("map.yaml"), kMap);
+    write_image(path("frames/1000000000.pgm"), 160, 120);
+  }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  static void write_image(const std::string& file, int width, int height) {
+    write_text(file, "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n" +
+                         std::string(static_cast<std::size_t>(width) * height, '\x80'));
+  }
+
+  ProgramRun track(std::vector<std::string> more = {}) const {
+    std::vector<std::string> words = {"track", path("frames"),   "--camera", path("camera.yaml"),
+                                      "--map", path("map.yaml"), "--output", path("out.tum")};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(words);
+  }
+
+  ProgramRun calibrate(std::vector<std::string> more = {}) const {
+    std::vector<std::string> words = {"calibrate",  path("frames"), "--camera", path("camera.yaml"),
+                                      "--tag-size", "0.16",         "--output", path("new_map.yaml")};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(words);
+  }
+
+  fs::path folder_;
+};
+
+// ---- 1: it ran, and no usable result came
+
+TEST_F(ExitStatus, NoTagSeenIs1AndSaysWhatToDo) {
+  EXPECT_THAT(track(), EndsWith(1, "no "));
+  EXPECT_THAT(calibrate(), EndsWith(1, "no "));
+  EXPECT_FALSE(fs::exists(path("out.tum")));
+  EXPECT_FALSE(fs::exists(path("new_map.yaml")));
+}
+
+// ---- 2: the command line, a configuration or the contents of a file
+
+TEST_F(ExitStatus, MissingOutputIs2) {
+  EXPECT_THAT(
+      run_program({"track", path("frames"), "--camera", path("camera.yaml"), "--map", path("map.yaml")}),
+      EndsWith(2, "--output"));
+  EXPECT_THAT(
+      run_program({"calibrate", path("frames"), "--camera", path("camera.yaml"), "--tag-size", "0.16"}),
+      EndsWith(2, "--output"));
+  EXPECT_THAT(run_program({"simulate", "--scene", "room"}), EndsWith(2, "--output"));
+  EXPECT_THAT(run_program({"detect", path("frames")}), EndsWith(2, "--output"));
+}
+
+struct BadFile {
+  const char* name;  // of the test case
+  const char* file;
+  const char* find;     // text of the good file ...
+  const char* replace;  // ... and what spoils it
+  const char* message;  // part of what must be said
+};
+
+std::string replaced(std::string text, const std::string& find, const std::string& replace) {
+  const std::size_t at = text.find(find);
+  EXPECT_NE(at, std::string::npos);
+  return text.replace(at, find.size(), replace);
+}
+
+class BadContents : public ExitStatus, public ::testing::WithParamInterface<BadFile> {};
+
+TEST_P(BadContents, Is2AndNamesFileAndCause) {
+  const BadFile& bad = GetParam();
+  write_text(path(bad.file), replaced(read_text(path(bad.file)), bad.find, bad.replace));
+  const ProgramRun run = track();
+  EXPECT_THAT(run, EndsWith(2, bad.message));
+  EXPECT_THAT(run, EndsWith(2, bad.file));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Map, BadContents,
+    ::testing::Values(BadFile{"DuplicateId", "map.yaml", "  - id: 0\n",
+                              "  - {id: 0, size: 0.1, pose: {position: {x: 1, y: 0, z: 0}, orientation: {x: "
+                              "0, y: 0, z: 0, w: 1}}}\n  - id: 0\n",
+                              "0"},
+                      BadFile{"NegativeSize", "map.yaml", "0.16", "-0.16", "-0.16"},
+                      BadFile{"NanSize", "map.yaml", "0.16", ".nan", "size"},
+                      BadFile{"UnknownFamily", "map.yaml", "tag36h11", "tag37h11", "tag37h11"},
+                      BadFile{"UnknownKey", "map.yaml", "    size", "    colour: red\n    size", "colour"},
+                      BadFile{"MissingSize", "map.yaml", "    size: 0.16\n", "", "size"},
+                      BadFile{"NotYaml", "map.yaml", "tags:", "tags: [", "map.yaml"}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+INSTANTIATE_TEST_SUITE_P(
+    Camera, BadContents,
+    ::testing::Values(BadFile{"MissingIntrinsics", "camera.yaml",
+                              "  intrinsics: [500.0, 500.0, 79.5, 59.5]\n", "", "intrinsics"},
+                      BadFile{"NanIntrinsics", "camera.yaml", "79.5", ".nan", "intrinsics"},
+                      BadFile{"NegativeFocalLength", "camera.yaml", "[500.0", "[-500.0", "-500"},
+                      BadFile{"UnknownModel", "camera.yaml", "pinhole", "omni", "omni"},
+                      BadFile{"ResolutionOfOtherImages", "camera.yaml", "[160, 120]", "[320, 240]", "320"},
+                      BadFile{"UnknownKey", "camera.yaml", "  resolution", "  colour: red\n  resolution",
+                              "colour"}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST_F(ExitStatus, WrongResolutionNamesBothSizes) {
+  write_image(path("frames/1000000000.pgm"), 64, 48);
+  for (const ProgramRun& run : {track(), calibrate()}) {
+    EXPECT_THAT(run, EndsWith(2, "64"));
+    EXPECT_THAT(run, EndsWith(2, "160"));
+  }
+}
+
+TEST_F(ExitStatus, WrongTagSizeIs2) {
+  EXPECT_THAT(calibrate({"--tag-size", "-0.16"}), EndsWith(2, "-0.16"));
+  EXPECT_THAT(run_program({"calibrate", path("frames"), "--camera", path("camera.yaml"), "--output",
+                           path("new_map.yaml")}),
+              EndsWith(2, "--tag-size"));
+}
+
+TEST_F(ExitStatus, WrongSizesFileIs2) {
+  write_text(path("sizes.yaml"), "default: 0.1\nsizes:\n  7: -1\n");
+  EXPECT_THAT(calibrate({"--tag-sizes", path("sizes.yaml")}), EndsWith(2, "sizes.yaml:3"));
+}
+
+TEST_F(ExitStatus, UnknownFamilyIs2AndListsTheKnown) {
+  EXPECT_THAT(calibrate({"--family", "tag37h11"}), EndsWith(2, "tag36h11"));
+}
+
+TEST_F(ExitStatus, UnknownSceneIs2AndListsTheKnown) {
+  EXPECT_THAT(run_program({"simulate", "--scene", "cellar", "--output", path("out")}),
+              EndsWith(2, "room-gentle"));
+}
+
+TEST_F(ExitStatus, ImagesWithoutTimesNeedARate) {
+  fs::rename(path("frames/1000000000.pgm"), path("frames/photo.pgm"));
+  EXPECT_THAT(track(), EndsWith(2, "--rate"));
+  EXPECT_THAT(track({"--rate", "10"}), EndsWith(1, "no "));
+}
+
+TEST_F(ExitStatus, BadDetectionsNameLineAndColumn) {
+  write_text(
+      path("d.csv"),
+      "timestamp_ns,camera,family,id,c0x,c0y,c1x,c1y,c2x,c2y,c3x,c3y\n1,cam0,tag36h11,0,1,2,3,nan,5,6,7,8\n");
+  const std::vector<std::string> words = {"calibrate", "--detections",      path("d.csv"),
+                                          "--camera",  path("camera.yaml"), "--tag-size",
+                                          "0.16",      "--output",          path("new_map.yaml")};
+  EXPECT_THAT(run_program(words), EndsWith(2, "d.csv:2"));
+  write_text(path("d.csv"), "timestamp_ns,camera,family,id,c0x,c0y,c1x,c1y,c2x,c2y,c3x\n");
+  EXPECT_THAT(run_program(words), EndsWith(2, "c3y"));
+}
+
+// ---- 3: an input or output cannot be opened, read or written
+
+TEST_F(ExitStatus, MissingInputsAre3) {
+  fs::remove_all(path("frames"));
+  EXPECT_THAT(track(), EndsWith(3, "frames"));
+  fs::create_directories(path("frames"));
+  EXPECT_THAT(track(), EndsWith(3, "frames"));  // an empty folder
+}
+
+TEST_F(ExitStatus, MissingMapOrCameraIs3) {
+  EXPECT_THAT(track({"--map", path("nowhere.yaml")}), EndsWith(3, "nowhere.yaml"));
+  EXPECT_THAT(track({"--camera", path("nowhere.yaml")}), EndsWith(3, "nowhere.yaml"));
+  EXPECT_THAT(run_program({"evaluate", "--truth", path("nowhere.tum"), "--estimate", path("x.tum")}),
+              EndsWith(3, "nowhere.tum"));
+  EXPECT_THAT(run_program({"map", "show", path("nowhere.yaml")}), EndsWith(3, "nowhere.yaml"));
+}
+
+TEST_F(ExitStatus, AFolderOfWhichNothingIsReadableIs3) {
+  write_text(path("frames/1000000000.pgm"), "no image");
+  EXPECT_THAT(track(), EndsWith(3, "frames"));
+  EXPECT_THAT(calibrate(), EndsWith(3, "frames"));
+}
+
+TEST_F(ExitStatus, ACorruptImageAmongGoodOnesIsCountedAndNotTheEnd) {
+  write_text(path("frames/2000000000.pgm"), "no image");
+  const ProgramRun run = track();
+  EXPECT_THAT(run, EndsWith(1, "2000000000.pgm"));  // 1: the good image shows no tag
+}
+
+TEST_F(ExitStatus, AnUnwritableOutputIs3BeforeTheWorkIsDone) {
+  EXPECT_THAT(run_program({"simulate", "--scene", "single", "--frames", "1", "--output", "/proc/nowhere"}),
+              EndsWith(3, "/proc/nowhere"));
+  EXPECT_THAT(track({"--output", path("missing/out.tum")}), EndsWith(3, "missing/out.tum"));
+}
+
+TEST_F(ExitStatus, AFailedRunKeepsTheOldOutput) {
+  write_text(path("out.tum"), "old\n");
+  write_text(path("new_map.yaml"), "old\n");
+  EXPECT_EQ(track().status, 1);
+  EXPECT_EQ(calibrate().status, 1);
+  EXPECT_EQ(read_text(path("out.tum")), "old\n");
+  EXPECT_EQ(read_text(path("new_map.yaml")), "old\n");
+}
+
+}  // namespace
+}  // namespace apriltrack::test
