@@ -24,28 +24,30 @@ struct SourceFrame {
 };
 
 struct SourceOptions {
-  std::optional<double> rate_hz;  ///< For images whose names are no times.
-  std::size_t skip = 0;           ///< Frames left out at the start.
-  std::size_t step = 1;           ///< Every step-th frame.
-  std::optional<std::size_t> max_frames;
+  std::optional<double> rate_hz = std::nullopt;  ///< For images whose names are no times.
+  std::size_t skip = 0;                          ///< Frames left out at the start.
+  std::size_t step = 1;                          ///< Every step-th frame.
+  std::optional<std::size_t> max_frames = std::nullopt;
 };
 
-/// Frames in the order of time. A frame that cannot be decoded is handed out as unreadable, never passed over.
+/// Frames in the order of time. A frame that cannot be decoded is handed out as unreadable, never passed
+/// over.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
   /// nullopt at the end.
   virtual std::optional<SourceFrame> next() = 0;
-  /// How many frames there are, where that is known beforehand (not for live cameras; an estimate for videos).
+  /// How many frames there are, where that is known beforehand (not for live cameras; an estimate for
+  /// videos).
   virtual std::optional<std::size_t> num_frames() const = 0;
   /// What this source is, for messages.
   virtual std::string name() const = 0;
 };
 
-/// A sequence folder, a folder of images, a glob, a EuRoC/ASL `mav0` folder (or one camera folder of it), a video
-/// file, `camera:N` or a V4L2 path.
-/// Throws Error(kIo) when there is nothing to read, Error(kInvalidInput) when images need a rate and none is given.
+/// A sequence folder, a folder of images, a glob, a EuRoC/ASL `mav0` folder (or one camera folder of it), a
+/// video file, `camera:N` or a V4L2 path. Throws Error(kIo) when there is nothing to read,
+/// Error(kInvalidInput) when images need a rate and none is given.
 std::unique_ptr<FrameSource> open_source(const std::string& input, const SourceOptions& options = {});
 
 /// Files that a sequence folder brings with it; nullopt where it does not, or INPUT is no such folder.

@@ -9,8 +9,8 @@
 
 namespace apriltrack {
 
-/// Writes a sequence folder: frames/<timestamp_ns>.png, camera.yaml, map.yaml, frames.csv (docs/file_formats.md).
-/// write_frame may be called from several threads at once.
+/// Writes a sequence folder: frames/<timestamp_ns>.png, camera.yaml, map.yaml, frames.csv
+/// (docs/file_formats.md). write_frame may be called from several threads at once.
 class SequenceWriter {
  public:
   /// Throws Error(kIo) when the folder cannot be made, or is not empty and `overwrite` is false.
