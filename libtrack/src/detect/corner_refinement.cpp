@@ -23,7 +23,7 @@ constexpr double kMinReach_px = 1.25;  // samples go at least this far from the 
 constexpr double kLensBend_per_px = 3e-5;
 /// Edges whose fit leaves more than this part of the contrast, or whose offset is less sure than this, are no
 /// edges.
-constexpr double kMaxResidual = 0.25;
+constexpr double kMaxResidual = 0.3;
 constexpr double kMaxSigmaOffset_px = 0.5;
 
 class LightSampler {
@@ -228,7 +228,7 @@ std::optional<Quad> refine_corners(const GrayView& image, const ResponseCurve& r
                                    const TagPattern& pattern, bool is_white_inside, const Quad& start_px) {
   const LightSampler sampler(image, response);
   const double cell_px = shortest_edge(start_px) / pattern.width_at_border();
-  const double max_move_px = std::max(1.0, cell_px);
+  const double max_move_px = std::max(3.0, 1.25 * cell_px);
   std::array<EdgeGuess, kNumCorners> guesses;
   guesses.fill({std::max(3.0, 0.5 * cell_px), 1.2});
   Quad quad = start_px;

@@ -27,4 +27,21 @@ GrayImage shrink_black(const GrayView& image) {
   return out;
 }
 
+GrayImage enlarge_twice(const GrayView& image) {
+  GrayImage out(2 * image.width(), 2 * image.height());
+  // Centres of the new pixels lie a quarter of an old one to either side.
+  for (int y = 0; y < out.height(); ++y) {
+    const std::uint8_t* near = image.row(y / 2);
+    const std::uint8_t* far = image.row(std::clamp(y / 2 + (y % 2 ? 1 : -1), 0, image.height() - 1));
+    std::uint8_t* target = out.row(y);
+    for (int x = 0; x < out.width(); ++x) {
+      const int near_x = x / 2;
+      const int far_x = std::clamp(near_x + (x % 2 ? 1 : -1), 0, image.width() - 1);
+      target[x] = static_cast<std::uint8_t>(
+          (9 * near[near_x] + 3 * near[far_x] + 3 * far[near_x] + far[far_x] + 8) / 16);
+    }
+  }
+  return out;
+}
+
 }  // namespace apriltrack

@@ -51,10 +51,8 @@ std::vector<Candidate> merge_same_quads(std::vector<Candidate> candidates) {
     });
     if (same == kept.end()) {
       kept.push_back(std::move(candidate));
-    } else if (candidate.is_from_linear_light && !same->is_from_linear_light &&
-               candidate.detection.tag == same->detection.tag) {
-      same->detection.corners_px = candidate.detection.corners_px;
-      same->is_from_linear_light = true;
+    } else if (candidate.detection.tag == same->detection.tag) {
+      same->others.push_back(std::move(candidate));
     }
   }
   return kept;

@@ -6,10 +6,12 @@
 
 namespace apriltrack {
 
-/// A detection and the kind of image that its corners come from.
+/// A tag that was found, and every place where it was found: starts for the refinement of its corners.
 struct Candidate {
   Detection detection;
   bool is_from_linear_light = false;
+  /// Quads of the same tag found elsewhere, the likeliest first.
+  std::vector<Candidate> others = {};
 };
 
 /// Two quads that are one square of the scene, found twice: with the corners paired in the best of the four

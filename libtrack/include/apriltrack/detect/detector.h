@@ -15,13 +15,16 @@ struct DetectorOptions {
   /// Undone before corners are localised; finding uses the raw and the linear image, so that neither's tags are lost.
   /// linear() gives what the AprilTag library gives.
   ResponseCurve response = ResponseCurve::srgb();
-  /// Corners from lines fitted to the tag's edges. Off: the quad's corners as the library found them, with biases of
-  /// up to a pixel; only to reproduce old results.
+  /// Corners from curves fitted to the tag's edges; a tag whose edges cannot be fitted (hidden, cut by the image) is
+  /// not reported, for its corners would be pixels off. Off: the quad's corners as the library found them, with
+  /// biases of up to a pixel; only to reproduce old results.
   bool refine_edges = true;
   /// Quads are searched for in an image this many times smaller; 1 finds the smallest tags, 2 is three times faster.
   double decimate = 1.0;
-  double min_decision_margin = 20.0;  ///< Grey levels; detections below are dropped.
-  int max_hamming = 2;                ///< Corrected bits; detections above are dropped.
+  /// Grey levels, for a code read without a wrong bit; every corrected bit asks for as much again. Detections below
+  /// are dropped. 5 keeps tags in a twentieth of the usual light and drops what is read into noise.
+  double min_decision_margin = 5.0;
+  int max_hamming = 2;  ///< Corrected bits, 0 to 2; detections above are dropped.
 
   /// Throws Error(kInvalidInput) that names the option, its value and its range.
   void check() const;

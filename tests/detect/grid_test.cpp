@@ -1,0 +1,99 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+#include <set>
+
+#include "apriltrack/detect/detector.h"
+#include "apriltrack/tags/aprilgrid.h"
+#include "corner_statistics.h"
+#include "plane_renderer.h"
+
+namespace apriltrack {
+namespace {
+
+using test::CornerStatistics;
+using test::PlaneView;
+using test::RenderOptions;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr int kMinTags = 34;  // of 36, on any one image
+constexpr double kMaxBias_px = 0.03;
+constexpr double kMaxRms_px = 0.16;
+
+struct Grid {
+  AprilGrid layout;
+  TagMap map = layout.map();
+  AprilGridPicture picture{layout};
+  Eigen::Vector2d middle = layout.printed_area_m().center();
+
+  GrayImage render(const PlaneView& view, std::uint64_t seed) const {
+    RenderOptions options;
+    options.samples = 3;
+    options.seed = seed;
+    const auto brightness = [&](double x, double y) {
+      return picture.brightness(x + middle.x(), y + middle.y());
+    };
+    return test::render_plane(752, 480, view, brightness, options);
+  }
+
+  std::array<Eigen::Vector2d, kNumCorners> corners_px(const PlaneView& view, const MapTag& tag) const {
+    std::array<Eigen::Vector2d, kNumCorners> corners;
+    const auto in_map = corners_in_map(tag);
+    for (std::size_t k = 0; k < kNumCorners; ++k) corners[k] = view.to_pixel(in_map[k].head<2>() - middle);
+    return corners;
+  }
+};
+
+bool is_inside(const std::array<Eigen::Vector2d, kNumCorners>& corners_px) {
+  return std::ranges::all_of(corners_px, [](const Eigen::Vector2d& corner) {
+    return corner.x() > 2.0 && corner.y() > 2.0 && corner.x() < 749.0 && corner.y() < 477.0;
+  });
+}
+
+TEST(DetectKalibrGrid, FindsNearlyAllTagsAtTheirPlaces) {
+  const Grid grid;
+  Detector detector({.families = {"tag36h11b2"}});
+  CornerStatistics statistics;
+  int images = 0;
+  for (const double tilt_deg : {20.0, 30.0, 40.0, 50.0, 60.0}) {
+    for (const double axis_deg : {10.0, 100.0}) {
+      const PlaneView view(460.0, {372.3, 241.4}, 0.95, tilt_deg * kDegree, axis_deg * kDegree,
+                           7.0 * kDegree);
+      const auto detections = detector.detect(grid.render(view, static_cast<std::uint64_t>(++images)).view());
+      for (const MapTag& tag : grid.map.tags)
+        ASSERT_TRUE(is_inside(grid.corners_px(view, tag))) << tag.key.id;
+      std::set<int> ids;
+      for (const Detection& detection : detections) {
+        const MapTag* tag = grid.map.find(detection.tag);
+        ASSERT_NE(tag, nullptr) << "false id " << detection.tag.id;
+        EXPECT_TRUE(ids.insert(detection.tag.id).second) << "tag " << detection.tag.id << " twice";
+        statistics.add(detection.corners_px, grid.corners_px(view, *tag));
+      }
+      EXPECT_GE(static_cast<int>(ids.size()), kMinTags)
+          << "tilt " << tilt_deg << " about " << axis_deg << " deg";
+    }
+  }
+  EXPECT_EQ(images, 10);
+  EXPECT_LE(std::abs(statistics.radial_bias_px()), kMaxBias_px);
+  EXPECT_LE(statistics.rms_per_axis_px(), kMaxRms_px);
+  EXPECT_LE(statistics.largest_px(), 1.0) << "no tag is somewhere else";
+}
+
+TEST(DetectKalibrGrid, ReportsASquareOnceWhenBothBordersAreSoughtFor) {
+  const Grid grid;
+  const PlaneView view(460.0, {372.3, 241.4}, 0.95, 25.0 * kDegree, 40.0 * kDegree, 0.0);
+  Detector detector({.families = {"tag36h11", "tag36h11b2"}});
+  const auto detections = detector.detect(grid.render(view, 3).view());
+  ASSERT_GE(static_cast<int>(detections.size()), kMinTags);
+  for (std::size_t a = 0; a < detections.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      const Eigen::Vector2d apart = detections[a].corners_px[0] - detections[b].corners_px[0];
+      const Eigen::Vector2d opposite = detections[a].corners_px[0] - detections[b].corners_px[2];
+      EXPECT_GT(std::min(apart.norm(), opposite.norm()), 5.0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace apriltrack
