@@ -16,36 +16,47 @@ namespace apriltrack {
 struct CalibrationOptions {
   /// The tag that is held at the map's origin; by default the first (smallest key) tag of the largest part.
   std::optional<TagKey> held_tag;
-  double corner_sigma_px = 0.15;  ///< Expected corner error per axis; scales the covariance only until residuals say more.
-  int min_views = 2;              ///< Tags seen in fewer frames are left out and named.
+  /// Expected error normal to a tag's edge at one of its ends; scales the covariance only until residuals say
+  /// more.
+  double corner_sigma_px = 0.15;
+  /// Correlation of those errors between the two ends of an edge: -0.5 for corners that are intersections of
+  /// lines fitted to the edges. In (-1, 1).
+  double edge_end_correlation = -0.45;
+  int min_views = 2;  ///< Tags seen in fewer frames together with others are left out and named.
   int max_iterations = 100;
-  int num_threads = 1;
+  int num_threads = 1;  ///< 0 = as many as the machine has cores. The result does not depend on it.
+  std::string map_frame = "world";
 
+  /// Throws Error(kInvalidInput) that names the option, its value and its range.
   void check() const;
 };
 
-/// A part of the recording whose tags are joined by frames that show them together.
-struct MapPart {
-  std::vector<TagKey> tags;
-};
-
 struct CalibrationResult {
-  TagMap map;                      ///< The part with the held tag.
-  std::vector<TagMap> other_parts; ///< Parts that no frame joins to it, each with a gauge of its own; largest first.
+  TagMap map;  ///< The part with the held tag; tags in the order of their keys.
+  std::vector<TagMap>
+      other_parts;  ///< Parts that no frame joins to it, each with a gauge of its own; largest first.
+  TagKey held_tag;  ///< At the origin of `map`.
   std::vector<std::string> warnings;
-  std::vector<TagKey> left_out;    ///< Seen, but not mapped: too few views, or never together with another tag.
-  double residual_rms_px = 0.0;    ///< Per axis, of the observations used.
+  std::vector<TagKey> left_out;  ///< Seen, but in no map: the warnings say why.
+  // Of `map`:
+  double residual_rms_px = 0.0;  ///< Per axis, of the observations used.
   int frames_used = 0;
-  int observations_used = 0;
-  int observations_rejected = 0;
+  int observations_used = 0;      ///< Tags in images.
+  int observations_rejected = 0;  ///< Outliers.
 };
 
-/// Builds a tag map by bundle adjustment: connectivity first, planar solutions resolved, spanning-tree start, robust
-/// adjustment with one tag held (docs/algorithms/calibration.md).
+/// Builds a tag map by bundle adjustment: connectivity first, planar solutions resolved, spanning-tree start,
+/// robust adjustment with one tag held (docs/algorithms/calibration.md).
 ///
-/// Throws Error(kNoResult) when no two tags connect, ids are not unique, or the adjustment does not converge, and says
-/// what to do; Error(kInvalidInput) when a size is missing or the held tag was never seen.
-CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const CameraRig& rig, const TagSizes& sizes,
-                                const CalibrationOptions& options, const LogSink& log = silent_log());
+/// frames: in any order; those of several cameras with equal time share the rig's pose. A second frame of one
+/// camera with the same time counts as another moment.  rig: needs extrinsics only when several of its
+/// cameras were used.
+///
+/// Throws Error(kNoResult) when no two tags connect, ids are not unique, or the adjustment does not converge,
+/// and says what to do; Error(kInvalidInput) when a size is missing, a camera is unknown or the held tag was
+/// never seen.
+CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const CameraRig& rig,
+                                const TagSizes& sizes, const CalibrationOptions& options,
+                                const LogSink& log = silent_log());
 
 }  // namespace apriltrack

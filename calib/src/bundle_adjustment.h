@@ -1,0 +1,52 @@
+#pragma once
+
+#include <ceres/problem.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "map_state.h"
+#include "se3_manifold.h"
+
+namespace apriltrack {
+
+struct AdjustmentOptions {
+  /// Scale of the Cauchy loss on a view's whitened residual norm (sqrt(8) for noise as expected); 0 = least
+  /// squares.
+  double loss_scale = 0.0;
+  int max_iterations = 100;
+};
+
+struct AdjustmentSummary {
+  bool is_usable = false;  ///< The state is at least as good as before.
+  bool has_converged = false;
+  double cost = 0.0;  ///< Half the (robust) sum of squares.
+  std::string message;
+};
+
+/// The reprojection errors of `views` as a Ceres problem over the poses of their tags and frames.
+class BundleProblem {
+ public:
+  /// free_tags: tags whose poses vary; all others keep theirs, which fixes the gauge: at least one of them
+  /// must be seen. Views that cannot be projected from `state` are left out.
+  BundleProblem(const Observations& observations, const std::vector<std::size_t>& views,
+                const std::vector<int>& free_tags, const MapState& state, double loss_scale);
+
+  AdjustmentSummary solve(int max_iterations);
+  void write_back(MapState& state) const;
+
+  ceres::Problem& problem() { return problem_; }
+  double* tag_block(int tag) { return tags_.at(tag).data(); }
+
+ private:
+  ceres::Problem problem_;
+  std::map<int, PoseBlock> tags_;
+  std::map<int, PoseBlock> frames_;
+};
+
+AdjustmentSummary adjust(const Observations& observations, const std::vector<std::size_t>& views,
+                         const std::vector<int>& free_tags, const AdjustmentOptions& options,
+                         MapState& state);
+
+}  // namespace apriltrack

@@ -1,0 +1,241 @@
+#include "apriltrack/calib/calibrate_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/base/parallel.h"
+#include "part_solver.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kHighResidual_px = 1.0;
+constexpr double kManyRejected = 0.1;
+constexpr int kFewViews = 5;
+constexpr double kLooseRotation_rad = 0.02;
+constexpr double kLoosePosition = 0.1;  // of the tag's size
+
+TagKey key_of(const Observations& observations, int tag) {
+  return observations.tags[static_cast<std::size_t>(tag)];
+}
+
+std::vector<TagKey> keys_of(const Observations& observations, const std::vector<int>& tags) {
+  std::vector<TagKey> keys;
+  for (const int tag : tags) keys.push_back(key_of(observations, tag));
+  return keys;
+}
+
+void leave_out(const Observations& observations, const std::vector<int>& tags, const std::string& reason,
+               Findings& findings) {
+  if (tags.empty()) return;
+  const std::vector<TagKey> keys = keys_of(observations, tags);
+  findings.warnings.push_back(fmt::format("left out: {}: {}", list_tags(keys), reason));
+  findings.left_out.insert(findings.left_out.end(), keys.begin(), keys.end());
+}
+
+void require_sizes(const Observations& observations, const std::vector<Part>& parts) {
+  std::vector<TagKey> missing;
+  for (const Part& part : parts) {
+    for (const int tag : part.tags) {
+      if (!(observations.sizes_m[static_cast<std::size_t>(tag)] > 0.0))
+        missing.push_back(key_of(observations, tag));
+    }
+  }
+  std::sort(missing.begin(), missing.end());
+  if (!missing.empty())
+    throw invalid_input("calibrate",
+                        fmt::format("no size is given for {}; use --tag-size METRES for all tags, or name "
+                                    "them in the file of --tag-sizes",
+                                    list_tags(missing)));
+}
+
+/// Parts whose views all have a pose to start from. Sizes are asked for only where a tag can be mapped at
+/// all.
+std::vector<Part> solvable_parts(const Observations& observations, const CalibrationOptions& options,
+                                 const ParallelFor& parallel, std::vector<ViewCandidates>& candidates,
+                                 Findings& findings) {
+  std::vector<std::size_t> views(observations.views.size());
+  std::iota(views.begin(), views.end(), std::size_t{0});
+  Connectivity connectivity = find_parts(observations, views, options.min_views);
+  require_sizes(observations, connectivity.parts);
+
+  std::vector<std::size_t> connected;
+  for (const Part& part : connectivity.parts)
+    connected.insert(connected.end(), part.views.begin(), part.views.end());
+  candidates = solve_views(observations, connected, parallel);
+  std::vector<bool> has_no_pose(views.size(), false);
+  for (const std::size_t v : connected) has_no_pose[v] = candidates[v].candidates.empty();
+  std::erase_if(views, [&](std::size_t v) { return has_no_pose[v]; });
+  connectivity = find_parts(observations, views, options.min_views);
+  leave_out(observations, connectivity.lone_tags, "never seen together with another tag", findings);
+  leave_out(
+      observations, connectivity.rare_tags,
+      fmt::format("seen in fewer than {} frames together with other tags (--min-views)", options.min_views),
+      findings);
+  return connectivity.parts;
+}
+
+void require_connection(const Observations& observations, const std::vector<Part>& parts) {
+  if (!parts.empty()) return;
+  const std::string way_out =
+      observations.tags.size() < 2
+          ? "a map needs at least two tags: bring more of them into view"
+          : "move so that every tag shares some frames with another, in a chain that reaches all of them";
+  throw no_result("calibrate",
+                  fmt::format("no two tags connect (seen: {}): {}", list_tags(observations.tags), way_out));
+}
+
+/// The part with the held tag first, and the tag to hold in each.
+void choose_gauge(const Observations& observations, const CalibrationOptions& options,
+                  std::vector<Part>& parts, std::vector<int>& held_tags) {
+  if (options.held_tag) {
+    const auto seen = std::lower_bound(observations.tags.begin(), observations.tags.end(), *options.held_tag);
+    if (seen == observations.tags.end() || *seen != *options.held_tag)
+      throw invalid_input("--held-tag",
+                          fmt::format("{} was never seen; seen were: {}", to_string(*options.held_tag),
+                                      list_tags(observations.tags)));
+    const int held = static_cast<int>(seen - observations.tags.begin());
+    const auto part = std::find_if(parts.begin(), parts.end(), [&](const Part& p) {
+      return std::binary_search(p.tags.begin(), p.tags.end(), held);
+    });
+    if (part == parts.end())
+      throw no_result(
+          "calibrate",
+          fmt::format("the held tag {} was seen, but too seldom together with another tag; "
+                      "hold one of these: {}",
+                      to_string(*options.held_tag), list_tags(keys_of(observations, parts.front().tags))));
+    std::rotate(parts.begin(), part, part + 1);
+    held_tags.push_back(held);
+  }
+  while (held_tags.size() < parts.size()) held_tags.push_back(parts[held_tags.size()].tags.front());
+}
+
+std::vector<std::string> flags_of(const MapTag& tag, double rejected_share) {
+  std::vector<std::string> flags;
+  const Matrix6d& covariance = *tag.covariance;
+  const bool is_loose = std::sqrt(covariance.bottomRightCorner<3, 3>().trace()) > kLooseRotation_rad ||
+                        std::sqrt(covariance.topLeftCorner<3, 3>().trace()) > kLoosePosition * tag.size_m;
+  if (tag.statistics->views < kFewViews || is_loose) flags.push_back("weak");
+  if (rejected_share > kManyRejected) flags.push_back("outliers");
+  return flags;
+}
+
+TagMap to_map(const Observations& observations, const PartSolution& solution, const std::string& frame) {
+  TagMap map;
+  map.frame = frame;
+  map.default_family = key_of(observations, solution.part.tags.front()).family;
+  std::vector<int> views(observations.tags.size(), 0);
+  for (const std::size_t v : solution.part.views)
+    ++views[static_cast<std::size_t>(observations.views[v].tag)];
+  for (std::size_t i = 0; i < solution.part.tags.size(); ++i) {
+    const auto t = static_cast<std::size_t>(solution.part.tags[i]);
+    MapTag tag;
+    tag.key = observations.tags[t];
+    tag.size_m = observations.sizes_m[t];
+    tag.T_map_tag = solution.state.T_map_tag[t];
+    tag.covariance = solution.covariances[i];
+    tag.statistics = TagStatistics{views[t], solution.residual_rms_px[i], {}};
+    tag.statistics->flags =
+        flags_of(tag, 1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t]);
+    map.tags.push_back(std::move(tag));
+  }
+  return map;
+}
+
+int count_frames(const Observations& observations, const std::vector<std::size_t>& views) {
+  std::vector<int> frames;
+  for (const std::size_t v : views) frames.push_back(observations.views[v].frame);
+  return static_cast<int>(std::unique(frames.begin(), frames.end()) - frames.begin());
+}
+
+void report_quality(const Observations& observations, const PartSolution& solution, Findings& findings) {
+  leave_out(observations, solution.lost_tags,
+            "its views contradict those of the other tags (a wrong size? moved while filming? an id that is "
+            "there twice?)",
+            findings);
+  const double rejected =
+      1.0 - static_cast<double>(solution.part.views.size()) / static_cast<double>(solution.views_offered);
+  if (rejected > kManyRejected)
+    findings.warnings.push_back(
+        fmt::format("{:.0f} % of the observations were rejected as outliers: a tag of wrong size, a "
+                    "moved tag or strong blur may be the cause",
+                    100.0 * rejected));
+  if (solution.total_rms_px > kHighResidual_px)
+    findings.warnings.push_back(
+        fmt::format("the residuals are high ({:.2f} px; 0.1 to 0.4 is usual): check the camera file "
+                    "and the tag sizes",
+                    solution.total_rms_px));
+}
+
+void report_other_parts(const Observations& observations, const std::vector<Part>& parts,
+                        Findings& findings) {
+  for (std::size_t i = 1; i < parts.size(); ++i)
+    findings.warnings.push_back(fmt::format(
+        "a part of its own, not in the map: {}: no frame shows one of these together with a tag of the map",
+        list_tags(keys_of(observations, parts[i].tags))));
+}
+
+}  // namespace
+
+void CalibrationOptions::check() const {
+  const auto require = [](bool is_right, std::string_view name, const std::string& value,
+                          std::string_view range) {
+    if (!is_right) throw invalid_input(name, fmt::format("must be {} (is {})", range, value));
+  };
+  require(corner_sigma_px > 0.0 && corner_sigma_px <= 100.0, "corner_sigma_px",
+          fmt::format("{}", corner_sigma_px), "in (0, 100]");
+  require(edge_end_correlation > -1.0 && edge_end_correlation < 1.0, "edge_end_correlation",
+          fmt::format("{}", edge_end_correlation), "in (-1, 1)");
+  require(min_views >= 1, "min_views", std::to_string(min_views), "1 or more");
+  require(max_iterations >= 1, "max_iterations", std::to_string(max_iterations), "1 or more");
+  require(num_threads >= 0, "num_threads", std::to_string(num_threads), "0 (all cores) or more");
+}
+
+CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const CameraRig& rig,
+                                const TagSizes& sizes, const CalibrationOptions& options,
+                                const LogSink& log) {
+  options.check();
+  const ParallelFor parallel = parallel_for(options.num_threads);
+  Findings findings;
+  const Observations observations = collect_observations(frames, rig, sizes, options, findings);
+  std::vector<ViewCandidates> candidates;
+  std::vector<Part> parts = solvable_parts(observations, options, parallel, candidates, findings);
+  require_connection(observations, parts);
+  std::vector<int> held_tags;
+  choose_gauge(observations, options, parts, held_tags);
+  report_other_parts(observations, parts, findings);
+
+  CalibrationResult result;
+  result.held_tag = key_of(observations, held_tags.front());
+  log(LogLevel::kInfo, fmt::format("adjusting {} tags from {} observations", parts.front().tags.size(),
+                                   parts.front().views.size()));
+  const PartSolution main =
+      solve_part(observations, parts.front(), held_tags.front(), candidates, options, parallel, log);
+  report_quality(observations, main, findings);
+  result.map = to_map(observations, main, options.map_frame);
+  result.residual_rms_px = main.total_rms_px;
+  result.frames_used = count_frames(observations, main.part.views);
+  result.observations_used = static_cast<int>(main.part.views.size());
+  result.observations_rejected = static_cast<int>(main.views_offered - main.part.views.size());
+
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    try {
+      const PartSolution other =
+          solve_part(observations, parts[i], held_tags[i], candidates, options, parallel, log);
+      report_quality(observations, other, findings);
+      result.other_parts.push_back(
+          to_map(observations, other, fmt::format("{}_part_{}", options.map_frame, i + 1)));
+    } catch (const Error& error) {  // the main map stands without it
+      leave_out(observations, parts[i].tags, error.what(), findings);
+    }
+  }
+  result.warnings = std::move(findings.warnings);
+  result.left_out = std::move(findings.left_out);
+  std::sort(result.left_out.begin(), result.left_out.end());
+  return result;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,241 @@
+#include "observations.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "apriltrack/base/error.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kMinEdge_px = 4.0;         // below it a corner's error is as large as the edge's slope
+constexpr double kMaxRepeatedShare = 0.05;  // more frames with two copies: two objects, not a stray detection
+constexpr double kSamePlaceShare = 0.5;     // of an edge: two detections of one tag lie closer than this
+
+Eigen::Vector2d center_px(const CornersPx& c) {
+  return 0.25 * (c[0] + c[1] + c[2] + c[3]);
+}
+
+/// Convex, and turning the way a tag does that is seen from its front (y down: bottom-left to bottom-right to
+/// top-right is a left turn, the cross product is negative).
+bool is_seen_from_front(const CornersPx& corners) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d a = corners[(i + 1) % 4] - corners[i];
+    const Eigen::Vector2d b = corners[(i + 2) % 4] - corners[(i + 1) % 4];
+    constexpr double kMinSineOfCorner = 0.02;
+    if (a.x() * b.y() - a.y() * b.x() > -kMinSineOfCorner * a.norm() * b.norm()) return false;
+  }
+  return true;
+}
+
+bool is_usable(const CornersPx& corners, const CameraModel& model) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!corners[i].allFinite() || !(corners[(i + 1) % 4] - corners[i]).allFinite()) return false;
+    if ((corners[(i + 1) % 4] - corners[i]).norm() < kMinEdge_px) return false;
+  }
+  if (!is_seen_from_front(corners)) return false;
+  return std::all_of(corners.begin(), corners.end(),
+                     [&](const Eigen::Vector2d& pixel) { return model.unproject(pixel).has_value(); });
+}
+
+/// How often one id shows up at two places of one image.
+struct Repetition {
+  std::size_t frames = 0;
+  std::size_t frames_with_copies = 0;
+  std::size_t most_copies = 1;
+
+  bool is_many_tags() const {
+    return static_cast<double>(frames_with_copies) > kMaxRepeatedShare * static_cast<double>(frames);
+  }
+};
+
+/// The usable detections of one image; of detections of one tag at one place the surest.
+std::map<TagKey, std::vector<const Detection*>> usable_by_tag(const FrameDetections& frame,
+                                                              const CameraModel& model,
+                                                              std::size_t& unusable) {
+  std::map<TagKey, std::vector<const Detection*>> by_tag;
+  for (const Detection& detection : frame.detections) {
+    if (!is_usable(detection.corners_px, model)) {
+      ++unusable;
+      continue;
+    }
+    std::vector<const Detection*>& places = by_tag[detection.tag];
+    const auto same = std::find_if(places.begin(), places.end(), [&](const Detection* other) {
+      return (center_px(other->corners_px) - center_px(detection.corners_px)).norm() <
+             kSamePlaceShare * mean_edge_px(detection.corners_px);
+    });
+    if (same == places.end()) {
+      places.push_back(&detection);
+    } else if (detection.decision_margin.value_or(0.0) > (*same)->decision_margin.value_or(0.0)) {
+      *same = &detection;
+    }
+  }
+  return by_tag;
+}
+
+std::string describe(const TagKey& tag, const Repetition& repetition) {
+  return fmt::format(
+      "{} is not one tag: up to {} copies of it are seen at once (copies in {} of {} frames). A map needs an "
+      "id of its "
+      "own for every tag: print tags with different ids, or cover the copies",
+      to_string(tag), repetition.most_copies, repetition.frames_with_copies, repetition.frames);
+}
+
+/// Everything about one image that later steps need, before tags get their numbers.
+struct UsableFrame {
+  Timestamp timestamp;
+  int occurrence = 0;  ///< Second image of one camera with one time stamp: another recording, another pose.
+  int camera = 0;
+  std::map<TagKey, std::vector<const Detection*>> detections;
+};
+
+std::vector<RigCamera> rig_cameras(const CameraRig& rig, const std::set<std::string>& used) {
+  for (const std::string& name : used) rig.find(name);
+  std::vector<RigCamera> cameras;
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    // One camera alone needs no extrinsics; those that are not used may lack them.
+    const bool needs_extrinsics = used.size() > 1 && used.contains(rig.cameras[i].name);
+    cameras.push_back({rig.cameras[i].model, needs_extrinsics ? rig.T_camera_rig(i) : Pose::identity()});
+  }
+  return cameras;
+}
+
+int camera_index(const CameraRig& rig, const std::string& name) {
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    if (rig.cameras[i].name == name) return static_cast<int>(i);
+  }
+  rig.find(name);  // throws, and lists the names there are
+  return -1;
+}
+
+std::vector<UsableFrame> usable_frames(std::span<const FrameDetections> frames, const CameraRig& rig,
+                                       std::size_t& unusable) {
+  std::vector<UsableFrame> result;
+  std::map<std::pair<std::int64_t, int>, int> occurrences;
+  for (const FrameDetections& frame : frames) {
+    const int camera = camera_index(rig, frame.camera);
+    const CameraModel& model = rig.cameras[static_cast<std::size_t>(camera)].model;
+    const int occurrence = occurrences[{frame.timestamp.ns, camera}]++;
+    result.push_back({frame.timestamp, occurrence, camera, usable_by_tag(frame, model, unusable)});
+  }
+  std::stable_sort(result.begin(), result.end(), [](const UsableFrame& a, const UsableFrame& b) {
+    return std::tie(a.timestamp, a.occurrence, a.camera) < std::tie(b.timestamp, b.occurrence, b.camera);
+  });
+  return result;
+}
+
+std::map<TagKey, Repetition> count_repetitions(const std::vector<UsableFrame>& frames) {
+  std::map<TagKey, Repetition> repetitions;
+  for (const UsableFrame& frame : frames) {
+    for (const auto& [tag, places] : frame.detections) {
+      Repetition& repetition = repetitions[tag];
+      ++repetition.frames;
+      if (places.size() > 1) ++repetition.frames_with_copies;
+      repetition.most_copies = std::max(repetition.most_copies, places.size());
+    }
+  }
+  return repetitions;
+}
+
+void report_repetitions(const std::map<TagKey, Repetition>& repetitions, Findings& findings) {
+  std::size_t single_tags = 0;
+  std::string first_complaint;
+  for (const auto& [tag, repetition] : repetitions) {
+    if (repetition.is_many_tags()) {
+      findings.warnings.push_back(describe(tag, repetition) + "; it is left out");
+      findings.left_out.push_back(tag);
+      if (first_complaint.empty()) first_complaint = describe(tag, repetition);
+    } else {
+      ++single_tags;
+      if (repetition.frames_with_copies > 0)
+        findings.warnings.push_back(
+            fmt::format("{} is seen at two places at once in {} of {} frames: not used there", to_string(tag),
+                        repetition.frames_with_copies, repetition.frames));
+    }
+  }
+  if (single_tags < 2 && !first_complaint.empty()) throw no_result("calibrate", first_complaint);
+}
+
+Observations number_views(const std::vector<UsableFrame>& frames,
+                          const std::map<TagKey, Repetition>& repetitions, const EdgeNoise& noise) {
+  Observations observations;
+  std::map<TagKey, int> index;
+  for (const auto& [tag, repetition] : repetitions) {
+    if (repetition.is_many_tags()) continue;
+    index[tag] = static_cast<int>(observations.tags.size());
+    observations.tags.push_back(tag);
+  }
+  const UsableFrame* previous = nullptr;
+  for (const UsableFrame& frame : frames) {
+    const bool shares_pose = previous != nullptr && previous->timestamp == frame.timestamp &&
+                             previous->occurrence == frame.occurrence;
+    if (!shares_pose) observations.frames.push_back(frame.timestamp);
+    previous = &frame;
+    for (const auto& [tag, places] : frame.detections) {
+      if (places.size() > 1 || !index.contains(tag)) continue;
+      const CornersPx& corners = places.front()->corners_px;
+      observations.views.push_back({index[tag], static_cast<int>(observations.frames.size()) - 1,
+                                    frame.camera, corners, edge_noise_whitening(corners, noise)});
+    }
+  }
+  return observations;
+}
+
+}  // namespace
+
+Observations collect_observations(std::span<const FrameDetections> frames, const CameraRig& rig,
+                                  const TagSizes& sizes, const CalibrationOptions& options,
+                                  Findings& findings) {
+  std::set<std::string> used;
+  std::size_t detections = 0;
+  for (const FrameDetections& frame : frames) {
+    if (!frame.detections.empty()) used.insert(frame.camera);
+    detections += frame.detections.size();
+  }
+  if (detections == 0)
+    throw no_result("calibrate",
+                    fmt::format("no tags were seen in {} frames; check the tag family and that tags are "
+                                "sharp and at least 20 pixels wide",
+                                frames.size()));
+  std::size_t unusable = 0;
+  const std::vector<UsableFrame> usable = usable_frames(frames, rig, unusable);
+  if (unusable == detections)
+    throw no_result(
+        "calibrate",
+        fmt::format(
+            "none of the {} detections shows a tag as this camera can see one: check the camera file and "
+            "the corner order (bottom-left, bottom-right, top-right, top-left)",
+            detections));
+  if (unusable > 0)
+    findings.warnings.push_back(
+        fmt::format("{} of {} detections are not used: corners not finite, not a tag's front, "
+                    "too small, or outside what the lens model covers",
+                    unusable, detections));
+
+  const std::map<TagKey, Repetition> repetitions = count_repetitions(usable);
+  report_repetitions(repetitions, findings);
+  Observations observations =
+      number_views(usable, repetitions, {options.corner_sigma_px, options.edge_end_correlation});
+  observations.cameras = rig_cameras(rig, used);
+  for (const TagKey& tag : observations.tags) observations.sizes_m.push_back(sizes.find(tag).value_or(0.0));
+  return observations;
+}
+
+double mean_edge_px(const CornersPx& corners) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) sum += (corners[(i + 1) % 4] - corners[i]).norm();
+  return 0.25 * sum;
+}
+
+std::string list_tags(std::span<const TagKey> keys, std::size_t limit) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(limit, keys.size()); ++i)
+    text += (i > 0 ? ", " : "") + to_string(keys[i]);
+  if (keys.size() > limit) text += fmt::format(" and {} more", keys.size() - limit);
+  return text;
+}
+
+}  // namespace apriltrack

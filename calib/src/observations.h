@@ -1,0 +1,54 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apriltrack/calib/calibrate_map.h"
+#include "corner_noise.h"
+
+namespace apriltrack {
+
+/// One tag as one camera saw it in one frame.
+struct TagView {
+  int tag = 0;     ///< Into Observations::tags.
+  int frame = 0;   ///< Into Observations::frames; views of several cameras at one time share the rig's pose.
+  int camera = 0;  ///< Into Observations::cameras.
+  CornersPx corners_px;
+  Matrix8d whitening;  ///< Turns corner errors (px, x0 y0 x1 ...) into independent numbers of unit variance.
+};
+
+struct RigCamera {
+  CameraModel model;
+  Pose T_camera_rig;
+};
+
+/// What a calibration works on: every usable view, with small whole numbers in place of names.
+struct Observations {
+  std::vector<TagKey> tags;     ///< Sorted.
+  std::vector<double> sizes_m;  ///< Of each tag; 0 where no size is known.
+  std::vector<Timestamp> frames;
+  std::vector<RigCamera> cameras;
+  std::vector<TagView> views;  ///< Sorted by frame, then camera, then tag.
+};
+
+/// Left out, and why; both go into the result.
+struct Findings {
+  std::vector<std::string> warnings;
+  std::vector<TagKey> left_out;
+};
+
+/// Drops corners that no tag can show (not finite, folded, mirrored, tiny, outside the lens model's domain)
+/// and ids that are not unique, and says so in `findings`. Throws Error(kNoResult) when nothing is left,
+/// Error(kInvalidInput) when a camera is unknown.
+Observations collect_observations(std::span<const FrameDetections> frames, const CameraRig& rig,
+                                  const TagSizes& sizes, const CalibrationOptions& options,
+                                  Findings& findings);
+
+/// Mean length of the four edges.
+double mean_edge_px(const CornersPx& corners);
+
+/// "tag36h11/3, tag36h11/4 and 5 more".
+std::string list_tags(std::span<const TagKey> keys, std::size_t limit = 20);
+
+}  // namespace apriltrack

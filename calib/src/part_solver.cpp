@@ -1,0 +1,193 @@
+#include "part_solver.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apriltrack/base/error.h"
+#include "bundle_adjustment.h"
+#include "mirror_test.h"
+#include "tag_covariance.h"
+#include "view_residual.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kCoarseLoss = 30.0;       // views are some ten pixels off at the start
+constexpr double kFineLossPerSigma = 6.0;  // a good view's whitened norm is sqrt(8)
+constexpr double kMaxViewRms = 4.0;        // sigmas; one in 1e18 good views
+constexpr double kMaxComponent = 6.0;      // sigmas; one corner off, the rest of the tag in place
+constexpr double kMinScale = 0.1;  // sigmas are never taken for smaller than a tenth of those expected
+constexpr int kMaxRounds = 4;
+constexpr double kNonsense_px = 5.0;
+
+Vector8d whitened_residual(const Observations& observations, const TagView& view, const MapState& state,
+                           bool& is_valid, Vector8d* residual_px = nullptr) {
+  Vector8d residual = Vector8d::Zero();
+  is_valid = view_residual(observations.cameras[static_cast<std::size_t>(view.camera)],
+                           observations.sizes_m[static_cast<std::size_t>(view.tag)], view.corners_px,
+                           state.T_map_rig[static_cast<std::size_t>(view.frame)],
+                           state.T_map_tag[static_cast<std::size_t>(view.tag)], &residual, nullptr, nullptr);
+  if (residual_px != nullptr) *residual_px = residual;
+  return view.whitening * residual;
+}
+
+/// Standard deviation of the whitened residuals, from their median: half of them may be wrong.
+double robust_scale(const Observations& observations, const std::vector<std::size_t>& views,
+                    const MapState& state) {
+  std::vector<double> magnitudes;
+  for (const std::size_t v : views) {
+    bool is_valid = false;
+    const Vector8d whitened = whitened_residual(observations, observations.views[v], state, is_valid);
+    for (int i = 0; is_valid && i < 8; ++i) magnitudes.push_back(std::abs(whitened[i]));
+  }
+  if (magnitudes.empty()) return 1.0;
+  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
+  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
+  constexpr double kSigmaPerMedian = 1.4826;  // of a normal distribution
+  return std::max(kMinScale, kSigmaPerMedian * *middle);
+}
+
+std::vector<std::size_t> inliers(const Observations& observations, const std::vector<std::size_t>& views,
+                                 const MapState& state) {
+  const double scale = robust_scale(observations, views, state);
+  std::vector<std::size_t> kept;
+  for (const std::size_t v : views) {
+    bool is_valid = false;
+    const Vector8d whitened = whitened_residual(observations, observations.views[v], state, is_valid) / scale;
+    const double rms = std::sqrt(whitened.squaredNorm() / 8.0);
+    if (is_valid && rms <= kMaxViewRms && whitened.cwiseAbs().maxCoeff() <= kMaxComponent) kept.push_back(v);
+  }
+  return kept;
+}
+
+/// What of `part` the views still tie to the held tag; an empty part when it stands alone.
+Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,
+                  int min_views) {
+  for (Part& part : find_parts(observations, views, min_views).parts) {
+    if (std::binary_search(part.tags.begin(), part.tags.end(), held_tag)) return std::move(part);
+  }
+  return {};
+}
+
+std::vector<int> free_tags(const Part& part, int held_tag) {
+  std::vector<int> tags = part.tags;
+  std::erase(tags, held_tag);
+  return tags;
+}
+
+void adjust_robustly(const Observations& observations, const Part& part, int held_tag,
+                     const CalibrationOptions& options, MapState& state) {
+  adjust(observations, part.views, free_tags(part, held_tag), {kCoarseLoss, options.max_iterations}, state);
+  const double fine = kFineLossPerSigma * robust_scale(observations, part.views, state);
+  adjust(observations, part.views, free_tags(part, held_tag), {fine, options.max_iterations}, state);
+}
+
+/// Least squares over the inliers, which are chosen anew until they stay the same.
+Part adjust_cleanly(const Observations& observations, const Part& part, int held_tag,
+                    const CalibrationOptions& options, MapState& state) {
+  Part kept;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    Part next =
+        connected_to(observations, inliers(observations, part.views, state), held_tag, options.min_views);
+    if (next.tags.size() < 2)
+      throw no_result("calibrate",
+                      fmt::format("the observations around {} contradict each other: check the tag sizes "
+                                  "and the camera file, and that no tag was moved while filming",
+                                  to_string(observations.tags[static_cast<std::size_t>(held_tag)])));
+    if (next.views == kept.views) return kept;
+    kept = std::move(next);
+    const AdjustmentSummary summary =
+        adjust(observations, kept.views, free_tags(kept, held_tag),
+               {.loss_scale = 0.0, .max_iterations = options.max_iterations}, state);
+    if (!summary.is_usable || !summary.has_converged)
+      throw no_result("calibrate",
+                      fmt::format("the adjustment of {} tags did not converge ({}); more views of each tag, "
+                                  "from more sides, usually help",
+                                  kept.tags.size(), summary.message));
+  }
+  return kept;
+}
+
+void measure_residuals(const Observations& observations, PartSolution& solution, double& whitened_sum) {
+  std::vector<double> sums(observations.tags.size(), 0.0);
+  std::vector<int> counts(observations.tags.size(), 0);
+  double total = 0.0;
+  whitened_sum = 0.0;
+  for (const std::size_t v : solution.part.views) {
+    const TagView& view = observations.views[v];
+    bool is_valid = false;
+    Vector8d residual_px;
+    whitened_sum +=
+        whitened_residual(observations, view, solution.state, is_valid, &residual_px).squaredNorm();
+    sums[static_cast<std::size_t>(view.tag)] += residual_px.squaredNorm();
+    counts[static_cast<std::size_t>(view.tag)] += 8;
+    total += residual_px.squaredNorm();
+  }
+  for (const int tag : solution.part.tags) {
+    const auto t = static_cast<std::size_t>(tag);
+    solution.residual_rms_px.push_back(std::sqrt(sums[t] / std::max(counts[t], 1)));
+  }
+  solution.total_rms_px = std::sqrt(total / (8.0 * static_cast<double>(solution.part.views.size())));
+}
+
+std::size_t count_frames(const Observations& observations, const Part& part) {
+  std::size_t frames = 0;
+  int last = -1;
+  for (const std::size_t v : part.views) {
+    if (observations.views[v].frame != last) ++frames;
+    last = observations.views[v].frame;
+  }
+  return frames;
+}
+
+/// Scales the covariances by the noise that the residuals show.
+void measure_covariances(const Observations& observations, PartSolution& solution) {
+  double whitened_sum = 0.0;
+  measure_residuals(observations, solution, whitened_sum);
+  const auto covariances = tag_covariances(observations, solution.part, solution.held_tag, solution.state);
+  if (!covariances)
+    throw no_result("calibrate",
+                    "the views leave the pose of a tag undetermined; film each tag from more sides, together "
+                    "with others");
+  const double unknowns = 6.0 * static_cast<double>(solution.part.tags.size() - 1) +
+                          6.0 * static_cast<double>(count_frames(observations, solution.part));
+  const double freedom = 8.0 * static_cast<double>(solution.part.views.size()) - unknowns;
+  for (const Matrix6d& covariance : *covariances)
+    solution.covariances.push_back(whitened_sum / freedom * covariance);
+}
+
+}  // namespace
+
+PartSolution solve_part(const Observations& observations, const Part& part, int held_tag,
+                        const std::vector<ViewCandidates>& candidates, const CalibrationOptions& options,
+                        const ParallelFor& parallel, const LogSink& log) {
+  PartSolution solution;
+  solution.held_tag = held_tag;
+  solution.state = start_state(observations, part, held_tag, candidates, parallel);
+  adjust_robustly(observations, part, held_tag, options, solution.state);
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const std::vector<int> turned = turn_mirrored_tags(observations, part, held_tag, solution.state);
+    if (turned.empty()) break;
+    log(LogLevel::kInfo, fmt::format("{} tags turned to their mirrored pose", turned.size()));
+    adjust_robustly(observations, part, held_tag, options, solution.state);
+  }
+  solution.part = adjust_cleanly(observations, part, held_tag, options, solution.state);
+  measure_covariances(observations, solution);
+
+  solution.views_offered = part.views.size();
+  solution.views_offered_by_tag.assign(observations.tags.size(), 0);
+  for (const std::size_t v : part.views)
+    ++solution.views_offered_by_tag[static_cast<std::size_t>(observations.views[v].tag)];
+  std::set_difference(part.tags.begin(), part.tags.end(), solution.part.tags.begin(),
+                      solution.part.tags.end(), std::back_inserter(solution.lost_tags));
+  if (!(solution.total_rms_px < kNonsense_px))
+    throw no_result("calibrate",
+                    fmt::format("the adjusted map leaves errors of {:.1f} px: check the camera file, the tag "
+                                "sizes and the corner order",
+                                solution.total_rms_px));
+  return solution;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "map_state.h"
+
+namespace apriltrack {
+
+/// The map of one part, as adjusted.
+struct PartSolution {
+  int held_tag = 0;
+  Part part;  ///< What was kept: outliers, and tags that hung on them alone, are gone.
+  MapState state;
+  std::vector<Matrix6d> covariances;    ///< Of part.tags.
+  std::vector<double> residual_rms_px;  ///< Of part.tags, per axis.
+  double total_rms_px = 0.0;
+  std::size_t views_offered = 0;          ///< Before outliers were removed.
+  std::vector<int> views_offered_by_tag;  ///< Indexed like observations.tags.
+  std::vector<int> lost_tags;             ///< Their views contradict those of the others.
+};
+
+/// Start, robust adjustment, outliers removed, clean adjustment, mirrored tags turned, covariances.
+/// Throws Error(kNoResult) when it does not converge, or converges to nonsense.
+PartSolution solve_part(const Observations& observations, const Part& part, int held_tag,
+                        const std::vector<ViewCandidates>& candidates, const CalibrationOptions& options,
+                        const ParallelFor& parallel, const LogSink& log);
+
+}  // namespace apriltrack

@@ -1,0 +1,105 @@
+#include "parts.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
+
+namespace apriltrack {
+namespace {
+
+/// Distinct tags of each frame, counting only `views`.
+std::map<int, std::set<int>> tags_by_frame(const Observations& observations,
+                                           const std::vector<std::size_t>& views) {
+  std::map<int, std::set<int>> tags;
+  for (const std::size_t v : views) tags[observations.views[v].frame].insert(observations.views[v].tag);
+  return tags;
+}
+
+/// Frames in which each tag is seen together with another.
+std::vector<int> count_joint_frames(const Observations& observations,
+                                    const std::map<int, std::set<int>>& frames) {
+  std::vector<int> count(observations.tags.size(), 0);
+  for (const auto& [frame, tags] : frames) {
+    if (tags.size() < 2) continue;
+    for (const int tag : tags) ++count[static_cast<std::size_t>(tag)];
+  }
+  return count;
+}
+
+/// Removes tags with too few joint frames until none is left that has: each removal may make a neighbour
+/// lone.
+std::vector<std::size_t> keep_supported(const Observations& observations, std::vector<std::size_t> views,
+                                        int min_views) {
+  while (true) {
+    const auto frames = tags_by_frame(observations, views);
+    const std::vector<int> joint = count_joint_frames(observations, frames);
+    const auto is_weak = [&](std::size_t v) {
+      const TagView& view = observations.views[v];
+      return joint[static_cast<std::size_t>(view.tag)] < min_views || frames.at(view.frame).size() < 2;
+    };
+    if (std::erase_if(views, is_weak) == 0) return views;
+  }
+}
+
+std::vector<Part> split_by_connection(const Observations& observations,
+                                      const std::vector<std::size_t>& views) {
+  DisjointSets sets(observations.tags.size());
+  for (const auto& [frame, tags] : tags_by_frame(observations, views)) {
+    for (const int tag : tags)
+      sets.join(static_cast<std::size_t>(*tags.begin()), static_cast<std::size_t>(tag));
+  }
+  std::map<std::size_t, Part> by_root;
+  for (const std::size_t v : views)
+    by_root[sets.find(static_cast<std::size_t>(observations.views[v].tag))].views.push_back(v);
+  std::vector<Part> parts;
+  for (auto& [root, part] : by_root) {
+    std::set<int> tags;
+    for (const std::size_t v : part.views) tags.insert(observations.views[v].tag);
+    part.tags.assign(tags.begin(), tags.end());
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+}  // namespace
+
+DisjointSets::DisjointSets(std::size_t count) : parent_(count) {
+  std::iota(parent_.begin(), parent_.end(), 0u);
+}
+
+std::size_t DisjointSets::find(std::size_t item) {
+  while (parent_[item] != item) {
+    parent_[item] = parent_[parent_[item]];
+    item = parent_[item];
+  }
+  return item;
+}
+
+bool DisjointSets::join(std::size_t a, std::size_t b) {
+  const std::size_t root_a = find(a), root_b = find(b);
+  if (root_a == root_b) return false;
+  parent_[std::max(root_a, root_b)] = std::min(root_a, root_b);
+  return true;
+}
+
+Connectivity find_parts(const Observations& observations, const std::vector<std::size_t>& views,
+                        int min_views) {
+  Connectivity result;
+  const std::vector<int> joint_frames = count_joint_frames(observations, tags_by_frame(observations, views));
+  result.parts = split_by_connection(observations, keep_supported(observations, views, min_views));
+  std::sort(result.parts.begin(), result.parts.end(), [](const Part& a, const Part& b) {
+    return a.tags.size() != b.tags.size() ? a.tags.size() > b.tags.size() : a.tags < b.tags;
+  });
+
+  std::set<int> seen, kept;
+  for (const std::size_t v : views) seen.insert(observations.views[v].tag);
+  for (const Part& part : result.parts) kept.insert(part.tags.begin(), part.tags.end());
+  for (const int tag : seen) {
+    if (kept.contains(tag)) continue;
+    (joint_frames[static_cast<std::size_t>(tag)] == 0 ? result.lone_tags : result.rare_tags).push_back(tag);
+  }
+  return result;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "observations.h"
+
+namespace apriltrack {
+
+/// Sets that grow together (Tarjan's union-find, with path halving).
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count);
+  std::size_t find(std::size_t item);
+  /// False when both were in one set already.
+  bool join(std::size_t a, std::size_t b);
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+/// Tags that frames join, and the views that do so.
+struct Part {
+  std::vector<int> tags;  ///< Sorted.
+  std::vector<std::size_t>
+      views;  ///< Into Observations::views; only of frames that show two tags of the part or more.
+};
+
+struct Connectivity {
+  std::vector<Part> parts;     ///< Most tags first; equal ones by their first tag.
+  std::vector<int> lone_tags;  ///< Never seen together with another tag.
+  std::vector<int> rare_tags;  ///< Seen together with another, but in fewer than min_views frames.
+};
+
+/// views: the views to count (into observations.views), sorted. A frame ties together all its tags.
+Connectivity find_parts(const Observations& observations, const std::vector<std::size_t>& views,
+                        int min_views);
+
+}  // namespace apriltrack

@@ -1,0 +1,35 @@
+#include "view_residual.h"
+
+#include "apriltrack/geometry/rotation.h"
+
+namespace apriltrack {
+
+bool view_residual(const RigCamera& camera, double size_m, const CornersPx& observed_px,
+                   const Pose& T_map_rig, const Pose& T_map_tag, Vector8d* residual_px, Matrix8x6d* by_rig,
+                   Matrix8x6d* by_tag) {
+  const Pose T_rig_tag = T_map_rig.inverse() * T_map_tag;
+  const Eigen::Matrix3d R_camera_rig = camera.T_camera_rig.rotation_matrix();
+  const Eigen::Matrix3d R_rig_tag = T_rig_tag.rotation_matrix();
+  const std::array<Eigen::Vector3d, kNumCorners> corners_tag = tag_corners(size_m);
+  for (int i = 0; i < kNumCorners; ++i) {
+    const auto corner = static_cast<std::size_t>(i);
+    const Eigen::Vector3d point_rig = T_rig_tag * corners_tag[corner];
+    Eigen::Matrix<double, 2, 3> by_point;
+    const auto pixel = camera.model.project(camera.T_camera_rig * point_rig, &by_point);
+    if (!pixel) return false;
+    residual_px->segment<2>(2 * i) = *pixel - observed_px[corner];
+    const Eigen::Matrix<double, 2, 3> by_point_rig = by_point * R_camera_rig;
+    if (by_rig != nullptr) {
+      by_rig->block<2, 3>(2 * i, 0) = -by_point_rig;
+      by_rig->block<2, 3>(2 * i, 3) = by_point_rig * skew(point_rig);
+    }
+    if (by_tag != nullptr) {
+      const Eigen::Matrix<double, 2, 3> by_point_tag = by_point_rig * R_rig_tag;
+      by_tag->block<2, 3>(2 * i, 0) = by_point_tag;
+      by_tag->block<2, 3>(2 * i, 3) = -by_point_tag * skew(corners_tag[corner]);
+    }
+  }
+  return true;
+}
+
+}  // namespace apriltrack
