@@ -184,7 +184,7 @@ std::vector<BlurBin> bin_by_blur(const std::vector<FrameScore>& frames) {
       return frame.blur_px >= bin.from_px && frame.blur_px < bin.to_px;
     });
     if (inside.empty()) continue;
-    bin.summary = summarise(inside);
+    bin.summary = summarise(inside, true);
     bins.push_back(bin);
   }
   return bins;
@@ -208,7 +208,7 @@ PoseError pose_error(const Pose& truth, const Pose& estimate) {
   return error;
 }
 
-ErrorSummary summarise(const std::vector<FrameScore>& frames) {
+ErrorSummary summarise(const std::vector<FrameScore>& frames, bool has_scene) {
   std::vector<double> corners_px;
   std::vector<double> positions_m;
   std::vector<double> rotations_rad;
@@ -220,6 +220,9 @@ ErrorSummary summarise(const std::vector<FrameScore>& frames) {
   }
   ErrorSummary summary;
   summary.frames = static_cast<int>(frames.size());
+  const auto num_good =
+      std::ranges::count_if(corners_px, [](double error_px) { return error_px < kSuccess_px; });
+  if (has_scene && !frames.empty()) summary.success_5px = static_cast<double>(num_good) / summary.frames;
   if (positions_m.empty()) return summary;
   summary.coverage = static_cast<double>(positions_m.size()) / summary.frames;
   summary.position_rmse_m = root_mean_square(positions_m);
@@ -227,9 +230,6 @@ ErrorSummary summarise(const std::vector<FrameScore>& frames) {
   summary.position_median_m = median(positions_m);
   summary.rotation_median_rad = median(rotations_rad);
   if (corners_px.empty()) return summary;
-  const auto num_good =
-      std::ranges::count_if(corners_px, [](double error_px) { return error_px < kSuccess_px; });
-  summary.success_5px = static_cast<double>(num_good) / summary.frames;
   summary.median_px = median(corners_px);
   summary.p95_px = percentile(corners_px, 0.95);
   return summary;
@@ -263,7 +263,7 @@ TrajectoryEvaluation evaluate_trajectory(const Trajectory& truth, const Trajecto
     throw no_result(
         "truth", "shows no tag in any frame; do camera, map and mode (ego or joint) belong to this truth?");
 
-  evaluation.overall = summarise(evaluation.frames);
+  evaluation.overall = summarise(evaluation.frames, scene != nullptr);
   if (scene) evaluation.by_blur = bin_by_blur(evaluation.frames);
   return evaluation;
 }

@@ -57,7 +57,8 @@ struct ErrorSummary {
   std::optional<double> rotation_median_rad;
 };
 
-ErrorSummary summarise(const std::vector<FrameScore>& frames);
+/// has_scene: whether corner errors were measured; then success_5px is told even where no frame has a pose.
+ErrorSummary summarise(const std::vector<FrameScore>& frames, bool has_scene);
 
 struct BlurBin {
   double from_px = 0.0;
