@@ -1,10 +1,219 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/parallel.h"
+#include "apriltrack/eval/trajectory.h"
+#include "apriltrack/sim/named_scenes.h"
+#include "apriltrack/sim/renderer.h"
+#include "apriltrack/sim/streaks.h"
+#include "apriltrack/source/sequence_writer.h"
 #include "commands.h"
+#include "console.h"
 
 namespace apriltrack::app {
+namespace {
+
+constexpr std::size_t kMaxFrames = 1'000'000;
+
+struct SimulateOptions {
+  std::string scene;
+  std::string output;
+  std::optional<long long> frames;
+  std::optional<double> rate_hz;
+  std::optional<double> exposure_s;
+  double speed = 1.0;
+  double noise = 1.0;
+  double flicker = 0.0;
+  std::uint64_t seed = 1;
+  int num_threads = 0;
+  bool is_forced = false;
+  Console console;
+};
+
+void check_range(const char* option, double value, double low, double high, const char* unit) {
+  if (value >= low && value <= high) return;  // false for NaN too
+  throw invalid_input(option, fmt::format("must lie in [{:g}, {:g}]{} (is {:g})", low, high, unit, value));
+}
+
+void check(const SimulateOptions& options) {
+  check_range("--speed", options.speed, 0.0, 100.0, "");
+  check_range("--noise", options.noise, 0.0, 100.0, "");
+  check_range("--flicker", options.flicker, 0.0, 0.9, "");
+  check_range("--threads", options.num_threads, 0, 1024, "; 0 = all cores");
+  if (options.frames) check_range("--frames", static_cast<double>(*options.frames), 1, kMaxFrames, "");
+  if (options.rate_hz) check_range("--rate", *options.rate_hz, 0.01, 10000.0, " Hz");
+}
+
+Scene configured_scene(const SimulateOptions& options) {
+  check(options);
+  Scene scene = make_scene(options.scene, {.speed = options.speed});
+  if (options.frames) scene.num_frames = static_cast<std::size_t>(*options.frames);
+  if (options.rate_hz) scene.rate_hz = *options.rate_hz;
+  if (options.exposure_s) scene.exposure_s = *options.exposure_s;
+  const double interval_s = 1.0 / scene.rate_hz;
+  if (!(scene.exposure_s > 0.0 && scene.exposure_s <= interval_s)) {
+    throw invalid_input("--exposure",
+                        fmt::format("must lie in (0, {:.6g}] s, the frame interval at {:g} Hz (is {:g})",
+                                    interval_s, scene.rate_hz, scene.exposure_s));
+  }
+  scene.formation.noise = options.noise;
+  scene.flicker.depth = options.flicker;
+  scene.camera.exposure_s = scene.exposure_s;
+  return scene;
+}
+
+/// What stays of a frame once its picture is on the disk.
+struct WrittenFrame {
+  Timestamp timestamp;
+  Pose truth;
+  double exposure_s = 0.0;
+  double light = 1.0;
+  std::optional<double> blur_px;
+};
+
+using WrittenFrames = std::vector<std::optional<WrittenFrame>>;
+
+WrittenFrames render_frames(const Renderer& renderer, const SequenceWriter& writer,
+                            const SimulateOptions& options) {
+  const Scene& scene = renderer.scene();
+  WrittenFrames written(scene.num_frames);
+  Progress progress(options.console, "rendering", scene.num_frames);
+  std::mutex progress_mutex;
+  parallel_for(options.num_threads)(scene.num_frames, [&](std::size_t index) {
+    if (is_interrupted()) return;
+    const RenderedFrame frame = renderer.render(index);
+    writer.write_frame(frame.frame());
+    written[index] = {frame.timestamp, frame.truth, frame.exposure_s, frame.light,
+                      frame_blur_px(scene, frame.timestamp)};
+    const std::lock_guard lock(progress_mutex);
+    progress.advance();
+  });
+  return written;
+}
+
+/// Truth and, where the lamps flicker, gain: of the frames that are on the disk, and of no others.
+void write_truth(const WrittenFrames& written, const Scene& scene, const SequenceWriter& writer) {
+  Trajectory truth;
+  std::vector<Frame> frames;
+  double first_light = 0.0;
+  for (const auto& frame : written) {
+    if (!frame) continue;
+    if (frames.empty()) first_light = frame->light;
+    truth.push_back({frame->timestamp, frame->truth});
+    Frame row;
+    row.timestamp = frame->timestamp;
+    row.exposure_s = frame->exposure_s;
+    row.gain = frame->light / first_light;
+    frames.push_back(row);
+  }
+  write_tum(writer.folder() / "truth.tum", truth);
+  if (scene.flicker.depth > 0.0) writer.write_frames_csv(frames);
+}
+
+struct BlurFigures {
+  std::size_t num_frames = 0;
+  std::size_t num_with_tags = 0;
+  std::size_t num_over_10_px = 0;
+  double max_px = 0.0;
+};
+
+BlurFigures blur_figures(const WrittenFrames& written) {
+  BlurFigures figures;
+  for (const auto& frame : written) {
+    if (!frame) continue;
+    ++figures.num_frames;
+    if (!frame->blur_px) continue;
+    ++figures.num_with_tags;
+    figures.num_over_10_px += *frame->blur_px > 10.0 ? 1 : 0;
+    figures.max_px = std::max(figures.max_px, *frame->blur_px);
+  }
+  return figures;
+}
+
+void report(const Scene& scene, const BlurFigures& figures, const SimulateOptions& options) {
+  const double share = figures.num_with_tags == 0 ? 0.0
+                                                  : static_cast<double>(figures.num_over_10_px) /
+                                                        static_cast<double>(figures.num_with_tags);
+  const nlohmann::json summary = {{"output", options.output},
+                                  {"scene", scene.name},
+                                  {"mode", scene.truth == TruthKind::kEgo ? "ego" : "joint"},
+                                  {"frames", figures.num_frames},
+                                  {"frames_asked", scene.num_frames},
+                                  {"frames_with_tags", figures.num_with_tags},
+                                  {"share_over_10_px", share},
+                                  {"max_blur_px", figures.max_px},
+                                  {"rate_hz", scene.rate_hz},
+                                  {"exposure_s", scene.exposure_s},
+                                  {"seed", options.seed},
+                                  {"interrupted", figures.num_frames < scene.num_frames}};
+  options.console.finish(
+      summary, fmt::format("{}: {} frames of scene '{}', {:.0f} % over 10 px of blur, at most {:.1f} px",
+                           options.output, figures.num_frames, scene.name, 100.0 * share, figures.max_px));
+}
+
+void simulate(const SimulateOptions& options) {
+  const Scene scene = configured_scene(options);
+  const SequenceWriter writer(options.output, options.is_forced);
+  CameraRig rig;
+  rig.cameras.push_back(scene.camera);
+  writer.write_camera(rig);
+  writer.write_map(scene.map);
+  const Renderer renderer(scene, {.seed = options.seed});
+  const WrittenFrames written = render_frames(renderer, writer, options);
+  write_truth(written, scene, writer);
+  const BlurFigures figures = blur_figures(written);
+  if (figures.num_frames < scene.num_frames) {
+    options.console.warning(fmt::format("interrupted: {} of {} frames are in {}, with their truth",
+                                        figures.num_frames, scene.num_frames, options.output));
+  }
+  if (figures.num_frames == 0) throw no_result("simulate", "interrupted before the first frame was rendered");
+  report(scene, figures, options);
+}
+
+std::string description() {
+  std::string text =
+      "Renders a recording with true motion blur and exact truth.\n\n"
+      "Example:\n  apriltrack simulate --scene room --output room --seed 7\n\nScenes:\n";
+  for (const SceneName& scene : named_scenes())
+    text += fmt::format("  {:<12} {}\n", scene.name, scene.summary);
+  text +=
+      "\nThe folder gets frames/, camera.yaml, map.yaml and truth.tum (the pose at the middle of each "
+      "exposure).";
+  return text;
+}
+
+}  // namespace
 
 void add_simulate_command(CLI::App& app) {
-  app.add_subcommand("simulate")->callback([] { throw no_result("simulate", "this command is being built"); });
+  auto options = std::make_shared<SimulateOptions>();
+  CLI::App& command = *app.add_subcommand("simulate", description());
+  command.add_option("--scene", options->scene, "What to film: see the list above")->required();
+  command.add_option("--output", options->output, "Folder to write; must be new or empty")->required();
+  command.add_option("--frames", options->frames, "How many frames (default: the scene's own)");
+  command.add_option("--rate", options->rate_hz, "Frames per second (default: the scene's own)");
+  command.add_option("--exposure", options->exposure_s,
+                     "Seconds; at most the frame interval (default: the scene's own)");
+  command.add_option("--speed", options->speed, "Moves so many times faster along the same path")
+      ->capture_default_str();
+  command.add_option("--noise", options->noise, "Scales shot and read noise; 0 = none")
+      ->capture_default_str();
+  command.add_option("--flicker", options->flicker, "Depth of the lamps' 100 Hz flicker; fills frames.csv")
+      ->capture_default_str();
+  command.add_option("--seed", options->seed, "The same seed gives the same bytes")->capture_default_str();
+  command.add_option("--threads", options->num_threads, "0 = all cores; changes no byte")
+      ->capture_default_str();
+  command.add_flag("--force", options->is_forced, "Write into a folder that is not empty");
+  options->console.add_options(command);
+  command.callback([options] { simulate(*options); });
 }
 
 }  // namespace apriltrack::app

@@ -1,0 +1,197 @@
+#include "film.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace apriltrack {
+namespace {
+
+/// Points per pixel, over all instants, where walls meet; and parts per pixel across edges of panels: few
+/// instants leave the whole of a pixel's area to each, many share the work.
+constexpr int kEdgeSamples = 32;
+int samples_per_instant(int num_instants) {
+  return std::max(1, kEdgeSamples / num_instants);
+}
+int splits_per_instant(int num_instants) {
+  return num_instants <= 16 ? 4 : 2;
+}
+
+struct BodyInstant {
+  std::vector<PanelView> panels;
+  RayBounds bounds{1e9F, -1e9F, 1e9F, -1e9F};
+  bool is_fixed = false;  ///< Before a fixed camera.
+};
+
+struct InstantView {
+  float weight = 0.0F;
+  RoomView room;
+  std::vector<BodyInstant> bodies;  ///< Far to near.
+};
+
+void include(RayBounds& all, const RayBounds& one) {
+  all.min_x = std::min(all.min_x, one.min_x);
+  all.max_x = std::max(all.max_x, one.max_x);
+  all.min_y = std::min(all.min_y, one.min_y);
+  all.max_y = std::max(all.max_y, one.max_y);
+}
+
+/// What lies on the walls first, then from far to near.
+std::vector<std::size_t> drawing_order(const PreparedScene& prepared, double time_s) {
+  const Pose T_camera_world = prepared.scene->T_world_camera.at(time_s).inverse();
+  std::vector<double> distance;
+  for (const auto& body : prepared.bodies) {
+    const Eigen::Vector3d centre = T_camera_world * (body.body->T_world_body.at(time_s) * body.centre_body);
+    distance.push_back(body.lies_on_walls ? 1e9 : centre.norm());
+  }
+  std::vector<std::size_t> order(prepared.bodies.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return distance[a] > distance[b]; });
+  return order;
+}
+
+BodyInstant view_body(const PreparedScene& prepared, const PreparedScene::PreparedBody& body,
+                      const Pose& T_camera_world, double time_s) {
+  BodyInstant view;
+  view.is_fixed = body.is_fixed;
+  const Pose T_world_body = body.body->T_world_body.at(time_s);
+  for (const PreparedPanel& panel : body.panels) {
+    const Pose T_world_panel = T_world_body * panel.panel->T_body_panel;
+    const auto seen =
+        PanelView::make(panel, T_camera_world * T_world_panel, T_world_panel, prepared.scene->lighting);
+    if (!seen) continue;
+    include(view.bounds, (*seen).bounds());
+    view.panels.push_back(*seen);
+  }
+  return view;
+}
+
+InstantView view_instant(const PreparedScene& prepared, const std::vector<std::size_t>& order, double time_s,
+                         int num_instants) {
+  const Scene& scene = *prepared.scene;
+  const Pose T_world_camera = scene.T_world_camera.at(time_s);
+  InstantView view;
+  view.weight = static_cast<float>(scene.flicker.light(time_s) / num_instants);
+  if (scene.room) view.room = RoomView(*scene.room, T_world_camera);
+  const Pose T_camera_world = T_world_camera.inverse();
+  for (const std::size_t index : order) {
+    view.bodies.push_back(view_body(prepared, prepared.bodies[index], T_camera_world, time_s));
+  }
+  return view;
+}
+
+/// One tile of the film: the picture of each instant is put together here before it is added up.
+class TileFilm {
+ public:
+  TileFilm(const PreparedScene& prepared, const std::vector<InstantView>& instants)
+      : prepared_(prepared),
+        instants_(instants),
+        samples_(samples_per_instant(static_cast<int>(instants.size()))),
+        splits_(splits_per_instant(static_cast<int>(instants.size()))) {
+    for (const InstantView& instant : instants) total_weight_ += instant.weight;
+  }
+
+  void expose(const Tile& tile, Image<float>& out) {
+    std::fill_n(sum_, kTileArea, 0.0F);
+    if (prepared_.is_camera_fixed) {
+      expose_before_fixed_camera(tile);
+    } else {
+      for (std::size_t i = 0; i < instants_.size(); ++i) {
+        draw_room(tile, i, samples_);
+        for (const BodyInstant& body : instants_[i].bodies) draw_body(tile, body);
+        add(instants_[i].weight);
+      }
+    }
+    store(tile, out);
+  }
+
+ private:
+  /// What stands still is drawn once; a tile in which nothing moves is then done.
+  void expose_before_fixed_camera(const Tile& tile) {
+    draw_room(tile, 0, kEdgeSamples);
+    const auto is_moving = [&](const BodyInstant& body) {
+      return !body.is_fixed && body.bounds.touches(tile.bounds);
+    };
+    const bool moves = std::any_of(instants_.begin(), instants_.end(), [&](const InstantView& instant) {
+      return std::any_of(instant.bodies.begin(), instant.bodies.end(), is_moving);
+    });
+    if (!moves) {
+      for (const BodyInstant& body : instants_[0].bodies) draw_body(tile, body);
+      add(total_weight_);
+      return;
+    }
+    std::copy_n(picture_, kTileArea, backdrop_);
+    for (const InstantView& instant : instants_) {
+      std::copy_n(backdrop_, kTileArea, picture_);
+      for (const BodyInstant& body : instant.bodies) draw_body(tile, body);
+      add(instant.weight);
+    }
+  }
+
+  void draw_room(const Tile& tile, std::size_t instant, int samples) {
+    if (prepared_.scene->room) {
+      instants_[instant].room.draw(tile, prepared_.grid, samples, static_cast<int>(instant), picture_);
+    } else {
+      std::fill_n(picture_, kTileArea, 0.0F);
+    }
+  }
+
+  void draw_body(const Tile& tile, const BodyInstant& body) {
+    if (!body.bounds.touches(tile.bounds)) return;
+    bool is_touched = false;
+    for (const PanelView& panel : body.panels) {
+      if (!panel.bounds().touches(tile.bounds)) continue;
+      if (!is_touched) {
+        std::fill_n(layer_.colour, kTileArea, 0.0F);
+        std::fill_n(layer_.coverage, kTileArea, 0.0F);
+      }
+      is_touched = true;
+      panel.draw(tile, prepared_.grid, splits_, layer_);
+    }
+    if (!is_touched) return;
+    for (int i = 0; i < kTileArea; ++i) {
+      picture_[i] = picture_[i] * (1.0F - std::min(layer_.coverage[i], 1.0F)) + layer_.colour[i];
+    }
+  }
+
+  void add(float weight) {
+    for (int i = 0; i < kTileArea; ++i) sum_[i] += weight * picture_[i];
+  }
+
+  void store(const Tile& tile, Image<float>& out) const {
+    for (int y = 0; y < tile.height; ++y) {
+      std::copy_n(sum_ + y * kTileWidth, tile.width, out.row(tile.y + y) + tile.x);
+      if (prepared_.grid.sees_everywhere()) continue;
+      for (int x = 0; x < tile.width; ++x) {
+        if (!prepared_.grid.is_seen(tile.x + x, tile.y + y)) out(tile.x + x, tile.y + y) = 0.0F;
+      }
+    }
+  }
+
+  const PreparedScene& prepared_;
+  const std::vector<InstantView>& instants_;
+  const int samples_;
+  const int splits_;
+  float total_weight_ = 0.0F;
+  BodyLayer layer_;
+  alignas(32) float picture_[kTileArea];
+  alignas(32) float backdrop_[kTileArea];
+  alignas(32) float sum_[kTileArea];
+};
+
+}  // namespace
+
+Image<float> film(const PreparedScene& prepared, const Instants& instants) {
+  const auto order = drawing_order(prepared, instants.start_s + 0.5 * instants.step_s * instants.count);
+  std::vector<InstantView> views;
+  for (int i = 0; i < instants.count; ++i) {
+    views.push_back(view_instant(prepared, order, instants.at(i), instants.count));
+  }
+  Image<float> out(prepared.grid.width(), prepared.grid.height(), 0.0F);
+  TileFilm tile_film(prepared, views);
+  for (const Tile& tile : prepared.grid.tiles()) tile_film.expose(tile, out);
+  return out;
+}
+
+}  // namespace apriltrack

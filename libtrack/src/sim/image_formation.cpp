@@ -1,0 +1,168 @@
+#include "apriltrack/sim/image_formation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "apriltrack/base/check.h"
+#include "apriltrack/base/random.h"
+
+namespace apriltrack {
+namespace {
+
+void check_range(const char* name, double value, double low, double high) {
+  APRILTRACK_CHECK(value >= low && value <= high, std::string(name) + " must lie in [" + std::to_string(low) +
+                                                      ", " + std::to_string(high) + "] (is " +
+                                                      std::to_string(value) + ")");
+}
+
+using Kernel = std::vector<float>;  // weights of pixels 0, 1, ... radius; symmetric
+
+std::vector<double> sampled_gaussian(double s, int radius) {
+  std::vector<double> weights;
+  double sum = 0.0;
+  for (int k = 0; k <= radius; ++k) {
+    weights.push_back(std::exp(-0.5 * k * k / (s * s)));
+    sum += k == 0 ? weights.back() : 2.0 * weights.back();
+  }
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+double variance(const std::vector<double>& weights) {
+  double sum = 0.0;
+  for (std::size_t k = 1; k < weights.size(); ++k) sum += 2.0 * static_cast<double>(k * k) * weights[k];
+  return sum;
+}
+
+Kernel kernel_of_variance(double sigma_px) {
+  const int radius = std::max(2, static_cast<int>(std::ceil(4.5 * sigma_px)));
+  double low = 0.05;
+  double high = 2.0 * sigma_px + 0.5;
+  for (int i = 0; i < 60; ++i) {
+    const double s = 0.5 * (low + high);
+    (variance(sampled_gaussian(s, radius)) < sigma_px * sigma_px ? low : high) = s;
+  }
+  const std::vector<double> weights = sampled_gaussian(0.5 * (low + high), radius);
+  return {weights.begin(), weights.end()};
+}
+
+/// line: padded by the kernel's radius on both sides.
+void convolve(const float* line, const Kernel& kernel, float* out, int count) {
+  const int radius = static_cast<int>(kernel.size()) - 1;
+  for (int x = 0; x < count; ++x) out[x] = kernel[0] * line[x + radius];
+  for (int k = 1; k <= radius; ++k) {
+    const float weight = kernel[static_cast<std::size_t>(k)];
+    for (int x = 0; x < count; ++x) out[x] += weight * (line[x + radius - k] + line[x + radius + k]);
+  }
+}
+
+Image<float> blur_rows(const Image<float>& in, const Kernel& kernel) {
+  const int radius = static_cast<int>(kernel.size()) - 1;
+  std::vector<float> padded(static_cast<std::size_t>(in.width() + 2 * radius));
+  Image<float> out(in.width(), in.height());
+  for (int y = 0; y < in.height(); ++y) {
+    const float* row = in.row(y);
+    std::fill_n(padded.begin(), radius, row[0]);
+    std::copy_n(row, in.width(), padded.begin() + radius);
+    std::fill_n(padded.end() - radius, radius, row[in.width() - 1]);
+    convolve(padded.data(), kernel, out.row(y), in.width());
+  }
+  return out;
+}
+
+Image<float> blur_columns(const Image<float>& in, const Kernel& kernel) {
+  const int last = in.height() - 1;
+  Image<float> out(in.width(), in.height());
+  for (int y = 0; y < in.height(); ++y) {
+    float* row = out.row(y);
+    for (int k = 0; k < static_cast<int>(kernel.size()); ++k) {
+      const float weight = kernel[static_cast<std::size_t>(k)] * (k == 0 ? 0.5F : 1.0F);
+      const float* above = in.row(std::max(0, y - k));
+      const float* below = in.row(std::min(last, y + k));
+      for (int x = 0; x < in.width(); ++x) row[x] += weight * (above[x] + below[x]);
+    }
+  }
+  return out;
+}
+
+/// The code whose light is nearest: what rounding does in codes, as far as the curve is straight between
+/// neighbours.
+class Encoder {
+ public:
+  explicit Encoder(const ResponseCurve& response) {
+    const auto& light = response.linear_light();
+    for (std::size_t code = 0; code + 1 < light.size(); ++code)
+      upper_[code] = 0.5F * (light[code] + light[code + 1]);
+    for (std::size_t bucket = 0; bucket < first_.size(); ++bucket) {
+      const float low = static_cast<float>(bucket) / kBuckets;
+      first_[bucket] =
+          static_cast<std::uint8_t>(std::upper_bound(upper_.begin(), upper_.end(), low) - upper_.begin());
+    }
+  }
+
+  std::uint8_t operator()(float light) const {
+    const float clipped = std::min(std::max(light, 0.0F), 1.0F);
+    std::uint8_t code = first_[static_cast<std::size_t>(clipped * kBuckets)];
+    while (code < 255 && clipped >= upper_[code]) ++code;
+    return code;
+  }
+
+ private:
+  static constexpr float kBuckets = 4096.0F;
+  std::array<float, 255> upper_{};
+  std::array<std::uint8_t, 4097> first_{};
+};
+
+}  // namespace
+
+void ImageFormation::check() const {
+  check_range("lens_blur_sigma_px", lens_blur_sigma_px, 0.0, 20.0);
+  check_range("vignetting", vignetting, 0.0, 0.95);
+  check_range("sensor_gain", sensor_gain, 1e-3, 1e3);
+  check_range("full_well", full_well, 1.0, 1e9);
+  check_range("read_noise", read_noise, 0.0, 1e6);
+  check_range("noise", noise, 0.0, 100.0);
+}
+
+Image<float> blur_by_lens(const Image<float>& light, double sigma_px) {
+  if (sigma_px <= 0.0) return light;
+  const Kernel kernel = kernel_of_variance(sigma_px);
+  return blur_columns(blur_rows(light, kernel), kernel);
+}
+
+void expose_sensor(Image<float>& light, const ImageFormation& formation) {
+  const double centre_x = 0.5 * (light.width() - 1);
+  const double centre_y = 0.5 * (light.height() - 1);
+  const double corner_squared = std::max(centre_x * centre_x + centre_y * centre_y, 1.0);
+  for (int y = 0; y < light.height(); ++y) {
+    const double dy_squared = (y - centre_y) * (y - centre_y);
+    float* row = light.row(y);
+    for (int x = 0; x < light.width(); ++x) {
+      const double radius_squared = ((x - centre_x) * (x - centre_x) + dy_squared) / corner_squared;
+      row[x] *= static_cast<float>(formation.sensor_gain * (1.0 - formation.vignetting * radius_squared));
+    }
+  }
+}
+
+GrayImage develop(const Image<float>& sensor_light, const ResponseCurve& response,
+                  const ImageFormation& formation, std::uint64_t seed, std::uint64_t frame_index) {
+  const Encoder encode(response);
+  const float shot = static_cast<float>(formation.noise * formation.noise / formation.full_well);
+  const float read = static_cast<float>(formation.noise * formation.read_noise / formation.full_well);
+  GrayImage out(sensor_light.width(), sensor_light.height());
+  for (int y = 0; y < out.height(); ++y) {
+    RandomStream random(seed, frame_index, static_cast<std::uint64_t>(y));
+    const float* light = sensor_light.row(y);
+    std::uint8_t* codes = out.row(y);
+    for (int x = 0; x < out.width(); ++x) {
+      const float sigma = std::sqrt(shot * std::max(light[x], 0.0F) + read * read);
+      codes[x] = encode(sigma > 0.0F ? light[x] + sigma * static_cast<float>(random.normal()) : light[x]);
+    }
+  }
+  return out;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,111 @@
+#include <algorithm>
+#include <cmath>
+
+#include "film.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr int kPathSteps = 8;  // straight pieces of a path: bends within an exposure are slight
+constexpr double kNear_m = 0.05;
+
+/// Where the ray of the camera's middle-time pose meets the room.
+Eigen::Vector3d hit_room(const Room& room, const Pose& T_world_camera, const Eigen::Vector3d& ray_camera) {
+  const Eigen::Vector3d ray = T_world_camera.rotation() * ray_camera;
+  const Eigen::Vector3d& eye = T_world_camera.translation();
+  double depth = 1e9;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(ray[axis]) < 1e-9) continue;
+    const double wall = ray[axis] > 0.0 ? room.max_corner[axis] : room.min_corner[axis];
+    depth = std::min(depth, (wall - eye[axis]) / ray[axis]);
+  }
+  return eye + depth * ray;
+}
+
+/// Points whose motion is followed: in the frame of the body that they belong to.
+struct Followed {
+  const Motion* T_world_body = nullptr;  ///< Null: the room.
+  std::vector<Eigen::Vector3d> points;
+};
+
+Followed points_of_room(const PreparedScene& prepared, double middle_s) {
+  Followed followed;
+  const Pose T_world_camera = prepared.scene->T_world_camera.at(middle_s);
+  const std::vector<Tile>& tiles = prepared.grid.tiles();
+  const std::size_t step = std::max<std::size_t>(1, tiles.size() / 50);
+  for (std::size_t i = 0; i < tiles.size(); i += step) {
+    const Eigen::Vector3d ray(tiles[i].centre.x(), tiles[i].centre.y(), 1.0);
+    followed.points.push_back(hit_room(*prepared.scene->room, T_world_camera, ray));
+  }
+  return followed;
+}
+
+Followed points_of_body(const PreparedScene::PreparedBody& body) {
+  Followed followed{.T_world_body = &body.body->T_world_body, .points = {}};
+  for (const PreparedPanel& panel : body.panels) {
+    const Eigen::Vector2d& half = panel.panel->half_size_m;
+    for (const double x : {-half.x(), half.x()}) {
+      for (const double y : {-half.y(), half.y()}) {
+        followed.points.push_back(panel.panel->T_body_panel * Eigen::Vector3d(x, y, 0.0));
+      }
+    }
+  }
+  return followed;
+}
+
+RayBounds view_bounds(const ViewGrid& grid) {
+  RayBounds all = grid.tiles().empty() ? RayBounds{} : grid.tiles().front().bounds;
+  for (const Tile& tile : grid.tiles()) {
+    all.min_x = std::min(all.min_x, tile.bounds.min_x);
+    all.max_x = std::max(all.max_x, tile.bounds.max_x);
+    all.min_y = std::min(all.min_y, tile.bounds.min_y);
+    all.max_y = std::max(all.max_y, tile.bounds.max_y);
+  }
+  return all;
+}
+
+double longest_path_px(const PreparedScene& prepared, const Followed& followed, double middle_s,
+                       double exposure_s) {
+  const Scene& scene = *prepared.scene;
+  const Pinhole& lens = scene.camera.model.pinhole();
+  const RayBounds view = view_bounds(prepared.grid);
+  std::vector<double> paths(followed.points.size(), 0.0);
+  std::vector<std::optional<Eigen::Vector2d>> last(followed.points.size());
+  for (int step = 0; step <= kPathSteps; ++step) {
+    const double t = middle_s + exposure_s * (static_cast<double>(step) / kPathSteps - 0.5);
+    Pose T_camera_points = scene.T_world_camera.at(t).inverse();
+    if (followed.T_world_body != nullptr) T_camera_points = T_camera_points * followed.T_world_body->at(t);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      const Eigen::Vector3d point = T_camera_points * followed.points[i];
+      std::optional<Eigen::Vector2d> pixel;
+      if (point.z() > kNear_m) {
+        const double x = std::clamp<double>(point.x() / point.z(), view.min_x, view.max_x);
+        const double y = std::clamp<double>(point.y() / point.z(), view.min_y, view.max_y);
+        pixel = Eigen::Vector2d(lens.fx * x, lens.fy * y);
+      }
+      if (pixel && last[i]) paths[i] += (*pixel - *last[i]).norm();
+      last[i] = pixel;
+    }
+  }
+  return paths.empty() ? 0.0 : *std::max_element(paths.begin(), paths.end());
+}
+
+}  // namespace
+
+Instants choose_instants(const PreparedScene& prepared, double middle_s, double exposure_s,
+                         const RenderOptions& options) {
+  if (exposure_s <= 0.0) return {.start_s = middle_s, .step_s = 0.0, .count = 1};
+  double path_px = 0.0;
+  if (prepared.scene->room && !prepared.is_camera_fixed) {
+    path_px = longest_path_px(prepared, points_of_room(prepared, middle_s), middle_s, exposure_s);
+  }
+  for (const auto& body : prepared.bodies) {
+    if (prepared.is_camera_fixed && body.is_fixed) continue;
+    path_px = std::max(path_px, longest_path_px(prepared, points_of_body(body), middle_s, exposure_s));
+  }
+  const double wanted = std::min(std::ceil(options.instants_per_px * path_px), 1.0 * options.max_instants);
+  const int count = std::max(options.min_instants, static_cast<int>(wanted)) * options.instants_factor;
+  return {.start_s = middle_s - 0.5 * exposure_s, .step_s = exposure_s / count, .count = count};
+}
+
+}  // namespace apriltrack

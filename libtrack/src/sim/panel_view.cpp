@@ -1,0 +1,190 @@
+#include "panel_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace apriltrack {
+namespace {
+
+constexpr double kNear_m = 0.01;
+constexpr float kEverywhere = 1e9F;
+
+/// Length that [middle - width / 2, middle + width / 2] has in common with [-half, half].
+float overlap(float middle, float width, float half) {
+  const float low = std::max(middle - 0.5F * width, -half);
+  const float high = std::min(middle + 0.5F * width, half);
+  return std::max(high - low, 0.0F);
+}
+
+}  // namespace
+
+/// What a pixel's area is in the panel's plane: a parallelogram, spanned by the columns (a, c) and (b, d).
+struct PanelView::Footprint {
+  float a, b, c, d;
+
+  float reach_u() const { return 0.5F * (std::abs(a) + std::abs(b)); }
+  float reach_v() const { return 0.5F * (std::abs(c) + std::abs(d)); }
+};
+
+std::optional<PanelView> PanelView::make(const PreparedPanel& prepared, const Pose& T_camera_panel,
+                                         const Pose& T_world_panel, const Lighting& lighting) {
+  const Pose T_panel_camera = T_camera_panel.inverse();
+  const Eigen::Vector3d& eye = T_panel_camera.translation();
+  if (eye.z() >= 0.0) return std::nullopt;  // z points into the surface: the eye is behind it
+  const Panel& panel = *prepared.panel;
+  const Eigen::Matrix3d R = T_panel_camera.rotation_matrix();
+
+  PanelView view;
+  view.prepared_ = &prepared;
+  view.is_decal_ = panel.is_decal;
+  // The ray from the eye meets z = 0 at depth -eye.z / (R ray).z.
+  const Eigen::Vector3d inverse_depth = R.row(2).transpose() / -eye.z();
+  const auto along = [&](int axis) -> Eigen::Vector3d {
+    return (eye[axis] * inverse_depth + R.row(axis).transpose()) / prepared.unit_m;
+  };
+  view.u_ = RayForm(along(0));
+  view.v_ = RayForm(along(1));
+  view.inverse_depth_ = RayForm(inverse_depth);
+  view.half_u_ = static_cast<float>(panel.half_size_m.x() / prepared.unit_m);
+  view.half_v_ = static_cast<float>(panel.half_size_m.y() / prepared.unit_m);
+  view.set_bounds(T_camera_panel);
+  if (view.bounds_.min_x > view.bounds_.max_x) return std::nullopt;
+  view.set_shading(T_world_panel, lighting);
+  return view;
+}
+
+void PanelView::set_bounds(const Pose& T_camera_panel) {
+  const Eigen::Vector2d& half = prepared_->panel->half_size_m;
+  bounds_ = {kEverywhere, -kEverywhere, kEverywhere, -kEverywhere};
+  int behind = 0;
+  for (const auto& [x, y] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}}) {
+    const Eigen::Vector3d corner = T_camera_panel * Eigen::Vector3d(x * half.x(), y * half.y(), 0.0);
+    if (corner.z() < kNear_m) {
+      ++behind;
+      continue;
+    }
+    const auto ray_x = static_cast<float>(corner.x() / corner.z());
+    const auto ray_y = static_cast<float>(corner.y() / corner.z());
+    bounds_.min_x = std::min(bounds_.min_x, ray_x);
+    bounds_.max_x = std::max(bounds_.max_x, ray_x);
+    bounds_.min_y = std::min(bounds_.min_y, ray_y);
+    bounds_.max_y = std::max(bounds_.max_y, ray_y);
+  }
+  if (behind > 0 && behind < 4) bounds_ = {-kEverywhere, kEverywhere, -kEverywhere, kEverywhere};
+}
+
+void PanelView::set_shading(const Pose& T_world_panel, const Lighting& lighting) {
+  const Eigen::Vector2d& half = prepared_->panel->half_size_m;
+  const Eigen::Vector3d outward = -(T_world_panel.rotation() * Eigen::Vector3d::UnitZ());
+  const auto light = [&](double x, double y) {
+    return static_cast<float>(lighting.irradiance(T_world_panel * Eigen::Vector3d(x, y, 0.0), outward));
+  };
+  shade_ = light(0.0, 0.0);
+  shade_per_u_ = (light(half.x(), 0.0) - light(-half.x(), 0.0)) / (2.0F * half_u_);
+  shade_per_v_ = (light(0.0, half.y()) - light(0.0, -half.y())) / (2.0F * half_v_);
+}
+
+PanelView::Footprint PanelView::footprint(float u, float v, float depth, const Tile& tile) const {
+  const float u_x = (u_.x - u * inverse_depth_.x) * depth;
+  const float u_y = (u_.y - u * inverse_depth_.y) * depth;
+  const float v_x = (v_.x - v * inverse_depth_.x) * depth;
+  const float v_y = (v_.y - v * inverse_depth_.y) * depth;
+  const Eigen::Matrix2f& D = tile.ray_per_px;
+  return {u_x * D(0, 0) + u_y * D(1, 0), u_x * D(0, 1) + u_y * D(1, 1), v_x * D(0, 0) + v_y * D(1, 0),
+          v_x * D(0, 1) + v_y * D(1, 1)};
+}
+
+float PanelView::picture_at(float u, float v, float unit_per_px) const {
+  const Texture& picture = *prepared_->panel->picture;
+  const int wanted = static_cast<int>(std::lround(std::log2(std::max(unit_per_px, 1.0F))));
+  const int index = std::min(wanted, picture.num_levels() - 1);
+  const Image<float>& level = picture.level(index);
+  const float scale = std::ldexp(1.0F, -index);
+  const float x = std::clamp((u + half_u_) * scale - 0.5F, 0.0F, static_cast<float>(level.width()) - 1.001F);
+  const float y = std::clamp((v + half_v_) * scale - 0.5F, 0.0F, static_cast<float>(level.height()) - 1.001F);
+  const int ix = static_cast<int>(x);
+  const int iy = static_cast<int>(y);
+  const float fx = x - static_cast<float>(ix);
+  const float fy = y - static_cast<float>(iy);
+  const float top = level(ix, iy) + fx * (level(ix + 1, iy) - level(ix, iy));
+  const float bottom = level(ix, iy + 1) + fx * (level(ix + 1, iy + 1) - level(ix, iy + 1));
+  return top + fy * (bottom - top);
+}
+
+/// A part of a pixel as an upright box of the panel's plane, with the part's variance along each axis: what
+/// an edge along u or v makes of it is then right in place, and nearly so in shape.
+PanelView::Shown PanelView::show_part(float u, float v, float width_u, float width_v) const {
+  const float area = width_u * width_v;
+  const float coverage = overlap(u, width_u, half_u_) * overlap(v, width_v, half_v_) / area;
+  if (coverage <= 0.0F) return {};
+  const Panel& panel = *prepared_->panel;
+  const auto white = static_cast<float>(panel.reflectance);
+  if (prepared_->cells) {
+    const float ink = prepared_->cells->ink_in_box(u - 0.5F * width_u, u + 0.5F * width_u, v - 0.5F * width_v,
+                                                   v + 0.5F * width_v) /
+                      area;
+    return {white * coverage - (white - static_cast<float>(panel.ink)) * ink, coverage};
+  }
+  const float reflectance = panel.picture ? picture_at(u, v, std::sqrt(area)) : white;
+  return {reflectance * coverage, coverage};
+}
+
+PanelView::Shown PanelView::show(float u, float v, const Footprint& area, int splits) const {
+  const float reach_u = area.reach_u();
+  const float reach_v = area.reach_v();
+  const Panel& panel = *prepared_->panel;
+  if (std::abs(u) + reach_u <= half_u_ && std::abs(v) + reach_v <= half_v_) {
+    if (!prepared_->cells) {
+      return {panel.picture ? picture_at(u, v, std::sqrt(std::abs(area.a * area.d - area.b * area.c)))
+                            : static_cast<float>(panel.reflectance),
+              1.0F};
+    }
+    const float ink = prepared_->cells->uniform_ink(u - reach_u, u + reach_u, v - reach_v, v + reach_v);
+    if (ink >= 0.0F)
+      return {static_cast<float>(panel.reflectance + ink * (panel.ink - panel.reflectance)), 1.0F};
+  }
+  const float part = 1.0F / static_cast<float>(splits);
+  const float width_u = part * std::sqrt(area.a * area.a + area.b * area.b);
+  const float width_v = part * std::sqrt(area.c * area.c + area.d * area.d);
+  Shown sum;
+  for (int j = 0; j < splits; ++j) {
+    const float y = (static_cast<float>(j) + 0.5F) * part - 0.5F;
+    for (int i = 0; i < splits; ++i) {
+      const float x = (static_cast<float>(i) + 0.5F) * part - 0.5F;
+      const Shown shown =
+          show_part(u + area.a * x + area.b * y, v + area.c * x + area.d * y, width_u, width_v);
+      sum.colour += shown.colour;
+      sum.coverage += shown.coverage;
+    }
+  }
+  return {sum.colour * part * part, sum.coverage * part * part};
+}
+
+void PanelView::draw(const Tile& tile, const ViewGrid& grid, int splits, BodyLayer& layer) const {
+  for (int y = 0; y < tile.height; ++y) {
+    const float* ray_x = grid.ray_x(tile.y + y) + tile.x;
+    const float* ray_y = grid.ray_y(tile.y + y) + tile.x;
+    for (int x = 0; x < tile.width; ++x) {
+      const float inverse_depth = inverse_depth_.at(ray_x[x], ray_y[x]);
+      if (inverse_depth <= 1e-4F) continue;  // beyond the plane's horizon
+      const float depth = 1.0F / inverse_depth;
+      const float u = u_.at(ray_x[x], ray_y[x]) * depth;
+      const float v = v_.at(ray_x[x], ray_y[x]) * depth;
+      const Footprint area = footprint(u, v, depth, tile);
+      if (std::abs(u) - area.reach_u() >= half_u_ || std::abs(v) - area.reach_v() >= half_v_) continue;
+      const Shown shown = show(u, v, area, splits);
+      const float shade = shade_ + shade_per_u_ * u + shade_per_v_ * v;
+      float& colour = layer.colour[y * kTileWidth + x];
+      float& coverage = layer.coverage[y * kTileWidth + x];
+      if (is_decal_) {
+        colour += shade * shown.colour - shown.coverage * colour;
+        coverage += shown.coverage * (1.0F - coverage);
+      } else {  // sides of a solid share their edges, so that their areas add up
+        colour += shade * shown.colour;
+        coverage += shown.coverage;
+      }
+    }
+  }
+}
+
+}  // namespace apriltrack

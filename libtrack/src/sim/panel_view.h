@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "apriltrack/sim/scene.h"
+#include "room_view.h"
+#include "tag_cells.h"
+#include "view_grid.h"
+
+namespace apriltrack {
+
+/// A panel with what can be prepared once for all frames.
+struct PreparedPanel {
+  const Panel* panel = nullptr;
+  std::shared_ptr<const TagCells> cells;  ///< Null: no tag.
+  double unit_m = 1.0;                    ///< Units of the panel's plane: cells, texels or metres.
+};
+
+/// Colour times coverage, and coverage, of one body in one tile.
+struct BodyLayer {
+  alignas(32) float colour[kTileArea];
+  alignas(32) float coverage[kTileArea];
+};
+
+/// A panel as one instant sees it.
+class PanelView {
+ public:
+  /// nullopt when the panel turns its back or lies behind the camera.
+  static std::optional<PanelView> make(const PreparedPanel& prepared, const Pose& T_camera_panel,
+                                       const Pose& T_world_panel, const Lighting& lighting);
+
+  const RayBounds& bounds() const { return bounds_; }
+
+  /// splits: a pixel whose area holds an edge is cut into splits x splits parts.
+  void draw(const Tile& tile, const ViewGrid& grid, int splits, BodyLayer& layer) const;
+
+ private:
+  struct Footprint;
+  struct Shown {
+    float colour = 0.0F;  ///< Times coverage.
+    float coverage = 0.0F;
+  };
+
+  void set_bounds(const Pose& T_camera_panel);
+  void set_shading(const Pose& T_world_panel, const Lighting& lighting);
+  Footprint footprint(float u, float v, float inverse_depth, const Tile& tile) const;
+  Shown show(float u, float v, const Footprint& area, int splits) const;
+  Shown show_part(float u, float v, float width_u, float width_v) const;
+  float picture_at(float u, float v, float unit_per_px) const;
+
+  const PreparedPanel* prepared_ = nullptr;
+  bool is_decal_ = false;
+  RayForm u_;  ///< u = u_ / inverse_depth_, in units from the middle of the panel.
+  RayForm v_;
+  RayForm inverse_depth_;
+  float half_u_ = 0.0F;
+  float half_v_ = 0.0F;
+  float shade_ = 1.0F;  ///< Irradiance, linear over the panel.
+  float shade_per_u_ = 0.0F;
+  float shade_per_v_ = 0.0F;
+  RayBounds bounds_;
+};
+
+}  // namespace apriltrack
