@@ -48,6 +48,8 @@ inline std::vector<Lens> all_lenses() {
           RadtanDistortion({0.12574925533818154, -0.29469338336037687, 0.006697021989197616, 5.35e-05})),
       make_lens("radtan_tangential", {400.0, 420.0, 310.0, 250.0},
                 RadtanDistortion({-0.1, 0.01, 0.02, -0.03})),
+      make_lens("radtan_strongly_tangential", {400.0, 420.0, 310.0, 250.0},
+                RadtanDistortion({-0.1, 0.01, 0.06, -0.08})),
       make_lens("radtan_five", {1506.9, 1506.28, 641.176, 524.495},
                 RadtanDistortion({-0.233024, 0.217972, 0.000104351, -9.65731e-05, -0.0913426})),
       make_lens("radtan_rational", {1706.9, 1700.1, 960.5, 554.3},

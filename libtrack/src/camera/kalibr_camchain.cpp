@@ -82,14 +82,11 @@ Camera read_camera(const std::string& name, const YamlNode& node, const std::fil
                     "exposure_time", "line_delay", "response", "T_cn_cnm1", "rostopic", "cam_overlaps",
                     "T_cam_imu", "timeshift_cam_imu"});
   check_camera_model(node.at("camera_model"));
+  const Pinhole pinhole = read_pinhole_list(node.at("intrinsics"));
   const YamlNode model = node.at("distortion_model");
   const auto coefficients = node.find("distortion_coeffs");
-  Camera camera{
-      .name = name,
-      .model =
-          CameraModel(read_pinhole_list(node.at("intrinsics")),
-                      read_distortion(model.as_string(), coefficients ? &*coefficients : nullptr, model)),
-  };
+  const Distortion lens = read_distortion(model.as_string(), coefficients ? &*coefficients : nullptr, model);
+  Camera camera{.name = name, .model = CameraModel(pinhole, lens)};
   const Resolution resolution = read_resolution_list(node.at("resolution"));
   camera.width = resolution.width;
   camera.height = resolution.height;

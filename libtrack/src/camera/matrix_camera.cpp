@@ -76,7 +76,8 @@ bool has_camera_matrix(const YamlNode& root) {
 }
 
 CameraRig read_matrix_camera(const YamlNode& root) {
-  Camera camera{.model = CameraModel(read_pinhole_matrix(*find_any(root, kMatrixNames)), read_lens(root))};
+  const Pinhole pinhole = read_pinhole_matrix(*find_any(root, kMatrixNames));
+  Camera camera{.model = CameraModel(pinhole, read_lens(root))};
   const Resolution resolution = read_size(root);
   camera.width = resolution.width;
   camera.height = resolution.height;
@@ -84,11 +85,12 @@ CameraRig read_matrix_camera(const YamlNode& root) {
 }
 
 CameraRig read_euroc_sensor(const YamlNode& root) {
+  const Pinhole pinhole = read_pinhole_list(root.at("intrinsics"));
   const YamlNode model = root.at("distortion_model");
   const auto coefficients = root.find("distortion_coefficients");
-  Camera camera{.model = CameraModel(
-                    read_pinhole_list(root.at("intrinsics")),
-                    read_distortion(model.as_string(), coefficients ? &*coefficients : nullptr, model))};
+  Camera camera{
+      .model = CameraModel(
+          pinhole, read_distortion(model.as_string(), coefficients ? &*coefficients : nullptr, model))};
   const Resolution resolution = read_resolution_list(root.at("resolution"));
   camera.width = resolution.width;
   camera.height = resolution.height;

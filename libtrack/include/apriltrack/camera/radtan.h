@@ -19,10 +19,10 @@ namespace apriltrack {
 /// Valid domain: Z > 0 and radius sqrt(s) < max_radius(). The polynomial rises only up to some radius and
 /// then folds back, so that points far outside the picture would be shown inside it. (x', y') is the gradient
 /// of `integral of r f dr + s (p2 x + p1 y)`, so its Jacobian is symmetric, with the eigenvalues f and d(r
-/// f)/dr of the radial part moved by no more than 6 |p| r. max_radius() is the first radius at which one of
-/// them, so moved, is no longer positive, or at which f runs into a pole, less 1e-4 of itself: without
-/// tangential terms just inside the first fold d(r f)/dr = 0. Within that disc the potential is convex, hence
-/// the map is one-to-one.
+/// f)/dr of the radial part moved by no more than 6 |p| r. max_radius() lies just inside (1e-4 of it) the
+/// first radius at which one of them, so moved, is no longer positive: without tangential terms the first
+/// fold d(r f)/dr = 0. Within that disc the potential is convex, hence the map is one-to-one. The disc also
+/// ends where the radial part shows points at 1000, which is before any pole of f.
 class RadtanDistortion {
  public:
   /// 4, 5 or 8 finite coefficients.

@@ -1,0 +1,143 @@
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "apriltrack/base/check.h"
+#include "apriltrack/base/error.h"
+#include "apriltrack/camera/camera.h"
+#include "lens_models.h"
+#include "support/pose_matchers.h"
+#include "support/shared_data.h"
+
+namespace apriltrack {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// One camera per lens of the property suite, with every optional field in use somewhere.
+CameraRig rig_of_all_lenses() {
+  CameraRig rig;
+  for (const auto& lens : test::all_lenses()) {
+    const auto i = rig.cameras.size();
+    Camera camera{.name = "cam" + std::to_string(i), .model = lens.model};
+    camera.width = 640 + static_cast<int>(i);
+    camera.height = 480;
+    if (i % 2 == 1) camera.exposure_s = 0.1 / 3.0 / static_cast<double>(i);
+    camera.line_delay_s = 1e-5 / 7.0 * static_cast<double>(i);
+    if (i % 3 == 1) camera.response = ResponseCurve::gamma(2.2 + 1.0 / 3.0);
+    if (i % 3 == 2) camera.response = ResponseCurve::linear();
+    if (i > 0) {
+      Vector6d xi;
+      xi << 0.1, -0.2, 0.3 / static_cast<double>(i), 0.4, 0.5, -0.6 * static_cast<double>(i);
+      camera.T_this_previous = Pose::exp(xi);
+    }
+    rig.cameras.push_back(camera);
+  }
+  return rig;
+}
+
+TEST(WriteCameras, ReadsBackTheSameNumbers) {
+  const auto path = test::temporary_folder() / "camera.yaml";
+  const CameraRig rig = rig_of_all_lenses();
+  write_cameras(path, rig);
+  const CameraRig again = read_cameras(path);
+  ASSERT_EQ(again.cameras.size(), rig.cameras.size());
+  ASSERT_GT(rig.cameras.size(), 10U);
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    const Camera& a = rig.cameras[i];
+    const Camera& b = again.cameras[i];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.model.pinhole().fx, b.model.pinhole().fx);
+    EXPECT_EQ(a.model.pinhole().fy, b.model.pinhole().fy);
+    EXPECT_EQ(a.model.pinhole().cx, b.model.pinhole().cx);
+    EXPECT_EQ(a.model.pinhole().cy, b.model.pinhole().cy);
+    EXPECT_EQ(a.model.distortion_name(), b.model.distortion_name());
+    const auto coefficients = [](const auto& lens) { return lens.coefficients(); };
+    EXPECT_EQ(std::visit(coefficients, a.model.distortion()), std::visit(coefficients, b.model.distortion()));
+    EXPECT_EQ(a.width, b.width);
+    EXPECT_EQ(a.height, b.height);
+    EXPECT_EQ(a.exposure_s, b.exposure_s);
+    EXPECT_EQ(a.line_delay_s, b.line_delay_s);
+    EXPECT_EQ(a.response.name(), b.response.name());
+    EXPECT_EQ(a.response.linear_light(), b.response.linear_light());
+    ASSERT_EQ(a.T_this_previous.has_value(), b.T_this_previous.has_value());
+    if (!a.T_this_previous) continue;
+    EXPECT_EQ(a.T_this_previous->translation(), b.T_this_previous->translation());
+    EXPECT_THAT(*b.T_this_previous, test::PoseNear(*a.T_this_previous, 0.0, 4e-15));
+  }
+}
+
+TEST(WriteCameras, KeepsAResponseTableBesideTheFile) {
+  const auto path = test::temporary_folder() / "camera.yaml";
+  std::array<float, 256> table{};
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const float code = static_cast<float>(i) / 255.0F;
+    table[i] = 0.3F * code + 0.7F * code * code * code;
+  }
+  CameraRig rig;
+  rig.cameras.push_back(Camera{.model = CameraModel({500, 510, 320, 240}, NoDistortion())});
+  rig.cameras[0].width = 640;
+  rig.cameras[0].height = 480;
+  rig.cameras[0].response = ResponseCurve(table);
+  write_cameras(path, rig);
+  EXPECT_EQ(read_cameras(path).cameras[0].response.linear_light(), table);
+}
+
+class ResponseTable : public ::testing::Test {
+ protected:
+  /// Reads a camera whose response is a file with this text.
+  ResponseCurve read(const std::string& text) {
+    std::ofstream(folder_ / "table.txt") << text;
+    std::ofstream(folder_ / "c.yaml")
+        << "cam0: {camera_model: pinhole, intrinsics: [5, 5, 3, 2], distortion_model: "
+           "none, resolution: [6, 4], response: table.txt}\n";
+    return read_cameras(folder_ / "c.yaml").cameras[0].response;
+  }
+  std::string message(const std::string& text) {
+    try {
+      read(text);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "was read";
+  }
+  static std::string numbers(int count, double scale, const std::string& between) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += std::to_string(scale * i) + between;
+    return text;
+  }
+  std::filesystem::path folder_ = test::temporary_folder();
+};
+
+TEST_F(ResponseTable, IsFoundBesideTheCameraFileAndScaledToOne) {
+  const ResponseCurve response = read("# light of the grey levels\n" + numbers(256, 1.0, " ") + "\n");
+  EXPECT_EQ(response.to_linear(255), 1.0F);
+  EXPECT_FLOAT_EQ(response.to_linear(51), 0.2F);
+}
+
+TEST_F(ResponseTable, IsRefusedWithThePlaceAndTheCause) {
+  EXPECT_THAT(message(numbers(255, 0.001, "\n")), HasSubstr("holds 256 numbers"));
+  EXPECT_THAT(message(numbers(255, 0.001, "\n") + "0.1\n"),
+              HasSubstr("table.txt:256: a response table must never decrease"));
+  EXPECT_THAT(message(numbers(200, 0.001, "\n") + "nan\n"), HasSubstr("table.txt:201: "));
+  EXPECT_THAT(message(numbers(256, 0.0, ",")), HasSubstr("must rise"));
+}
+
+TEST(WriteCameras, FailsWithThePathWhenTheFolderIsMissing) {
+  CameraRig rig;
+  rig.cameras.push_back(Camera{.model = CameraModel({500, 510, 320, 240}, NoDistortion())});
+  rig.cameras[0].width = 640;
+  rig.cameras[0].height = 480;
+  try {
+    write_cameras(test::temporary_folder() / "missing" / "camera.yaml", rig);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kIo);
+    EXPECT_THAT(error.what(), HasSubstr("missing/camera.yaml"));
+  }
+  rig.cameras[0].name = "left";
+  EXPECT_THROW(write_cameras(test::temporary_folder() / "camera.yaml", rig), MisuseError);
+}
+
+}  // namespace
+}  // namespace apriltrack
