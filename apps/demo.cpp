@@ -44,8 +44,7 @@ void run_demo(const DemoOptions& options, const Console& console) {
         threads});
   step(console, "The map against the truth", {"map", "diff", path("gentle/map.yaml"), path("map.yaml")});
   step(console, "The map into the truth's frame, to compare trajectories",
-       {"map", "align", path("map.yaml"), "--onto", path("gentle/map.yaml"), "--output",
-        path("map_aligned.yaml")});
+       {"map", "align", path("gentle/map.yaml"), path("map.yaml"), "--output", path("map_aligned.yaml")});
   step(console, "Where is the camera? By detection alone, in the blurred recording",
        {"track", path("blurred"), "--map", path("map_aligned.yaml"), "--method", "pnp", "--output",
         path("pnp.tum"), "--frames-csv", path("pnp_frames.csv")});
