@@ -55,36 +55,51 @@ bool can_be_projected(const Observations& observations, const TagView& view, con
 
 }  // namespace
 
+BundleProblem::Blocks BundleProblem::make_blocks(const std::set<int>& keys, const std::vector<Pose>& poses) {
+  Blocks result;
+  for (const int key : keys) {
+    result.index[key] = result.blocks.size();
+    result.blocks.push_back(to_block(poses[static_cast<std::size_t>(key)]));
+  }
+  return result;
+}
+
+void BundleProblem::add_blocks(Blocks& blocks, ceres::Manifold* manifold) {
+  for (PoseBlock& block : blocks.blocks) problem_.AddParameterBlock(block.data(), 7, manifold);
+}
+
 BundleProblem::BundleProblem(const Observations& observations, const std::vector<std::size_t>& views,
                              const std::vector<int>& free_tags, const MapState& state, double loss_scale) {
-  auto* manifold = new Se3Manifold;  // the problem owns it, and frees it once
-  ceres::LossFunction* loss = loss_scale > 0.0 ? new ceres::CauchyLoss(loss_scale) : nullptr;
-  const auto add_block = [&](std::map<int, PoseBlock>& blocks, int key, const Pose& pose) {
-    const auto [entry, is_new] = blocks.try_emplace(key, to_block(pose));
-    if (is_new) problem_.AddParameterBlock(entry->second.data(), 7, manifold);
-    return entry->second.data();
-  };
+  std::vector<const TagView*> used;
+  std::set<int> tags, frames;
   for (const std::size_t v : views) {
     const TagView& view = observations.views[v];
     if (!can_be_projected(observations, view, state)) continue;
-    double* tag = add_block(tags_, view.tag, state.T_map_tag[static_cast<std::size_t>(view.tag)]);
-    double* rig = add_block(frames_, view.frame, state.T_map_rig[static_cast<std::size_t>(view.frame)]);
-    problem_.AddResidualBlock(new ViewCost(observations.cameras[static_cast<std::size_t>(view.camera)],
-                                           observations.sizes_m[static_cast<std::size_t>(view.tag)], view),
-                              loss, tag, rig);
+    used.push_back(&view);
+    tags.insert(view.tag);
+    frames.insert(view.frame);
   }
-  for (auto& [tag, block] : tags_) {
+  if (used.empty()) return;
+  tags_ = make_blocks(tags, state.T_map_tag);
+  frames_ = make_blocks(frames, state.T_map_rig);
+  auto* manifold = new Se3Manifold;  // the problem owns both, and frees each once
+  ceres::LossFunction* loss = loss_scale > 0.0 ? new ceres::CauchyLoss(loss_scale) : nullptr;
+  add_blocks(tags_, manifold);
+  add_blocks(frames_, manifold);
+  for (const TagView* view : used) {
+    auto* cost = new ViewCost(observations.cameras[static_cast<std::size_t>(view->camera)],
+                              observations.sizes_m[static_cast<std::size_t>(view->tag)], *view);
+    problem_.AddResidualBlock(cost, loss, tag_block(view->tag),
+                              frames_.blocks[frames_.index.at(view->frame)].data());
+  }
+  for (const int tag : tags) {
     if (std::find(free_tags.begin(), free_tags.end(), tag) == free_tags.end())
-      problem_.SetParameterBlockConstant(block.data());
-  }
-  if (tags_.empty()) {  // nothing took them over
-    delete manifold;
-    delete loss;
+      problem_.SetParameterBlockConstant(tag_block(tag));
   }
 }
 
 AdjustmentSummary BundleProblem::solve(int max_iterations) {
-  if (tags_.empty()) return {false, false, 0.0, "no view can be projected"};
+  if (tags_.blocks.empty()) return {false, false, 0.0, "no view can be projected"};
   ceres::Solver::Options options;
   options.max_num_iterations = max_iterations;
   options.function_tolerance = 1e-10;
@@ -92,10 +107,11 @@ AdjustmentSummary BundleProblem::solve(int max_iterations) {
   options.parameter_tolerance = 1e-10;
   options.num_threads = 1;  // Ceres adds up in the order in which threads finish: results would differ
   options.logging_type = ceres::SILENT;
-  options.linear_solver_type = tags_.size() <= kMaxDenseTags ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+  options.linear_solver_type =
+      tags_.blocks.size() <= kMaxDenseTags ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  for (auto& [frame, block] : frames_) ordering->AddElementToGroup(block.data(), 0);
-  for (auto& [tag, block] : tags_) ordering->AddElementToGroup(block.data(), 1);
+  for (PoseBlock& block : frames_.blocks) ordering->AddElementToGroup(block.data(), 0);
+  for (PoseBlock& block : tags_.blocks) ordering->AddElementToGroup(block.data(), 1);
   options.linear_solver_ordering = ordering;
 
   ceres::Solver::Summary summary;
@@ -105,10 +121,10 @@ AdjustmentSummary BundleProblem::solve(int max_iterations) {
 }
 
 void BundleProblem::write_back(MapState& state) const {
-  for (const auto& [tag, block] : tags_)
-    state.T_map_tag[static_cast<std::size_t>(tag)] = from_block(block.data());
-  for (const auto& [frame, block] : frames_)
-    state.T_map_rig[static_cast<std::size_t>(frame)] = from_block(block.data());
+  for (const auto& [tag, i] : tags_.index)
+    state.T_map_tag[static_cast<std::size_t>(tag)] = from_block(tags_.blocks[i].data());
+  for (const auto& [frame, i] : frames_.index)
+    state.T_map_rig[static_cast<std::size_t>(frame)] = from_block(frames_.blocks[i].data());
 }
 
 AdjustmentSummary adjust(const Observations& observations, const std::vector<std::size_t>& views,

@@ -3,6 +3,7 @@
 #include <ceres/problem.h>
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,12 +38,21 @@ class BundleProblem {
   void write_back(MapState& state) const;
 
   ceres::Problem& problem() { return problem_; }
-  double* tag_block(int tag) { return tags_.at(tag).data(); }
+  double* tag_block(int tag) { return tags_.blocks[tags_.index.at(tag)].data(); }
 
  private:
+  /// In one piece of memory, in the order of the keys: Ceres eliminates blocks in the order of their
+  /// addresses, and results must not depend on where the heap happened to put them.
+  struct Blocks {
+    std::map<int, std::size_t> index;
+    std::vector<PoseBlock> blocks;
+  };
+  static Blocks make_blocks(const std::set<int>& keys, const std::vector<Pose>& poses);
+  void add_blocks(Blocks& blocks, ceres::Manifold* manifold);
+
   ceres::Problem problem_;
-  std::map<int, PoseBlock> tags_;
-  std::map<int, PoseBlock> frames_;
+  Blocks tags_;
+  Blocks frames_;
 };
 
 AdjustmentSummary adjust(const Observations& observations, const std::vector<std::size_t>& views,

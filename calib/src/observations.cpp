@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kMinEdge_px = 4.0;         // below it a corner's error is as large as the edge's slope
 constexpr double kMaxRepeatedShare = 0.05;  // more frames with two copies: two objects, not a stray detection
-constexpr double kSamePlaceShare = 0.5;     // of an edge: two detections of one tag lie closer than this
+constexpr std::size_t kFewFrames = 4;
+constexpr double kSamePlaceShare = 0.5;  // of an edge: two detections of one tag lie closer than this
 
 Eigen::Vector2d center_px(const CornersPx& c) {
   return 0.25 * (c[0] + c[1] + c[2] + c[3]);
@@ -47,7 +48,10 @@ struct Repetition {
   std::size_t frames_with_copies = 0;
   std::size_t most_copies = 1;
 
+  /// One frame alone may be a stray detection, unless there are hardly any others.
   bool is_many_tags() const {
+    if (frames_with_copies == 0) return false;
+    if (frames_with_copies == 1) return frames < kFewFrames;
     return static_cast<double>(frames_with_copies) > kMaxRepeatedShare * static_cast<double>(frames);
   }
 };

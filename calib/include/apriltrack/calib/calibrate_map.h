@@ -15,7 +15,7 @@ namespace apriltrack {
 
 struct CalibrationOptions {
   /// The tag that is held at the map's origin; by default the first (smallest key) tag of the largest part.
-  std::optional<TagKey> held_tag;
+  std::optional<TagKey> held_tag = std::nullopt;
   /// Expected error normal to a tag's edge at one of its ends; scales the covariance only until residuals say
   /// more.
   double corner_sigma_px = 0.15;

@@ -1,0 +1,187 @@
+#include <ceres/covariance.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <numeric>
+
+#include "apriltrack/geometry/rotation.h"
+#include "bundle_adjustment.h"
+#include "support/numeric_jacobian.h"
+#include "synthetic_world.h"
+#include "tag_covariance.h"
+#include "view_residual.h"
+
+namespace apriltrack {
+namespace {
+
+using test::SyntheticWorld;
+
+Observations observations_of(const SyntheticWorld& world, const std::vector<FrameDetections>& frames) {
+  Findings findings;
+  return collect_observations(frames, world.rig, world.sizes(), {}, findings);
+}
+
+/// The truth as a state, in the frame of the first tag.
+MapState true_state(const SyntheticWorld& world, const Observations& observations) {
+  MapState state;
+  for (const TagKey& tag : observations.tags) state.T_map_tag.push_back(world.map.find(tag)->T_map_tag);
+  state.T_map_rig = world.T_world_rig;
+  move_origin_to(state, 0);
+  return state;
+}
+
+std::vector<std::size_t> all_views(const Observations& observations) {
+  std::vector<std::size_t> views(observations.views.size());
+  std::iota(views.begin(), views.end(), std::size_t{0});
+  return views;
+}
+
+TEST(ViewResidual, JacobiansAgreeWithDifferences) {
+  SyntheticWorld world = test::make_room(8, 12, test::equidistant_camera());
+  Camera second = test::perspective_camera("cam1");
+  second.T_this_previous = Pose(rotation_exp({0.3, -0.4, 0.1}), Eigen::Vector3d(0.2, 0.1, -0.3));
+  world.rig.cameras.push_back(second);
+  const Observations observations = observations_of(world, test::exact_detections(world));
+  const MapState state = true_state(world, observations);
+  int checked = 0, of_second_camera = 0;
+  for (std::size_t v = 0; v < observations.views.size(); v += 3) {
+    const TagView& view = observations.views[v];
+    const RigCamera& camera = observations.cameras[static_cast<std::size_t>(view.camera)];
+    const double size_m = observations.sizes_m[static_cast<std::size_t>(view.tag)];
+    const Pose& T_map_rig = state.T_map_rig[static_cast<std::size_t>(view.frame)];
+    const Pose& T_map_tag = state.T_map_tag[static_cast<std::size_t>(view.tag)];
+    Vector8d residual;
+    Matrix8x6d by_rig, by_tag;
+    ASSERT_TRUE(
+        view_residual(camera, size_m, view.corners_px, T_map_rig, T_map_tag, &residual, &by_rig, &by_tag));
+    EXPECT_LT(residual.norm(), 1e-9);  // the truth explains the corners
+    const auto residual_at = [&](const Eigen::VectorXd& rig, const Eigen::VectorXd& tag) -> Eigen::VectorXd {
+      Vector8d r;
+      EXPECT_TRUE(view_residual(camera, size_m, view.corners_px, T_map_rig * Pose::exp(Vector6d(rig)),
+                                T_map_tag * Pose::exp(Vector6d(tag)), &r, nullptr, nullptr));
+      return r;
+    };
+    const Vector6d none = Vector6d::Zero();
+    EXPECT_TRUE(test::jacobians_agree(
+        by_rig, test::numeric_jacobian([&](const Eigen::VectorXd& xi) { return residual_at(xi, none); }, 6),
+        1e-6));
+    EXPECT_TRUE(test::jacobians_agree(
+        by_tag, test::numeric_jacobian([&](const Eigen::VectorXd& xi) { return residual_at(none, xi); }, 6),
+        1e-6));
+    ++checked;
+    if (view.camera == 1) ++of_second_camera;
+  }
+  EXPECT_GE(checked, 10);
+  EXPECT_GE(of_second_camera, 3);
+}
+
+TEST(EdgeNoise, WhiteningGivesUnitCovariance) {
+  // The closed form against sampled errors of that very model, drawn by the tests' own code.
+  FrameDetections frame;
+  frame.detections.resize(1);
+  const CornersPx corners = {Eigen::Vector2d(100, 210), {190, 230}, {205, 120}, {90, 100}};
+  const EdgeNoise noise{.sigma_px = 0.2, .end_correlation = -0.45};
+  const Matrix8d W = edge_noise_whitening(corners, noise);
+  RandomStream random(3);
+  constexpr int kSamples = 40000;
+  Matrix8d sum = Matrix8d::Zero();
+  for (int i = 0; i < kSamples; ++i) {
+    frame.detections[0].corners_px = corners;
+    std::vector<FrameDetections> frames = {frame};
+    test::add_edge_noise(frames, noise.sigma_px, noise.end_correlation, random);
+    Vector8d error;
+    for (int c = 0; c < 4; ++c) {
+      const auto corner = static_cast<std::size_t>(c);
+      error.segment<2>(2 * c) = frames[0].detections[0].corners_px[corner] - corners[corner];
+    }
+    const Vector8d whitened = W * error;
+    sum += whitened * whitened.transpose();
+  }
+  // Five standard deviations of a sampled variance, sqrt(2 / n).
+  EXPECT_LT((sum / kSamples - Matrix8d::Identity()).cwiseAbs().maxCoeff(), 5.0 * std::sqrt(2.0 / kSamples));
+}
+
+TEST(TagCovariance, AgreesWithCeres) {
+  const SyntheticWorld world = test::make_room(7, 16, test::equidistant_camera());
+  const Observations observations = observations_of(world, test::exact_detections(world));
+  const MapState state = true_state(world, observations);
+  Connectivity connectivity = find_parts(observations, all_views(observations), 2);
+  ASSERT_EQ(connectivity.parts.size(), 1u);
+  const Part& part = connectivity.parts[0];
+  ASSERT_EQ(part.tags.size(), 7u);
+  const auto own = tag_covariances(observations, part, 0, state);
+  ASSERT_TRUE(own.has_value());
+  EXPECT_EQ((*own)[0], Matrix6d::Zero());
+
+  BundleProblem problem(observations, part.views, {1, 2, 3, 4, 5, 6}, state, 0.0);
+  ceres::Covariance covariance((ceres::Covariance::Options()));
+  std::vector<std::pair<const double*, const double*>> blocks;
+  for (int tag = 1; tag < 7; ++tag) blocks.emplace_back(problem.tag_block(tag), problem.tag_block(tag));
+  ASSERT_TRUE(covariance.Compute(blocks, &problem.problem()));
+  for (int tag = 1; tag < 7; ++tag) {
+    Eigen::Matrix<double, 6, 6, Eigen::RowMajor> expected;
+    ASSERT_TRUE(covariance.GetCovarianceBlockInTangentSpace(problem.tag_block(tag), problem.tag_block(tag),
+                                                            expected.data()));
+    const Matrix6d& actual = (*own)[static_cast<std::size_t>(tag)];
+    EXPECT_LT((actual - expected).norm(), 1e-6 * expected.norm()) << actual << "\n\n" << expected;
+  }
+}
+
+TEST(TagCovariance, IsRefusedWhenATagHangsInTheAir) {
+  const SyntheticWorld world = test::make_room(7, 16, test::equidistant_camera());
+  const Observations observations = observations_of(world, test::exact_detections(world));
+  Connectivity connectivity = find_parts(observations, all_views(observations), 2);
+  Part part = connectivity.parts[0];
+  std::erase_if(part.views, [&](std::size_t v) { return observations.views[v].tag == 3; });
+  EXPECT_FALSE(tag_covariances(observations, part, 0, true_state(world, observations)).has_value());
+}
+
+/// Mean of xi^T C^-1 xi / 6 over tags and worlds: 1 when the covariance tells the truth. Independent of how
+/// errors of different tags hang together, as every term has the mean 1.
+double mean_normalised_error(const SyntheticWorld& world, const CalibrationOptions& options,
+                             const std::function<void(std::vector<FrameDetections>&, RandomStream&)>& disturb,
+                             int num_trials) {
+  double sum = 0.0;
+  int count = 0;
+  for (int trial = 0; trial < num_trials; ++trial) {
+    std::vector<FrameDetections> frames = test::exact_detections(world);
+    RandomStream random(91, static_cast<std::uint64_t>(trial));
+    disturb(frames, random);
+    const CalibrationResult result = calibrate_map(frames, world.rig, world.sizes(), options);
+    EXPECT_EQ(result.map.tags.size(), world.map.tags.size());
+    for (const MapTag& tag : result.map.tags) {
+      if (tag.key == result.held_tag) continue;
+      const Pose truth = test::T_origin_tag(world.map, result.held_tag, tag.key);
+      const Vector6d xi = (tag.T_map_tag.inverse() * truth).log();
+      sum += xi.dot(tag.covariance->ldlt().solve(xi)) / 6.0;
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 0);
+  return sum / count;
+}
+
+TEST(CalibrateMap, ErrorsAreAsLargeAsTheCovarianceSays) {
+  const SyntheticWorld world = test::make_room(10, 40, test::equidistant_camera());
+  // The expected sigma is wrong by three on purpose: the residuals must correct it.
+  const CalibrationOptions options{.corner_sigma_px = 0.5, .edge_end_correlation = -0.45};
+  const double ratio = mean_normalised_error(
+      world, options,
+      [](auto& frames, RandomStream& random) { test::add_edge_noise(frames, 0.15, -0.45, random); }, 30);
+  EXPECT_GT(ratio, 0.8);
+  EXPECT_LT(ratio, 1.25);
+}
+
+TEST(CalibrateMap, CovarianceStaysUsefulWhenCornersErrIndependently) {
+  // Not the detector's noise, but what corners from elsewhere may have: off by no more than the model's
+  // mismatch.
+  const SyntheticWorld world = test::make_room(10, 40, test::equidistant_camera());
+  const double ratio = mean_normalised_error(
+      world, {.edge_end_correlation = 0.0},
+      [](auto& frames, RandomStream& random) { test::add_noise(frames, 0.15, random); }, 30);
+  EXPECT_GT(ratio, 0.8);
+  EXPECT_LT(ratio, 1.25);
+}
+
+}  // namespace
+}  // namespace apriltrack
