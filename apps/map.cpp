@@ -193,9 +193,19 @@ void run_diff(const MapOptions& options) {
 
 // --- align, merge ---
 
+/// A second time the value grows: keys of a block are unique.
+void note(TagMap& map, const std::string& key, const std::string& value) {
+  for (auto& [known, text] : map.provenance) {
+    if (known != key) continue;
+    text += ", " + value;
+    return;
+  }
+  map.provenance.emplace_back(key, value);
+}
+
 void run_align(const MapOptions& options) {
   AlignedMap aligned = align_map(read_tag_map(options.first), read_tag_map(options.second));
-  aligned.map.provenance.emplace_back("aligned_onto", options.first);
+  note(aligned.map, "aligned_onto", options.first);
   write_tag_map(options.output, aligned.map);
   options.console.finish(
       {{"common_tags", aligned.common_tags}, {"tags", aligned.map.tags.size()}, {"output", options.output}},
@@ -229,7 +239,7 @@ void warn_of(const MergedMap& merged, const Console& console) {
 void run_merge(const MapOptions& options) {
   MergedMap merged = merge_maps(read_tag_map(options.first), read_tag_map(options.second),
                                 {options.conflict_mm / kMmPerM, options.conflict_deg / kDegPerRad});
-  merged.map.provenance.emplace_back("merged_with", options.second);
+  note(merged.map, "merged_with", options.second);
   warn_of(merged, options.console);
   write_tag_map(options.output, merged.map);
   options.console.finish(
