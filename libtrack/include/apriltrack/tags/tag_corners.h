@@ -5,7 +5,8 @@
 
 namespace apriltrack {
 
-/// Corner order everywhere: bottom-left, bottom-right, top-right, top-left of an upright tag (the AprilTag library's).
+/// Corner order everywhere: bottom-left, bottom-right, top-right, top-left of an upright tag (the AprilTag
+/// library's).
 inline constexpr int kNumCorners = 4;
 
 /// Corners in the tag frame (x right, y down, z INTO the tag; origin at the centre), metres.

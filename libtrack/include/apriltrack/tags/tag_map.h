@@ -14,8 +14,8 @@ namespace apriltrack {
 
 /// How well a calibration knows one tag.
 struct TagStatistics {
-  int views = 0;                ///< Frames in which the tag was used.
-  double residual_rms_px = 0.0; ///< Root mean square of its corner residuals per axis.
+  int views = 0;                   ///< Frames in which the tag was used.
+  double residual_rms_px = 0.0;    ///< Root mean square of its corner residuals per axis.
   std::vector<std::string> flags;  ///< Words such as "weak"; empty when all is well.
 };
 
@@ -23,8 +23,8 @@ struct MapTag {
   TagKey key;
   double size_m = 0.0;
   Pose T_map_tag;
-  /// Of the right perturbation of T_map_tag, [translation; rotation], relative to the map's gauge; all zero for a
-  /// tag that the gauge holds.
+  /// Of the right perturbation of T_map_tag, [translation; rotation], relative to the map's gauge; all zero
+  /// for a tag that the gauge holds.
   std::optional<Matrix6d> covariance;
   std::optional<TagStatistics> statistics;
   /// `x_...` keys of the tag, name and YAML text, kept on a round trip.
@@ -48,10 +48,11 @@ struct TagMap {
 /// Corners in the map frame, in corner order.
 std::array<Eigen::Vector3d, 4> corners_in_map(const MapTag& tag);
 
-/// Throws Error(kIo) when the file cannot be read, Error(kInvalidInput) with file, line and key when it is wrong.
+/// Throws Error(kIo) when the file cannot be read, Error(kInvalidInput) with file, line and key when it is
+/// wrong.
 TagMap read_tag_map(const std::filesystem::path& path);
-/// Numbers are written so that reading them gives the same doubles back. Throws Error(kIo); an existing file is
-/// replaced only when the new one is complete.
+/// Numbers are written so that reading them gives the same doubles back. Throws Error(kIo); an existing file
+/// is replaced only when the new one is complete.
 void write_tag_map(const std::filesystem::path& path, const TagMap& map);
 
 }  // namespace apriltrack
