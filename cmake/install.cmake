@@ -1,0 +1,76 @@
+# `cmake --install` gives headers <apriltrack/...>, one static library per module, find_package(apriltrack COMPONENTS
+# ...) and a pkg-config file per component. tests/install builds an outside project against the installed tree.
+#
+# A component is what a user asks for; each brings the outside libraries of its own and no others:
+#   track   localise and track: no OpenCV, no Ceres         calib   build tag maps (Ceres)
+#   source  read images and videos (OpenCV)                 eval, sim, report   scoring, rendering, pictures
+
+include(CMakePackageConfigHelpers)
+
+set(components track calib source eval sim report)
+set(modules_of_track base geometry image io camera tags detect tracker)
+foreach(component calib source eval sim report)
+  set(modules_of_${component} ${component})
+endforeach()
+
+# Outside libraries without a pkg-config file of their own, or whose own names far more than is used (opencv4).
+set(pc_requires_of_track "eigen3 fmt yaml-cpp apriltag")
+set(pc_libraries_of_calib "-lceres -lglog")
+set(pc_libraries_of_source "-lopencv_videoio -lopencv_imgcodecs -lopencv_imgproc -lopencv_core")
+set(pc_libraries_of_report "-lopencv_imgcodecs -lopencv_imgproc -lopencv_core")
+
+set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/apriltrack)
+set(pkgconfig_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+set(generated_folder ${PROJECT_BINARY_DIR}/install)
+
+# The prefix as seen from the .pc file, so that the installed tree may be moved.
+file(RELATIVE_PATH pc_prefix /prefix/${pkgconfig_folder} /prefix)
+string(REGEX REPLACE "/$" "" pc_prefix "${pc_prefix}")
+
+add_library(apriltrack_track INTERFACE)
+add_library(apriltrack::track ALIAS apriltrack_track)
+set_target_properties(apriltrack_track PROPERTIES EXPORT_NAME track)
+foreach(module IN LISTS modules_of_track)
+  target_link_libraries(apriltrack_track INTERFACE apriltrack_${module})
+endforeach()
+install(TARGETS apriltrack_track EXPORT apriltrack-track)
+
+get_property(all_modules GLOBAL PROPERTY APRILTRACK_MODULES)
+set(unassigned ${all_modules})
+foreach(component IN LISTS components)
+  set(pc_own_libraries "")
+  foreach(module IN LISTS modules_of_${component})
+    list(REMOVE_ITEM unassigned apriltrack_${module})
+    install(TARGETS apriltrack_${module} EXPORT apriltrack-${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    get_target_property(type apriltrack_${module} TYPE)
+    if(NOT type STREQUAL "INTERFACE_LIBRARY")
+      # Static libraries are searched once, from left to right: upper floors come first.
+      string(PREPEND pc_own_libraries "-lapriltrack_${module} ")
+    endif()
+  endforeach()
+  install(EXPORT apriltrack-${component} NAMESPACE apriltrack:: DESTINATION ${config_folder}
+    FILE apriltrack-${component}-targets.cmake)
+  set(pc_component ${component})
+  set(pc_requires "${pc_requires_of_${component}}")
+  if(NOT component STREQUAL "track")
+    set(pc_requires apriltrack-track)
+  endif()
+  set(pc_libraries "${pc_own_libraries}${pc_libraries_of_${component}}")
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/apriltrack.pc.in ${generated_folder}/apriltrack-${component}.pc @ONLY)
+  install(FILES ${generated_folder}/apriltrack-${component}.pc DESTINATION ${pkgconfig_folder})
+endforeach()
+if(unassigned)
+  message(FATAL_ERROR "cmake/install.cmake: no component installs ${unassigned}")
+endif()
+
+list(JOIN components " " known_components)
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/apriltrackConfig.cmake.in
+  ${generated_folder}/apriltrackConfig.cmake INSTALL_DESTINATION ${config_folder})
+# Before 1.0 every minor version may change the interface.
+write_basic_package_version_file(${generated_folder}/apriltrackConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${generated_folder}/apriltrackConfig.cmake ${generated_folder}/apriltrackConfigVersion.cmake
+  DESTINATION ${config_folder})
+
+install(DIRECTORY libtrack/include/apriltrack calib/include/apriltrack DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILES_MATCHING PATTERN "*.h")
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
