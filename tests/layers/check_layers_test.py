@@ -1,0 +1,112 @@
+"""Plants one breach at a time in a copy of the tree and expects scripts/check_layers to name it.
+
+  check_layers_test.py SOURCE-FOLDER
+"""
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SOURCE = pathlib.Path(sys.argv.pop(1)).resolve()
+
+
+class PlantedBreach(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.root = pathlib.Path(self.temporary.name)
+        for folder in ("libtrack", "calib", "apps"):
+            shutil.copytree(SOURCE / folder, self.root / folder)
+        (self.root / "docs").mkdir()
+        shutil.copy(SOURCE / "docs/architecture.md", self.root / "docs")
+
+    def tearDown(self):
+        self.temporary.cleanup()
+
+    def check(self):
+        command = [sys.executable, str(SOURCE / "scripts/check_layers"), str(self.root)]
+        return subprocess.run(command, capture_output=True, text=True)
+
+    def plant(self, file, line):
+        """Adds a line to the end of a file, or makes the file; returns its file:line."""
+        path = self.root / file
+        before = path.read_text() if path.exists() else "// new\n"
+        path.write_text(before + line + "\n")
+        return f"{file}:{before.count(chr(10)) + 1}"
+
+    def replace(self, file, old, new):
+        path = self.root / file
+        text = path.read_text()
+        self.assertEqual(text.count(old), 1, f"{old!r} in {file}")
+        path.write_text(text.replace(old, new))
+
+    def expect_breach(self, *words):
+        run = self.check()
+        self.assertEqual(run.returncode, 1, run.stdout + run.stderr)
+        lines = [line for line in run.stdout.splitlines() if all(word in line for word in words)]
+        self.assertEqual(len(lines), 1, run.stdout)
+
+    def test_the_copy_is_clean_before(self):
+        run = self.check()
+        self.assertEqual(run.returncode, 0, run.stdout)
+        self.assertIn("0 breaches", run.stdout)
+
+    def test_include_of_an_upper_floor(self):
+        place = self.plant("libtrack/src/base/error.cpp", '#include "apriltrack/geometry/pose.h"')
+        self.expect_breach(place + ":", "base may not include geometry", "floor 0", "floor 1")
+
+    def test_include_of_an_upper_floor_in_a_public_header_with_blanks_and_angles(self):
+        place = self.plant("libtrack/include/apriltrack/tags/tag_key.h", "  #  include <apriltrack/detect/detector.h>")
+        self.expect_breach(place + ":", "tags may not include detect")
+
+    def test_include_of_a_neighbour_on_the_same_floor(self):
+        place = self.plant("libtrack/src/eval/new.cpp", '#include "apriltrack/source/frame_source.h"')
+        self.expect_breach(place + ":", "eval may not include source")
+
+    def test_library_that_the_table_does_not_give(self):
+        place = self.plant("libtrack/src/tracker/new.cpp", "#include <opencv2/core.hpp>")
+        self.expect_breach(place + ":", "tracker may not include opencv")
+        place = self.plant("libtrack/src/detect/new.cpp", "#include <ceres/ceres.h>")
+        self.expect_breach(place + ":", "detect may not include ceres")
+
+    def test_opencv_by_the_back_door(self):
+        place = self.plant("libtrack/src/detect/new.cpp", '#include "apriltrack/image/opencv_bridge.h"')
+        self.expect_breach(place + ":", "detect", "opencv_bridge.h")
+
+    def test_library_in_a_public_header(self):
+        place = self.plant("libtrack/include/apriltrack/io/csv.h", "#include <fmt/format.h>")
+        self.expect_breach(place + ":", "public headers", "fmt")
+
+    def test_system_header_in_a_public_header(self):
+        place = self.plant("libtrack/include/apriltrack/io/csv.h", "#include <unistd.h>")
+        self.expect_breach(place + ":", "public headers")
+
+    def test_private_header_of_another_module(self):
+        place = self.plant("libtrack/src/sim/new.cpp", '#include "../detect/merge.h"')
+        self.expect_breach(place + ":", "neither apriltrack/")
+
+    def test_unknown_library(self):
+        place = self.plant("apps/new.cpp", "#include <boost/any.hpp>")
+        self.expect_breach(place + ":", "no rule knows <boost/any.hpp>")
+
+    def test_module_that_the_table_does_not_have(self):
+        (self.root / "libtrack/src/extra").mkdir()
+        self.plant("libtrack/src/extra/new.cpp", "#include <vector>")
+        self.expect_breach("libtrack/src/extra/new.cpp", "'extra' is no module")
+
+    def test_cmake_that_differs_from_the_table(self):
+        self.replace("libtrack/CMakeLists.txt", "apriltrack_add_module(geometry DEPENDS base", "apriltrack_add_module(geometry DEPENDS base io")
+        self.expect_breach("libtrack/CMakeLists.txt:", "geometry: DEPENDS ['base', 'io'] differ from the table's ['base']")
+
+    def test_table_that_goes_upwards(self):
+        self.replace("docs/architecture.md", "| 1 matter | geometry | base |", "| 1 matter | geometry | base, image |")
+        self.expect_breach("docs/architecture.md", "geometry (floor 1) may not include image (floor 1)")
+
+    def test_table_that_is_gone(self):
+        (self.root / "docs/architecture.md").write_text("# nothing\n")
+        self.assertNotEqual(self.check().returncode, 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
