@@ -57,35 +57,41 @@ TagMap cube_map(double edge_m, double tag_size_m, int first_id) {
   return map;
 }
 
+constexpr double kHaste = 1.5;  // gives a third of the frames and more over 10 px of blur
+
 Channel swing(double offset, std::vector<Wave> waves, std::vector<Burst> bursts = {}) {
   return {.offset = offset, .rate_per_s = 0.0, .waves = std::move(waves), .bursts = std::move(bursts)};
 }
 
 Motion thrown_about(double speed) {
   Motion motion;
-  motion.position_m = {swing(0.0, {{0.07, 0.43, 0.2}, {0.035, 1.13, 1.4}},
-                             {{0.05, 3.1, 0.2, 2.2, 0.4}, {0.06, 7.2, 0.2, 2.5, 1.0}}),
-                       swing(0.0, {{0.05, 0.37, 1.1}, {0.03, 1.31, 0.3}}, {{0.05, 4.9, 0.2, 2.4, 0.2}}),
-                       swing(0.55, {{0.09, 0.29, 2.0}, {0.02, 0.9, 0.8}})};
-  motion.yaw_rad = swing(0.2, {{0.9, 0.23, 0.1}, {0.18, 1.2, 0.9}}, {{0.5, 6.0, 0.2, 2.0, 0.3}});
+  motion.position_m = {
+      swing(0.0, {{0.07, 0.43, 0.2}, {0.035, 1.13, 1.4}},
+            {{0.05, 3.1, 0.2, 2.2, 0.4}, {0.06, 7.2, 0.2, 2.5, 1.0}, {0.06, 11.4, 0.2, 2.6, 0.1}}),
+      swing(0.0, {{0.05, 0.37, 1.1}, {0.03, 1.31, 0.3}},
+            {{0.05, 4.9, 0.2, 2.4, 0.2}, {0.05, 13.1, 0.2, 2.3, 1.4}}),
+      swing(0.55, {{0.09, 0.29, 2.0}, {0.02, 0.9, 0.8}})};
+  motion.yaw_rad = swing(0.2, {{0.9, 0.23, 0.1}, {0.18, 1.2, 0.9}},
+                         {{0.5, 6.0, 0.2, 2.0, 0.3}, {0.5, 12.3, 0.2, 2.1, 0.8}});
   motion.pitch_rad = swing(-0.3, {{1.9, 0.17, 0.6}, {0.2, 0.95, 2.0}},
                            {{0.5, 2.2, 0.2, 1.9, 1.0}, {0.5, 8.6, 0.2, 2.1, 0.0}});
   motion.roll_rad = swing(0.3, {{1.6, 0.21, 1.8}, {0.22, 1.05, 0.5}}, {{0.45, 4.1, 0.2, 2.2, 0.7}});
-  motion.speed = speed;
+  motion.speed = kHaste * speed;
   return motion;
 }
 
 Motion moved_by_hand(double speed) {
   Motion motion;
-  motion.position_m = {swing(0.02, {{0.11, 0.41, 0.3}, {0.05, 1.17, 1.2}},
-                             {{0.07, 2.6, 0.2, 2.3, 0.3}, {0.08, 5.5, 0.2, 2.6, 1.2}}),
-                       swing(0.01, {{0.05, 0.53, 1.5}, {0.03, 1.41, 0.1}},
-                             {{0.06, 4.0, 0.2, 2.5, 0.8}, {0.05, 7.1, 0.2, 2.4, 0.0}}),
-                       swing(0.95, {{0.12, 0.31, 0.9}, {0.03, 1.0, 0.2}})};
+  motion.position_m = {
+      swing(0.02, {{0.11, 0.41, 0.3}, {0.05, 1.17, 1.2}},
+            {{0.07, 2.6, 0.2, 2.3, 0.3}, {0.08, 5.5, 0.2, 2.6, 1.2}, {0.08, 9.7, 0.2, 2.5, 0.6}}),
+      swing(0.01, {{0.05, 0.53, 1.5}, {0.03, 1.41, 0.1}},
+            {{0.06, 4.0, 0.2, 2.5, 0.8}, {0.05, 7.1, 0.2, 2.4, 0.0}}),
+      swing(0.95, {{0.12, 0.31, 0.9}, {0.03, 1.0, 0.2}})};
   motion.yaw_rad = swing(0.05, {{0.2, 0.47, 0.4}, {0.05, 1.3, 1.9}}, {{0.25, 6.4, 0.2, 2.0, 0.5}});
   motion.pitch_rad = swing(0.1, {{0.4, 0.38, 1.2}, {0.06, 1.5, 0.4}});
   motion.roll_rad = swing(-0.1, {{0.35, 0.44, 2.1}, {0.06, 1.25, 0.9}});
-  motion.speed = speed;
+  motion.speed = kHaste * speed;
   return motion;
 }
 

@@ -64,6 +64,19 @@ RayBounds view_bounds(const ViewGrid& grid) {
   return all;
 }
 
+/// In pixels of the lens without its distortion; nullopt outside the view, grown by a quarter on each side.
+/// Paths out there, wild where points pass the camera's own plane, are not seen.
+std::optional<Eigen::Vector2d> pixel_near_view(const Eigen::Vector3d& point_camera, const Pinhole& lens,
+                                               const RayBounds& view) {
+  if (point_camera.z() < kNear_m) return std::nullopt;
+  const Eigen::Vector2d ray = point_camera.head<2>() / point_camera.z();
+  const double margin_x = 0.25 * (view.max_x - view.min_x);
+  const double margin_y = 0.25 * (view.max_y - view.min_y);
+  const bool is_near = ray.x() >= view.min_x - margin_x && ray.x() <= view.max_x + margin_x &&
+                       ray.y() >= view.min_y - margin_y && ray.y() <= view.max_y + margin_y;
+  return is_near ? std::optional(Eigen::Vector2d(lens.fx * ray.x(), lens.fy * ray.y())) : std::nullopt;
+}
+
 double longest_path_px(const PreparedScene& prepared, const Followed& followed, double middle_s,
                        double exposure_s) {
   const Scene& scene = *prepared.scene;
@@ -77,12 +90,7 @@ double longest_path_px(const PreparedScene& prepared, const Followed& followed, 
     if (followed.T_world_body != nullptr) T_camera_points = T_camera_points * followed.T_world_body->at(t);
     for (std::size_t i = 0; i < paths.size(); ++i) {
       const Eigen::Vector3d point = T_camera_points * followed.points[i];
-      std::optional<Eigen::Vector2d> pixel;
-      if (point.z() > kNear_m) {
-        const double x = std::clamp<double>(point.x() / point.z(), view.min_x, view.max_x);
-        const double y = std::clamp<double>(point.y() / point.z(), view.min_y, view.max_y);
-        pixel = Eigen::Vector2d(lens.fx * x, lens.fy * y);
-      }
+      const std::optional<Eigen::Vector2d> pixel = pixel_near_view(point, lens, view);
       if (pixel && last[i]) paths[i] += (*pixel - *last[i]).norm();
       last[i] = pixel;
     }

@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kNear_m = 0.01;
 constexpr float kEverywhere = 1e9F;
+constexpr float kHorizon = 1e-4F;  // inverse depth below which a plane is not seen, 1/m
 
 /// Length that [middle - width / 2, middle + width / 2] has in common with [-half, half].
 float overlap(float middle, float width, float half) {
@@ -84,16 +85,6 @@ void PanelView::set_shading(const Pose& T_world_panel, const Lighting& lighting)
   shade_per_v_ = (light(0.0, half.y()) - light(0.0, -half.y())) / (2.0F * half_v_);
 }
 
-PanelView::Footprint PanelView::footprint(float u, float v, float depth, const Tile& tile) const {
-  const float u_x = (u_.x - u * inverse_depth_.x) * depth;
-  const float u_y = (u_.y - u * inverse_depth_.y) * depth;
-  const float v_x = (v_.x - v * inverse_depth_.x) * depth;
-  const float v_y = (v_.y - v * inverse_depth_.y) * depth;
-  const Eigen::Matrix2f& D = tile.ray_per_px;
-  return {u_x * D(0, 0) + u_y * D(1, 0), u_x * D(0, 1) + u_y * D(1, 1), v_x * D(0, 0) + v_y * D(1, 0),
-          v_x * D(0, 1) + v_y * D(1, 1)};
-}
-
 float PanelView::picture_at(float u, float v, float unit_per_px) const {
   const Texture& picture = *prepared_->panel->picture;
   const int wanted = static_cast<int>(std::lround(std::log2(std::max(unit_per_px, 1.0F))));
@@ -160,30 +151,68 @@ PanelView::Shown PanelView::show(float u, float v, const Footprint& area, int sp
   return {sum.colour * part * part, sum.coverage * part * part};
 }
 
+/// The areas of a row of pixels in the panel's plane, and which of them the panel may touch. Plain loops
+/// without branches, which the compiler turns into wide instructions: most pixels of a tile end here.
+struct PanelView::RowOfAreas {
+  float u[kTileWidth];
+  float v[kTileWidth];
+  float a[kTileWidth];
+  float b[kTileWidth];
+  float c[kTileWidth];
+  float d[kTileWidth];
+  int is_touched[kTileWidth];
+};
+
+bool PanelView::trace_row(const Tile& tile, const float* ray_x, const float* ray_y, RowOfAreas& row) const {
+  const float x_0 = tile.ray_per_px(0, 0), x_1 = tile.ray_per_px(0, 1);
+  const float y_0 = tile.ray_per_px(1, 0), y_1 = tile.ray_per_px(1, 1);
+  int num_touched = 0;
+  for (int i = 0; i < tile.width; ++i) {
+    const float inverse_depth = inverse_depth_.at(ray_x[i], ray_y[i]);
+    const bool is_ahead = inverse_depth > kHorizon;
+    const float depth = 1.0F / (is_ahead ? inverse_depth : 1.0F);
+    const float u = u_.at(ray_x[i], ray_y[i]) * depth;
+    const float v = v_.at(ray_x[i], ray_y[i]) * depth;
+    const float u_x = (u_.x - u * inverse_depth_.x) * depth;
+    const float u_y = (u_.y - u * inverse_depth_.y) * depth;
+    const float v_x = (v_.x - v * inverse_depth_.x) * depth;
+    const float v_y = (v_.y - v * inverse_depth_.y) * depth;
+    const Footprint area{u_x * x_0 + u_y * y_0, u_x * x_1 + u_y * y_1, v_x * x_0 + v_y * y_0,
+                         v_x * x_1 + v_y * y_1};
+    row.u[i] = u;
+    row.v[i] = v;
+    row.a[i] = area.a;
+    row.b[i] = area.b;
+    row.c[i] = area.c;
+    row.d[i] = area.d;
+    const bool is_near = (std::abs(u) - area.reach_u() < half_u_) & (std::abs(v) - area.reach_v() < half_v_);
+    row.is_touched[i] = is_ahead & is_near ? 1 : 0;
+    num_touched += row.is_touched[i];
+  }
+  return num_touched > 0;
+}
+
 void PanelView::draw(const Tile& tile, const ViewGrid& grid, int splits, BodyLayer& layer) const {
+  RowOfAreas row;
   for (int y = 0; y < tile.height; ++y) {
-    const float* ray_x = grid.ray_x(tile.y + y) + tile.x;
-    const float* ray_y = grid.ray_y(tile.y + y) + tile.x;
+    if (!trace_row(tile, grid.ray_x(tile.y + y) + tile.x, grid.ray_y(tile.y + y) + tile.x, row)) continue;
     for (int x = 0; x < tile.width; ++x) {
-      const float inverse_depth = inverse_depth_.at(ray_x[x], ray_y[x]);
-      if (inverse_depth <= 1e-4F) continue;  // beyond the plane's horizon
-      const float depth = 1.0F / inverse_depth;
-      const float u = u_.at(ray_x[x], ray_y[x]) * depth;
-      const float v = v_.at(ray_x[x], ray_y[x]) * depth;
-      const Footprint area = footprint(u, v, depth, tile);
-      if (std::abs(u) - area.reach_u() >= half_u_ || std::abs(v) - area.reach_v() >= half_v_) continue;
-      const Shown shown = show(u, v, area, splits);
-      const float shade = shade_ + shade_per_u_ * u + shade_per_v_ * v;
-      float& colour = layer.colour[y * kTileWidth + x];
-      float& coverage = layer.coverage[y * kTileWidth + x];
-      if (is_decal_) {
-        colour += shade * shown.colour - shown.coverage * colour;
-        coverage += shown.coverage * (1.0F - coverage);
-      } else {  // sides of a solid share their edges, so that their areas add up
-        colour += shade * shown.colour;
-        coverage += shown.coverage;
-      }
+      if (row.is_touched[x] == 0) continue;
+      const Shown shown = show(row.u[x], row.v[x], {row.a[x], row.b[x], row.c[x], row.d[x]}, splits);
+      const float shade = shade_ + shade_per_u_ * row.u[x] + shade_per_v_ * row.v[x];
+      put(shade * shown.colour, shown.coverage, layer.colour[y * kTileWidth + x],
+          layer.coverage[y * kTileWidth + x]);
     }
+  }
+}
+
+void PanelView::put(float colour, float coverage, float& layer_colour, float& layer_coverage) const {
+  if (is_decal_) {
+    layer_colour += colour - coverage * layer_colour;
+    layer_coverage += coverage * (1.0F - layer_coverage);
+  } else {  // sides of a solid share their edges, so that their areas add up
+    layer_colour += colour;
+    layer_coverage += coverage;
   }
 }
 

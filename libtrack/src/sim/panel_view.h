@@ -38,6 +38,7 @@ class PanelView {
 
  private:
   struct Footprint;
+  struct RowOfAreas;
   struct Shown {
     float colour = 0.0F;  ///< Times coverage.
     float coverage = 0.0F;
@@ -45,7 +46,8 @@ class PanelView {
 
   void set_bounds(const Pose& T_camera_panel);
   void set_shading(const Pose& T_world_panel, const Lighting& lighting);
-  Footprint footprint(float u, float v, float inverse_depth, const Tile& tile) const;
+  bool trace_row(const Tile& tile, const float* ray_x, const float* ray_y, RowOfAreas& row) const;
+  void put(float colour, float coverage, float& layer_colour, float& layer_coverage) const;
   Shown show(float u, float v, const Footprint& area, int splits) const;
   Shown show_part(float u, float v, float width_u, float width_v) const;
   float picture_at(float u, float v, float unit_per_px) const;
