@@ -8,10 +8,12 @@
 
 namespace apriltrack {
 
-/// Corner noise per axis to expect before the fit: that of sharp corners, and a share of the blur.
+/// Corner noise per axis to expect before the fit: that of sharp corners and a share of the blur, more where
+/// bits had to be corrected.
 ///
 /// blur_px: path of a corner during the exposure; nullopt when the motion is not known.
-double expected_corner_sigma_px(double sharp_sigma_px, std::optional<double> blur_px);
+double expected_corner_sigma_px(double sharp_sigma_px, std::optional<double> blur_px,
+                                const PoseCandidate& candidate);
 
 /// Path in pixels of the inliers' corners during `exposure_s`, from the motion since `T_camera_map_before`.
 std::optional<double> corner_blur_px(const CameraModel& model, const PoseCandidate& candidate,

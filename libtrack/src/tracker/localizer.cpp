@@ -172,7 +172,7 @@ class Localizer::Implementation {
     } else if (const auto last = memory_.last(time)) {
       blur_px = corner_blur_px(camera_.model, candidate, swapped(last->pose), last->age_s, exposure_s);
     }
-    const double expected_px = expected_corner_sigma_px(options_.corner_sigma_px, blur_px);
+    const double expected_px = expected_corner_sigma_px(options_.corner_sigma_px, blur_px, candidate);
     return fitted_corner_sigma_px(options_.corner_sigma_px, expected_px, candidate);
   }
 

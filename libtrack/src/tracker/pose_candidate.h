@@ -20,7 +20,7 @@ struct PoseCandidate {
 };
 
 struct CandidateOptions {
-  double expected_sigma_px = 0.15;   ///< Of a corner, per axis.
+  double expected_sigma_px = 0.1;    ///< Of a corner, per axis.
   double max_residual_rms_px = 4.0;  ///< A tag that fits worse agrees with no pose.
 };
 

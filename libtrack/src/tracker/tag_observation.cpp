@@ -33,6 +33,7 @@ std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const CameraM
                                .corners_map = corners_in_map(*tag),
                                .corners_px = detection.corners_px,
                                .planar_poses = solve_planar_pnp(*rays, tag->size_m),
+                               .corrected_bits = detection.hamming.value_or(0),
                                .is_repeated = false};
     for (TagObservation& other : observations) {
       if (other.tag == tag) other.is_repeated = observation.is_repeated = true;

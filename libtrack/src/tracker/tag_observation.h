@@ -16,6 +16,7 @@ struct TagObservation {
   std::array<Eigen::Vector3d, kNumCorners> corners_map;
   std::array<Eigen::Vector2d, kNumCorners> corners_px;
   PlanarPoses planar_poses;  ///< Both T_camera_tag; may be empty.
+  int corrected_bits = 0;    ///< 0 where the detection does not say.
   bool is_repeated = false;  ///< The frame shows this tag more than once: at most one of them can be it.
 };
 

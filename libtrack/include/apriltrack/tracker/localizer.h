@@ -16,7 +16,7 @@ struct LocalizerOptions {
   /// families and response are taken from the map and the camera.
   DetectorOptions detector;
   /// Expected corner error per axis, from the detector's own tests: sharp frames, linear light.
-  double corner_sigma_px = 0.15;
+  double corner_sigma_px = 0.1;
   /// A frame whose corners fit worse than this (root mean square per axis, after outliers) gives no pose.
   double max_residual_rms_px = 4.0;
 
@@ -30,10 +30,12 @@ struct LocalizerOptions {
 /// by their fit and by the poses of the last 0.3 s, moved on with constant velocity; the lesser one is
 /// reported beside the pose.
 ///
-/// The covariance rests on the residuals, and for few tags on what corners are known to suffer from motion:
-/// 0.15 of the blur, which is taken from the last two poses and the exposure. The map is taken as exact. One
-/// image at a time; give each thread its own. No frame throws, whatever it shows: a pose is finite, or there
-/// is none and the result says why.
+/// The covariance rests on the residuals and, for few tags, on what corners are known to suffer from motion
+/// (0.025 of the blur, taken from the last two poses and the exposure) and from corrected bits. The map is
+/// taken as exact.
+///
+/// One image at a time; give each thread its own. No frame throws, whatever it shows: a pose is finite, or
+/// there is none and the result says why.
 class Localizer {
  public:
   /// Throws Error(kInvalidInput) when the map is empty or names an unknown family.

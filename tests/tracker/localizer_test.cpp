@@ -1,0 +1,330 @@
+#include "apriltrack/tracker/localizer.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "apriltrack/base/check.h"
+#include "apriltrack/base/error.h"
+#include "support/pose_matchers.h"
+#include "synthetic_world.h"
+
+namespace apriltrack {
+namespace {
+
+using test::PoseNear;
+
+LocalizerOptions options_for(TrackMode mode) {
+  LocalizerOptions options;
+  options.mode = mode;
+  return options;
+}
+
+Pose reported(TrackMode mode, const Pose& T_map_camera) {
+  return mode == TrackMode::kEgo ? T_map_camera : T_map_camera.inverse();
+}
+
+Camera radtan() {
+  return test::camera_with(RadtanDistortion({-0.28, 0.09, 0.0005, -0.0003}));
+}
+
+struct Case {
+  std::string name;
+  TrackMode mode;
+  Distortion distortion;
+};
+
+class EveryModeAndLens : public testing::TestWithParam<Case> {};
+
+INSTANTIATE_TEST_SUITE_P(
+    Localizer, EveryModeAndLens,
+    testing::Values(
+        Case{"EgoNone", TrackMode::kEgo, NoDistortion{}},
+        Case{"EgoRadtan", TrackMode::kEgo, RadtanDistortion({-0.28, 0.09, 5e-4, -3e-4})},
+        Case{"EgoEquidistant", TrackMode::kEgo, EquidistantDistortion({0.02, -0.01, 0.003, -0.001})},
+        Case{"JointRadtan", TrackMode::kJoint, RadtanDistortion({-0.28, 0.09, 5e-4, -3e-4})},
+        Case{"JointEquidistant", TrackMode::kJoint, EquidistantDistortion({0.02, -0.01, 0.003, -0.001})}),
+    [](const auto& test_case) { return test_case.param.name; });
+
+TEST_P(EveryModeAndLens, ExactCornersGiveTheExactPose) {
+  const Camera camera = test::camera_with(GetParam().distortion);
+  RandomStream random(301);
+  for (int i = 0; i < 50; ++i) {
+    const Pose T_map_camera = test::random_T_map_camera(random);
+    Localizer localizer(camera, test::room(), options_for(GetParam().mode));
+    const TrackResult result = localizer.localize(test::seen(camera, test::room(), T_map_camera.inverse()));
+    ASSERT_EQ(result.status, TrackStatus::kDetected) << result.reason;
+    EXPECT_THAT(*result.pose, PoseNear(reported(GetParam().mode, T_map_camera), 1e-7, 1e-7));
+    EXPECT_EQ(result.tags_detected, 7);
+    EXPECT_EQ(result.tags_tracked, 7);
+    EXPECT_EQ(result.second_mode_odds, 0.0);
+    EXPECT_FALSE(result.second_pose);
+    EXPECT_TRUE(result.reason.empty());
+    EXPECT_EQ(result.timestamp, Timestamp{1'000'000'000});
+  }
+}
+
+/// Mean of xi' inverse(covariance) xi / 6 over many noisy frames, truth = reported * exp(xi): 1 if the
+/// covariance is what it says, in the frame it says.
+double normalised_error(const Case& parameters, const TagMap& map, double sigma_px, int num_frames) {
+  const Camera camera = test::camera_with(parameters.distortion);
+  LocalizerOptions options = options_for(parameters.mode);
+  options.corner_sigma_px = sigma_px;
+  RandomStream random(302);
+  double sum = 0.0;
+  for (int i = 0; i < num_frames; ++i) {
+    const Pose T_map_camera = test::random_T_map_camera(random);
+    Localizer localizer(camera, map, options);
+    const TrackResult result = localizer.localize(
+        test::with_noise(test::seen(camera, map, T_map_camera.inverse()), random, sigma_px));
+    if (!result.pose) {
+      ADD_FAILURE() << "frame " << i << ": " << result.reason;
+      return 0.0;
+    }
+    const Vector6d xi = (result.pose->inverse() * reported(parameters.mode, T_map_camera)).log();
+    sum += xi.dot(result.covariance->llt().solve(xi)) / 6.0;
+  }
+  return sum / num_frames;
+}
+
+TEST_P(EveryModeAndLens, CovarianceIsTheScatterOfThePose) {
+  // 600 samples of a chi-squared variable with 6 degrees of freedom, over 6: its mean scatters by 0.024.
+  // Sigma is never taken below the expected one, so that the result lies a little under 1.
+  const double error = normalised_error(GetParam(), test::room(), 0.3, 600);
+  EXPECT_GT(error, 0.85);
+  EXPECT_LT(error, 1.08);
+}
+
+TEST_P(EveryModeAndLens, CovarianceOfALoneTagIsTheScatterOfItsPose) {
+  TagMap lone = test::only(test::room(), {4});  // 1.7 m away and strongly tilted: no ambiguity
+  lone.tags[0].T_map_tag = Pose(rotation_exp({-0.8, 0.2, 0.0}), {0.0, 0.1, 0.7});
+  const double error = normalised_error(GetParam(), lone, 0.1, 600);
+  EXPECT_GT(error, 0.70);
+  EXPECT_LT(error, 1.15);
+}
+
+TEST(Localizer, ResidualsLargerThanExpectedWidenTheCovariance) {
+  const Camera camera = radtan();
+  RandomStream random(303);
+  const FrameDetections exact = test::seen(camera, test::room(), Pose());
+  const auto sigma_m = [&](double noise_px) {
+    Localizer localizer(camera, test::room());
+    return std::sqrt(localizer.localize(test::with_noise(exact, random, noise_px)).covariance->trace());
+  };
+  EXPECT_NEAR(sigma_m(1.0) / sigma_m(0.02), 1.0 / LocalizerOptions().corner_sigma_px, 3.0);
+}
+
+TEST(Localizer, SurvivesATagThatTheMapHasAtAWrongPlace) {
+  const Camera camera = radtan();
+  RandomStream random(304);
+  TagMap wrong = test::room();
+  wrong.tags[3].T_map_tag =
+      wrong.tags[3].T_map_tag * Pose::exp((Vector6d() << 0.1, 0.05, 0, 0, 0.2, 0).finished());
+  for (int i = 0; i < 50; ++i) {
+    const Pose T_map_camera = test::random_T_map_camera(random);
+    Localizer localizer(camera, wrong);
+    const TrackResult result = localizer.localize(
+        test::with_noise(test::seen(camera, test::room(), T_map_camera.inverse()), random, 0.1));
+    ASSERT_EQ(result.status, TrackStatus::kDetected);
+    EXPECT_THAT(*result.pose, PoseNear(T_map_camera, 5e-3, 3e-3));
+    EXPECT_EQ(result.tags_detected, 7);
+    EXPECT_EQ(result.tags_tracked, 6) << "the wrong tag must not be claimed as evidence";
+  }
+}
+
+TEST(Localizer, TwoTagsThatDisagreeGiveNoPoseUnlessTheMotionSpeaksForOne) {
+  const Camera camera = radtan();
+  TagMap wrong = test::room();
+  wrong.tags[3].T_map_tag =
+      wrong.tags[3].T_map_tag * Pose::exp((Vector6d() << 0.3, 0.1, 0, 0, 0.5, 0).finished());
+  const TagMap two = test::only(test::room(), {2, 3});
+  Localizer fresh(camera, wrong);
+  const TrackResult lost = fresh.localize(test::seen(camera, two, Pose()));
+  EXPECT_EQ(lost.status, TrackStatus::kLost);
+  EXPECT_FALSE(lost.pose);
+  EXPECT_FALSE(lost.covariance);
+  EXPECT_THAT(lost.reason, testing::HasSubstr("do not agree"));
+
+  Localizer moving(camera, wrong);
+  ASSERT_TRUE(moving.localize(test::seen(camera, test::room(), Pose(), {1'000'000'000})).pose);
+  const TrackResult result = moving.localize(test::seen(camera, two, Pose(), {1'033'000'000}));
+  ASSERT_EQ(result.status, TrackStatus::kDetected) << result.reason;
+  EXPECT_THAT(*result.pose, PoseNear(Pose(), 1e-6, 1e-6));
+  EXPECT_EQ(result.tags_tracked, 1);
+}
+
+/// A lone tag 2.5 m away, tilted by 25 degrees, corners 0.4 px off: the perspective that tells its two poses
+/// apart is smaller than the noise.
+TEST(Localizer, RecentPosesSettleTheAmbiguityOfALoneTag) {
+  const Camera camera = radtan();
+  TagMap map = test::room();
+  map.tags.push_back(test::tag_at(7, {rotation_exp({0.0, 25 * test::kDegree, 0.0}), {0.1, 0.1, 2.5}}));
+  const TagMap lone = test::only(map, {7});
+  LocalizerOptions options;
+  options.corner_sigma_px = 0.4;
+  RandomStream random(305);
+  constexpr int kNumRuns = 200;
+  int wrong_alone = 0;
+  int wrong_with_history = 0;
+  int with_second_pose = 0;
+  const auto is_wrong = [](const TrackResult& result) {
+    return !result.pose || rotation_angle_rad(result.pose->rotation(), Eigen::Quaterniond::Identity()) > 0.35;
+  };
+  for (int i = 0; i < kNumRuns; ++i) {
+    const auto lone_frame = [&](std::int64_t ns) {
+      return test::with_noise(test::seen(camera, lone, Pose(), {ns}), random, 0.4);
+    };
+    Localizer alone(camera, map, options);
+    const TrackResult guess = alone.localize(lone_frame(1'000'000'000));
+    wrong_alone += is_wrong(guess);
+    with_second_pose += guess.second_pose.has_value();
+    EXPECT_GE(guess.second_mode_odds, 0.0);
+    EXPECT_LE(guess.second_mode_odds, 1.0);
+
+    Localizer with_history(camera, map, options);
+    with_history.localize(test::with_noise(test::seen(camera, map, Pose(), {1'000'000'000}), random, 0.4));
+    with_history.localize(test::with_noise(test::seen(camera, map, Pose(), {1'033'000'000}), random, 0.4));
+    wrong_with_history += is_wrong(with_history.localize(lone_frame(1'066'000'000)));
+  }
+  EXPECT_GT(wrong_alone, kNumRuns / 10) << "the case must be hard, or it proves nothing";
+  EXPECT_GT(with_second_pose, kNumRuns / 2);
+  EXPECT_LE(wrong_with_history, kNumRuns / 50);
+}
+
+TEST(Localizer, ForgetsPosesThatAreTooOld) {
+  // Half a second after a wrong pose has been seen, the corners alone decide again.
+  const Camera camera = radtan();
+  const TagMap map = test::room();
+  const Pose before = Pose::exp((Vector6d() << 0, 0, 0, 0, 0, 0.5).finished());
+  Localizer localizer(camera, map);
+  ASSERT_TRUE(localizer.localize(test::seen(camera, map, before, {1'000'000'000})).pose);
+  const TrackResult result =
+      localizer.localize(test::seen(camera, test::only(map, {2}), Pose(), {1'500'000'000}));
+  ASSERT_TRUE(result.pose);
+  EXPECT_THAT(*result.pose, PoseNear(Pose(), 1e-6, 1e-6));
+}
+
+TEST(Localizer, ClearCornersOverruleTheMotionModel) {
+  const Camera camera = radtan();
+  const TagMap map = test::room();
+  const Pose jump = Pose::exp((Vector6d() << 0.2, 0, 0, 0, 0, 1.0).finished());
+  Localizer localizer(camera, map);
+  localizer.localize(test::seen(camera, map, Pose(), {1'000'000'000}));
+  localizer.localize(test::seen(camera, map, Pose(), {1'033'000'000}));
+  const TrackResult result = localizer.localize(test::seen(camera, map, jump.inverse(), {1'066'000'000}));
+  ASSERT_TRUE(result.pose);
+  EXPECT_THAT(*result.pose, PoseNear(jump, 1e-6, 1e-6));
+}
+
+TEST(Localizer, OfATagSeenTwiceKeepsTheOneThatFits) {
+  const Camera camera = radtan();
+  FrameDetections frame = test::seen(camera, test::only(test::room(), {0, 2, 4}), Pose());
+  Detection copy = frame.detections[0];
+  for (Eigen::Vector2d& corner : copy.corners_px) corner += Eigen::Vector2d(90.0, 60.0);
+  frame.detections.insert(frame.detections.begin(), copy);
+  Localizer localizer(camera, test::room());
+  const TrackResult result = localizer.localize(frame);
+  ASSERT_TRUE(result.pose) << result.reason;
+  EXPECT_THAT(*result.pose, PoseNear(Pose(), 1e-6, 1e-6));
+  EXPECT_EQ(result.tags_detected, 3);
+  EXPECT_EQ(result.tags_tracked, 3);
+
+  FrameDetections only_copies = frame;
+  only_copies.detections.resize(2);  // tag 0 twice, and nothing else
+  Localizer fresh(camera, test::room());
+  EXPECT_EQ(fresh.localize(only_copies).status, TrackStatus::kLost) << "either may be the false one";
+}
+
+TEST(Localizer, SaysWhyThereIsNoPose) {
+  const Camera camera = radtan();
+  Localizer localizer(camera, test::only(test::room(), {0, 1}));
+  EXPECT_EQ(localizer.localize(FrameDetections{}).reason, "no tag seen");
+  const TrackResult unmapped = localizer.localize(test::seen(camera, test::only(test::room(), {5}), Pose()));
+  EXPECT_EQ(unmapped.status, TrackStatus::kLost);
+  EXPECT_EQ(unmapped.tags_detected, 0);
+  EXPECT_EQ(unmapped.reason, "no tag of the map seen");
+
+  // One edge looks three times as long as the one across: a square of 0.16 m would have to reach 0.5 m in
+  // depth.
+  FrameDetections bent = test::seen(camera, test::only(test::room(), {0}), Pose());
+  bent.detections[0].corners_px = {Eigen::Vector2d(250, 300), {350, 300}, {450, 100}, {150, 100}};
+  const TrackResult lost = localizer.localize(bent);
+  EXPECT_EQ(lost.status, TrackStatus::kLost);
+  EXPECT_EQ(lost.reason, "the corners seen fit no pose");
+}
+
+TEST(Localizer, NoDetectionWhateverGivesANaNOrAnException) {
+  const Camera camera = radtan();
+  RandomStream random(306);
+  Localizer localizer(camera, test::room());
+  int num_poses = 0;
+  for (int i = 0; i < 2000; ++i) {
+    FrameDetections frame;
+    frame.timestamp = {static_cast<std::int64_t>(random.uniform(0.0, 1e9))};  // backwards, too
+    const int num_tags = static_cast<int>(random.uniform(0.0, 5.0));
+    const double spread_px = std::pow(10.0, random.uniform(-6.0, 3.0));
+    for (int k = 0; k < num_tags; ++k) {
+      Detection detection{.tag = {"tag36h11", static_cast<int>(random.uniform(0.0, 7.0))},
+                          .corners_px = {},
+                          .hamming = {},
+                          .decision_margin = {}};
+      const Eigen::Vector2d centre(random.uniform(0.0, 640.0), random.uniform(0.0, 480.0));
+      for (Eigen::Vector2d& corner : detection.corners_px) {
+        corner = centre + spread_px * Eigen::Vector2d(random.normal(), random.normal());
+      }
+      if (i % 50 == 0) detection.corners_px[1].x() = std::numeric_limits<double>::quiet_NaN();
+      frame.detections.push_back(detection);
+    }
+    const TrackResult result = localizer.localize(frame);
+    EXPECT_EQ(result.pose.has_value(), result.status == TrackStatus::kDetected);
+    EXPECT_EQ(result.pose.has_value(), result.reason.empty());
+    if (!result.pose) continue;
+    EXPECT_TRUE(result.pose->is_finite());
+    EXPECT_TRUE(result.covariance->allFinite());
+    ++num_poses;
+  }
+  EXPECT_GT(num_poses, 20) << "some random quads are tags";
+}
+
+TEST(Localizer, RefusesAMapWithoutTagsAndUnknownFamilies) {
+  EXPECT_THROW(Localizer(radtan(), TagMap()), Error);
+  TagMap map = test::room();
+  map.tags[2].key.family = "tag99h1";
+  try {
+    Localizer localizer(radtan(), map);
+    FAIL() << "an unknown family must be refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInvalidInput);
+    EXPECT_THAT(error.what(), testing::HasSubstr("tag99h1/2"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("tag36h11"));
+  }
+}
+
+TEST(Localizer, RefusesOptionsOutOfRange) {
+  LocalizerOptions options;
+  options.corner_sigma_px = 0.0;
+  EXPECT_THROW(options.check(), Error);
+  options = {};
+  options.max_residual_rms_px = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(options.check(), Error);
+  EXPECT_NO_THROW(LocalizerOptions().check());
+}
+
+TEST(Localizer, AnImageOfAnotherResolutionIsAMistakeOfTheCaller) {
+  Localizer localizer(radtan(), test::room());
+  const GrayImage image(320, 240);
+  EXPECT_THROW(localizer.localize(Frame{.image = image.view(), .timestamp = {}, .exposure_s = {}}),
+               MisuseError);
+}
+
+TEST(TrackStatus, HasTheWordsOfTheFrameLog) {
+  EXPECT_EQ(to_string(TrackStatus::kDetected), "detected");
+  EXPECT_EQ(to_string(TrackStatus::kTracked), "tracked");
+  EXPECT_EQ(to_string(TrackStatus::kPredicted), "predicted");
+  EXPECT_EQ(to_string(TrackStatus::kLost), "lost");
+  EXPECT_EQ(to_string(TrackStatus::kUnreadable), "unreadable");
+}
+
+}  // namespace
+}  // namespace apriltrack

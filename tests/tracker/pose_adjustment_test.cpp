@@ -1,0 +1,138 @@
+#include "pose_adjustment.h"
+
+#include <gmock/gmock.h>
+
+#include "corner_noise.h"
+#include "pose_memory.h"
+#include "support/numeric_jacobian.h"
+#include "support/pose_matchers.h"
+#include "synthetic_world.h"
+
+namespace apriltrack {
+namespace {
+
+using test::PoseNear;
+
+std::vector<const TagObservation*> pointers(const std::vector<TagObservation>& observations) {
+  std::vector<const TagObservation*> result;
+  for (const TagObservation& observation : observations) result.push_back(&observation);
+  return result;
+}
+
+TEST(PoseAdjustment, InformationIsThatOfTheNumericJacobian) {
+  const Camera camera = test::camera_with(EquidistantDistortion({0.02, -0.01, 0.003, -0.001}));
+  const TagMap map = test::room();
+  RandomStream random(311);
+  for (int i = 0; i < 10; ++i) {
+    const Pose T_camera_map = test::random_T_map_camera(random).inverse();
+    const auto observations =
+        observe_mapped_tags(map, camera.model, test::seen(camera, map, T_camera_map).detections);
+    ASSERT_EQ(observations.size(), 7U);
+    const Eigen::MatrixXd jacobian = test::numeric_jacobian(
+        [&](const Eigen::VectorXd& xi) {
+          Eigen::VectorXd pixels(56);
+          Eigen::Index row = 0;
+          for (const Detection& d : test::seen(camera, map, T_camera_map * Pose::exp(xi)).detections) {
+            for (const Eigen::Vector2d& corner : d.corners_px) pixels.segment<2>(row++ * 2) = corner;
+          }
+          return pixels;
+        },
+        6);
+    EXPECT_TRUE(test::jacobians_agree(corner_information(camera.model, pointers(observations), T_camera_map),
+                                      jacobian.transpose() * jacobian, 1e-6));
+  }
+}
+
+TEST(PoseAdjustment, ConvergesFromFarOff) {
+  const Camera camera = test::camera_with(RadtanDistortion({-0.28, 0.09, 5e-4, -3e-4}));
+  const TagMap map = test::room();
+  const auto observations =
+      observe_mapped_tags(map, camera.model, test::seen(camera, map, Pose()).detections);
+  const Pose start = Pose::exp((Vector6d() << 0.1, -0.1, 0.2, 0.05, 0.1, -0.1).finished());
+  const Pose found =
+      adjust_pose(camera.model, pointers(observations), {RobustKernel::Shape::kHuber, 1.0}, start);
+  EXPECT_THAT(found, PoseNear(Pose(), 1e-8, 1e-8));
+}
+
+TEST(PoseAdjustment, KernelsWeighAsTheirCostSlopes) {
+  for (const auto shape : {RobustKernel::Shape::kCauchy, RobustKernel::Shape::kHuber}) {
+    const RobustKernel kernel{shape, 1.5};
+    for (const double squared : {0.01, 1.0, 2.0, 5.0, 100.0}) {
+      const double slope = (kernel.cost(squared + 1e-6) - kernel.cost(squared - 1e-6)) / 2e-6;
+      EXPECT_NEAR(kernel.weight(squared), slope, 1e-6);
+    }
+  }
+}
+
+TEST(PoseAdjustment, ATagSeenFromBehindFitsNoPose) {
+  const Camera camera = test::camera_with(NoDistortion{});
+  const TagMap map = test::only(test::room(), {0});
+  const auto observations =
+      observe_mapped_tags(map, camera.model, test::seen(camera, map, Pose()).detections);
+  ASSERT_EQ(observations.size(), 1U);
+  const Pose T_front_back(rotation_exp({0.0, std::numbers::pi, 0.0}),
+                          {0.0, 0.0, 4.4});  // half a turn about the tag
+  EXPECT_TRUE(std::isinf(squared_error_px2(camera.model, observations[0], T_front_back)));
+  EXPECT_NEAR(squared_error_px2(camera.model, observations[0], Pose()), 0.0, 1e-12);
+}
+
+TEST(CornerNoise, BlurIsThePathDuringTheExposure) {
+  // A frontal camera that slides sideways: every corner moves by f * shift / depth.
+  const Camera camera = test::camera_with(NoDistortion{});
+  const TagMap map = test::only(test::room(), {0});
+  const auto observations =
+      observe_mapped_tags(map, camera.model, test::seen(camera, map, Pose()).detections);
+  PoseCandidate candidate;
+  candidate.inliers = pointers(observations);
+  const Pose before(Eigen::Quaterniond::Identity(), {0.1, 0.0, 0.0});
+  const auto blur_px = corner_blur_px(camera.model, candidate, before, 0.04, 0.01);
+  ASSERT_TRUE(blur_px);
+  EXPECT_NEAR(*blur_px, 520.6 * 0.1 / 2.2 * (0.01 / 0.04), 1e-9);
+}
+
+TEST(CornerNoise, GrowsWithBlurAndCorrectedBitsAndIsNeverBelowThatOfSharpCorners) {
+  const Camera camera = test::camera_with(NoDistortion{});
+  const TagMap map = test::only(test::room(), {0});
+  auto observations = observe_mapped_tags(map, camera.model, test::seen(camera, map, Pose()).detections);
+  PoseCandidate candidate;
+  candidate.inliers = pointers(observations);
+  const double sharp_px = expected_corner_sigma_px(0.1, 0.0, candidate);
+  EXPECT_DOUBLE_EQ(sharp_px, 0.1);
+  EXPECT_GT(expected_corner_sigma_px(0.1, 20.0, candidate), 3.0 * sharp_px);
+  EXPECT_GT(expected_corner_sigma_px(0.1, std::nullopt, candidate), sharp_px);
+  EXPECT_DOUBLE_EQ(fitted_corner_sigma_px(0.1, 0.1, candidate), 0.1) << "a perfect fit is luck";
+  candidate.squared_error_px2 = 40.0;
+  EXPECT_GT(fitted_corner_sigma_px(0.1, 0.1, candidate), 2.0);
+  observations[0].corrected_bits = 1;
+  EXPECT_GT(expected_corner_sigma_px(0.1, 0.0, candidate), 2.0 * sharp_px);
+}
+
+TEST(PoseMemory, PredictsWithConstantVelocityWhileFresh) {
+  const Vector6d velocity = (Vector6d() << 0.5, 0.2, -0.1, 0.4, 0.8, -0.3).finished();
+  const auto pose_at = [&](double seconds) { return Pose::exp(seconds * velocity); };
+  PoseMemory memory;
+  EXPECT_TRUE(memory.predict({0}).empty());
+  EXPECT_EQ(memory.log_prior({0}, Pose()), 0.0);
+  memory.remember({0}, pose_at(0.0), std::nullopt);
+  memory.remember({30'000'000}, pose_at(0.03), std::nullopt);
+  const auto modes = memory.predict({90'000'000});
+  ASSERT_EQ(modes.size(), 1U);
+  EXPECT_THAT(modes[0].pose, PoseNear(pose_at(0.09), 1e-9, 1e-9));
+  EXPECT_NEAR(memory.log_prior({90'000'000}, pose_at(0.09)), 0.0, 1e-9);
+  const Pose flipped = pose_at(0.09) * Pose::exp((Vector6d() << 0, 0, 0, 1.2, 0, 0).finished());
+  EXPECT_LT(memory.log_prior({90'000'000}, flipped), -6.0);
+  EXPECT_GT(memory.log_prior({90'000'000}, flipped), -8.0) << "clear corners must be able to overrule";
+  EXPECT_TRUE(memory.predict({400'000'000}).empty()) << "0.37 s old";
+  EXPECT_TRUE(memory.predict({20'000'000}).empty()) << "time ran backwards";
+}
+
+TEST(PoseMemory, KeepsTheSecondModeWithItsWeight) {
+  const Pose flipped = Pose::exp((Vector6d() << 0, 0, 0, 1.2, 0, 0).finished());
+  PoseMemory memory;
+  memory.remember({0}, Pose(), PoseMemory::Mode{flipped, 0.5});
+  EXPECT_EQ(memory.predict({30'000'000}).size(), 2U);
+  EXPECT_NEAR(memory.log_prior({30'000'000}, flipped), std::log(0.5), 0.01);
+}
+
+}  // namespace
+}  // namespace apriltrack
