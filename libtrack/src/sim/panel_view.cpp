@@ -54,24 +54,31 @@ std::optional<PanelView> PanelView::make(const PreparedPanel& prepared, const Po
   return view;
 }
 
+/// Bounds of the part before the near plane (its outline clipped edge by edge); empty when all lies behind.
 void PanelView::set_bounds(const Pose& T_camera_panel) {
   const Eigen::Vector2d& half = prepared_->panel->half_size_m;
   bounds_ = {kEverywhere, -kEverywhere, kEverywhere, -kEverywhere};
-  int behind = 0;
-  for (const auto& [x, y] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}}) {
-    const Eigen::Vector3d corner = T_camera_panel * Eigen::Vector3d(x * half.x(), y * half.y(), 0.0);
-    if (corner.z() < kNear_m) {
-      ++behind;
-      continue;
-    }
-    const auto ray_x = static_cast<float>(corner.x() / corner.z());
-    const auto ray_y = static_cast<float>(corner.y() / corner.z());
+  const auto include = [&](const Eigen::Vector3d& point) {
+    const auto ray_x = static_cast<float>(point.x() / point.z());
+    const auto ray_y = static_cast<float>(point.y() / point.z());
     bounds_.min_x = std::min(bounds_.min_x, ray_x);
     bounds_.max_x = std::max(bounds_.max_x, ray_x);
     bounds_.min_y = std::min(bounds_.min_y, ray_y);
     bounds_.max_y = std::max(bounds_.max_y, ray_y);
+  };
+  const auto corner = [&](int i) -> Eigen::Vector3d {
+    const double x = i == 0 || i == 3 ? -half.x() : half.x();
+    const double y = i < 2 ? -half.y() : half.y();
+    return T_camera_panel * Eigen::Vector3d(x, y, 0.0);
+  };
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector3d from = corner(i);
+    const Eigen::Vector3d to = corner((i + 1) % 4);
+    if (from.z() >= kNear_m) include(from);
+    if ((from.z() >= kNear_m) != (to.z() >= kNear_m)) {
+      include(from + (kNear_m - from.z()) / (to.z() - from.z()) * (to - from));
+    }
   }
-  if (behind > 0 && behind < 4) bounds_ = {-kEverywhere, kEverywhere, -kEverywhere, kEverywhere};
 }
 
 void PanelView::set_shading(const Pose& T_world_panel, const Lighting& lighting) {
@@ -166,17 +173,24 @@ struct PanelView::RowOfAreas {
 bool PanelView::trace_row(const Tile& tile, const float* ray_x, const float* ray_y, RowOfAreas& row) const {
   const float x_0 = tile.ray_per_px(0, 0), x_1 = tile.ray_per_px(0, 1);
   const float y_0 = tile.ray_per_px(1, 0), y_1 = tile.ray_per_px(1, 1);
+  // Copies, so that no store into the row can change what the loop reads: else it stays narrow.
+  const RayForm u_form = u_;
+  const RayForm v_form = v_;
+  const RayForm depth_form = inverse_depth_;
+  const float half_u = half_u_;
+  const float half_v = half_v_;
+  const int width = tile.width;
   int num_touched = 0;
-  for (int i = 0; i < tile.width; ++i) {
-    const float inverse_depth = inverse_depth_.at(ray_x[i], ray_y[i]);
+  for (int i = 0; i < width; ++i) {
+    const float inverse_depth = depth_form.at(ray_x[i], ray_y[i]);
     const bool is_ahead = inverse_depth > kHorizon;
     const float depth = 1.0F / (is_ahead ? inverse_depth : 1.0F);
-    const float u = u_.at(ray_x[i], ray_y[i]) * depth;
-    const float v = v_.at(ray_x[i], ray_y[i]) * depth;
-    const float u_x = (u_.x - u * inverse_depth_.x) * depth;
-    const float u_y = (u_.y - u * inverse_depth_.y) * depth;
-    const float v_x = (v_.x - v * inverse_depth_.x) * depth;
-    const float v_y = (v_.y - v * inverse_depth_.y) * depth;
+    const float u = u_form.at(ray_x[i], ray_y[i]) * depth;
+    const float v = v_form.at(ray_x[i], ray_y[i]) * depth;
+    const float u_x = (u_form.x - u * depth_form.x) * depth;
+    const float u_y = (u_form.y - u * depth_form.y) * depth;
+    const float v_x = (v_form.x - v * depth_form.x) * depth;
+    const float v_y = (v_form.y - v * depth_form.y) * depth;
     const Footprint area{u_x * x_0 + u_y * y_0, u_x * x_1 + u_y * y_1, v_x * x_0 + v_y * y_0,
                          v_x * x_1 + v_y * y_1};
     row.u[i] = u;
@@ -185,7 +199,7 @@ bool PanelView::trace_row(const Tile& tile, const float* ray_x, const float* ray
     row.b[i] = area.b;
     row.c[i] = area.c;
     row.d[i] = area.d;
-    const bool is_near = (std::abs(u) - area.reach_u() < half_u_) & (std::abs(v) - area.reach_v() < half_v_);
+    const bool is_near = (std::abs(u) - area.reach_u() < half_u) & (std::abs(v) - area.reach_v() < half_v);
     row.is_touched[i] = is_ahead & is_near ? 1 : 0;
     num_touched += row.is_touched[i];
   }
