@@ -118,7 +118,7 @@ Scene make_bundle_scene(const SceneOptions& options) {
   scene.map = cube_map(kEdge_m, 0.07, 20);
   Body cube{.name = "cube", .T_world_body = thrown_about(options.speed), .panels = {}};
   add_box(cube, Pose(), Eigen::Vector3d::Constant(kEdge_m), 0.35);
-  add_tags(cube, scene.map);
+  add_tags(cube, scene.map, {.margin_cells = 0.0});  // the white cell that the family prints is all that fits
   scene.bodies = {cube, passing_board(6.4, options.speed)};
   scene.exposure_s = 0.014;
   scene.num_frames = 300;
