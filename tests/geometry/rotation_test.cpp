@@ -1,0 +1,117 @@
+#include "apriltrack/geometry/rotation.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "apriltrack/base/random.h"
+#include "support/numeric_jacobian.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Eigen::Vector3d random_direction(RandomStream& random) {
+  return Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+}
+
+/// Angles at which series take over from closed forms, and both ends of the logarithm's range.
+std::vector<double> angles_of_interest() {
+  return {0.0, 1e-300, 1e-12, 1e-8, 0.99e-4, 1.01e-4,    1e-3,       0.1,
+          1.0, 2.0,    3.0,   3.1,  3.14,    kPi - 1e-6, kPi - 1e-9, kPi - 1e-12};
+}
+
+/// The exponential by its power series: an independent truth for exp of any matrix of modest size.
+Eigen::MatrixXd matrix_exponential(const Eigen::MatrixXd& generator) {
+  Eigen::MatrixXd term = Eigen::MatrixXd::Identity(generator.rows(), generator.cols());
+  Eigen::MatrixXd sum = term;
+  for (int n = 1; n < 60; ++n) {
+    term = term * generator / n;
+    sum += term;
+  }
+  return sum;
+}
+
+TEST(Rotation, SkewIsTheCrossProduct) {
+  RandomStream random(201);
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Vector3d a = random_direction(random);
+    const Eigen::Vector3d b = random_direction(random);
+    EXPECT_LT((skew(a) * b - a.cross(b)).norm(), 1e-15);
+  }
+}
+
+TEST(Rotation, ExpIsTheMatrixExponential) {
+  RandomStream random(202);
+  for (const double angle : angles_of_interest()) {
+    const Eigen::Vector3d w = angle * random_direction(random);
+    EXPECT_LT((rotation_exp(w).toRotationMatrix() - matrix_exponential(skew(w))).norm(), 1e-14) << angle;
+  }
+}
+
+TEST(Rotation, LogInvertsExpOverItsWholeRange) {
+  RandomStream random(203);
+  for (const double angle : angles_of_interest()) {
+    for (int i = 0; i < 10; ++i) {
+      const Eigen::Vector3d w = angle * random_direction(random);
+      EXPECT_LT((rotation_log(rotation_exp(w)) - w).norm(), 1e-14 + 1e-15 * angle) << angle;
+    }
+  }
+}
+
+TEST(Rotation, LogIsTheSameForBothSignsOfTheQuaternion) {
+  RandomStream random(204);
+  for (const double angle : angles_of_interest()) {
+    const Eigen::Quaterniond q = rotation_exp(angle * random_direction(random));
+    const Eigen::Quaterniond minus_q(-q.w(), -q.x(), -q.y(), -q.z());
+    EXPECT_LT((rotation_log(q) - rotation_log(minus_q)).norm(), 1e-14) << angle;
+  }
+}
+
+TEST(Rotation, HalfATurnHasALogOfLengthPi) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::Quaterniond q(0.0, 0.0, 0.0, 0.0);
+    q.vec() = Eigen::Vector3d::Unit(axis);
+    const Eigen::Vector3d w = rotation_log(q);
+    EXPECT_NEAR(w.norm(), kPi, 1e-15);
+    EXPECT_LT((rotation_exp(w).toRotationMatrix() - q.toRotationMatrix()).norm(), 1e-15);
+  }
+}
+
+TEST(Rotation, AnglesBeyondHalfATurnComeBackTheShortWay) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(1.0, 2.0, -2.0) / 3.0;
+  const Eigen::Vector3d w = rotation_log(rotation_exp((kPi + 0.5) * axis));
+  EXPECT_LT((w + (kPi - 0.5) * axis).norm(), 1e-14);
+}
+
+TEST(Rotation, LeftJacobianIsTheDerivativeOfExp) {
+  RandomStream random(205);
+  int num_checked = 0;
+  for (const double angle : angles_of_interest()) {
+    const Eigen::Vector3d w = angle * random_direction(random);
+    const Eigen::Quaterniond exp_w = rotation_exp(w);
+    const auto moved = [&](const Eigen::VectorXd& dw) {
+      const Eigen::Vector3d sum = w + Eigen::Vector3d(dw);
+      return Eigen::VectorXd(rotation_log(rotation_exp(sum) * exp_w.conjugate()));
+    };
+    EXPECT_TRUE(test::jacobians_agree(rotation_left_jacobian(w), test::numeric_jacobian(moved, 3), 1e-8))
+        << angle;
+    ++num_checked;
+  }
+  EXPECT_EQ(num_checked, 16);
+}
+
+TEST(Rotation, LeftJacobianInverseIsItsInverse) {
+  RandomStream random(206);
+  for (const double angle : angles_of_interest()) {
+    const Eigen::Vector3d w = angle * random_direction(random);
+    const Eigen::Matrix3d product = rotation_left_jacobian(w) * rotation_left_jacobian_inverse(w);
+    EXPECT_LT((product - Eigen::Matrix3d::Identity()).norm(), 1e-12) << angle;
+  }
+}
+
+}  // namespace
+}  // namespace apriltrack
