@@ -8,6 +8,7 @@
 #include "apriltrack/base/error.h"
 #include "bundle_adjustment.h"
 #include "mirror_test.h"
+#include "noise_correlation.h"
 #include "tag_covariance.h"
 #include "view_residual.h"
 
@@ -142,7 +143,8 @@ std::size_t count_frames(const Observations& observations, const Part& part) {
   return frames;
 }
 
-/// Scales the covariances by the noise that the residuals show.
+/// Scales the covariances by the noise that the residuals show, and by how much neighbouring frames repeat
+/// it.
 void measure_covariances(const Observations& observations, PartSolution& solution) {
   double whitened_sum = 0.0;
   measure_residuals(observations, solution, whitened_sum);
@@ -154,8 +156,9 @@ void measure_covariances(const Observations& observations, PartSolution& solutio
   const double unknowns = 6.0 * static_cast<double>(solution.part.tags.size() - 1) +
                           6.0 * static_cast<double>(count_frames(observations, solution.part));
   const double freedom = 8.0 * static_cast<double>(solution.part.views.size()) - unknowns;
-  for (const Matrix6d& covariance : *covariances)
-    solution.covariances.push_back(whitened_sum / freedom * covariance);
+  const double repetition = views_per_independent_view(observations, solution.part, solution.state);
+  const double scale = whitened_sum / freedom * repetition;
+  for (const Matrix6d& covariance : *covariances) solution.covariances.push_back(scale * covariance);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <map>
 #include <numeric>
 
 #include "apriltrack/geometry/rotation.h"
@@ -181,6 +182,33 @@ TEST(CalibrateMap, CovarianceStaysUsefulWhenCornersErrIndependently) {
       [](auto& frames, RandomStream& random) { test::add_noise(frames, 0.15, random); }, 30);
   EXPECT_GT(ratio, 0.8);
   EXPECT_LT(ratio, 1.25);
+}
+
+TEST(CalibrateMap, CovarianceKnowsThatNeighbouringFramesRepeatTheirErrors) {
+  // First-order autoregressive errors of every corner from view to view: five views are worth about one.
+  const SyntheticWorld world = test::make_room(8, 240, test::equidistant_camera());
+  constexpr double kRepeated = 0.7;  // 1 + 2 (0.7 + 0.49 + ...) = 5.7
+  const double ratio = mean_normalised_error(
+      world, {.edge_end_correlation = 0.0},
+      [](auto& frames, RandomStream& random) {
+        std::map<TagKey, Vector8d> errors;
+        for (FrameDetections& frame : frames) {
+          for (Detection& detection : frame.detections) {
+            const bool is_first = !errors.contains(detection.tag);
+            Vector8d& error = errors[detection.tag];
+            for (int i = 0; i < 8; ++i) {
+              const double fresh = 0.15 * random.normal();
+              error[i] =
+                  is_first ? fresh : kRepeated * error[i] + std::sqrt(1.0 - kRepeated * kRepeated) * fresh;
+            }
+            for (int c = 0; c < 4; ++c)
+              detection.corners_px[static_cast<std::size_t>(c)] += error.segment<2>(2 * c);
+          }
+        }
+      },
+      20);
+  EXPECT_GT(ratio, 0.6);  // views taken for independent: about 5
+  EXPECT_LT(ratio, 1.6);
 }
 
 }  // namespace

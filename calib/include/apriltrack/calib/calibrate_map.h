@@ -52,6 +52,9 @@ struct CalibrationResult {
 /// camera with the same time counts as another moment.  rig: needs extrinsics only when several of its
 /// cameras were used.
 ///
+/// The tags' covariances rest on the residuals that are left (their size, and how much neighbouring frames
+/// repeat them). A bias that stays the same all through a recording cannot be seen in them.
+///
 /// Throws Error(kNoResult) when no two tags connect, ids are not unique, or the adjustment does not converge,
 /// and says what to do; Error(kInvalidInput) when a size is missing, a camera is unknown or the held tag was
 /// never seen.
