@@ -3,7 +3,7 @@
 #
 # A component is what a user asks for; each brings the outside libraries of its own and no others:
 #   track   localise and track: no OpenCV, no Ceres         calib   build tag maps (Ceres)
-#   source  read images and videos (OpenCV)                 eval, sim, report   scoring, rendering, pictures
+#   source  read images and videos (OpenCV, FFmpeg)                 eval, sim, report   scoring, rendering, pictures
 
 include(CMakePackageConfigHelpers)
 
@@ -15,6 +15,7 @@ endforeach()
 
 # Outside libraries without a pkg-config file of their own, or whose own names far more than is used (opencv4).
 set(pc_requires_of_track "eigen3 fmt yaml-cpp apriltag")
+set(pc_requires_of_source "libavformat libavcodec libswscale libavutil")
 set(pc_libraries_of_calib "-lceres -lglog")
 set(pc_libraries_of_source "-lopencv_videoio -lopencv_imgcodecs -lopencv_imgproc -lopencv_core")
 set(pc_libraries_of_report "-lopencv_imgcodecs -lopencv_imgproc -lopencv_core")
@@ -53,7 +54,7 @@ foreach(component IN LISTS components)
   set(pc_component ${component})
   set(pc_requires "${pc_requires_of_${component}}")
   if(NOT component STREQUAL "track")
-    set(pc_requires apriltrack-track)
+    string(PREPEND pc_requires "apriltrack-track ")
   endif()
   set(pc_libraries "${pc_own_libraries}${pc_libraries_of_${component}}")
   configure_file(${PROJECT_SOURCE_DIR}/cmake/apriltrack.pc.in ${generated_folder}/apriltrack-${component}.pc @ONLY)

@@ -10,8 +10,8 @@
 namespace apriltrack {
 
 /// A video file; a frame's time is the one that the file gives it, variable rates included.
-/// rate_hz: only for files whose frames carry no times (raw streams); else the rate the file states.
-/// Throws Error(kIo) when it cannot be opened or holds no frame.
+/// rate_hz: only for files whose frames carry no times (raw streams); without one they are an
+/// Error(kInvalidInput). Throws Error(kIo) when it cannot be opened or holds no frame.
 std::unique_ptr<SkippableSource> open_video(const std::filesystem::path& path, std::optional<double> rate_hz);
 
 /// A live camera by its number. Times are the driver's, or else those of arrival, on the machine's monotonic

@@ -1,0 +1,77 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <opencv2/videoio.hpp>
+#include <utility>
+
+#include "apriltrack/base/error.h"
+#include "gray_pixels.h"
+#include "video_source.h"
+
+namespace apriltrack {
+namespace {
+
+/// True only after a frame was grabbed: before, OpenCV tells where it will look, not what it found.
+Timestamp grabbed_time(const cv::VideoCapture& capture) {
+  return {std::llround(capture.get(cv::CAP_PROP_POS_MSEC) * 1e6)};
+}
+
+SourceFrame retrieve_frame(cv::VideoCapture& capture, std::string name) {
+  SourceFrame frame;
+  frame.name = std::move(name);
+  cv::Mat picture;
+  try {
+    if (capture.retrieve(picture)) frame.pixels = gray_of(picture);
+    if (frame.pixels.is_empty()) frame.error = frame.name + ": cannot be decoded";
+  } catch (const cv::Exception& error) {
+    frame.error = fmt::format("{}: cannot be decoded: {}", frame.name, error.err);
+  }
+  return frame;
+}
+
+class LiveCamera : public SkippableSource {
+ public:
+  LiveCamera(int number, std::string name) : name_(std::move(name)) {
+    if (!capture_.open(number, cv::CAP_V4L2)) {
+      throw io_error(
+          name_, "no camera there that can be opened: is it plugged in, free, and may this user read it?");
+    }
+  }
+
+  std::optional<SourceFrame> next() override {
+    if (!pass_over()) return std::nullopt;
+    SourceFrame frame = retrieve_frame(capture_, fmt::format("{} frame {}", name_, num_grabbed_ - 1));
+    frame.timestamp = time_;
+    return frame;
+  }
+
+  bool pass_over() override {
+    if (!capture_.grab()) return false;
+    const auto now = std::chrono::steady_clock::now().time_since_epoch();
+    const Timestamp arrival{std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
+    const Timestamp told = grabbed_time(capture_);
+    if (num_grabbed_ == 0) driver_tells_time_ = told.ns > 0;
+    time_ = driver_tells_time_ ? told : arrival;
+    ++num_grabbed_;
+    return true;
+  }
+
+  std::optional<std::size_t> num_frames() const override { return std::nullopt; }
+  std::string name() const override { return name_; }
+
+ private:
+  std::string name_;
+  cv::VideoCapture capture_;
+  std::size_t num_grabbed_ = 0;
+  bool driver_tells_time_ = false;
+  Timestamp time_;
+};
+
+}  // namespace
+
+std::unique_ptr<SkippableSource> open_live_camera(int number, const std::string& where) {
+  return std::make_unique<LiveCamera>(number, where);
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,148 @@
+#include "video_decoder.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/display.h>
+}
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/image/opencv_bridge.h"
+#include "gray_pixels.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr AVRational kNanoseconds = {1, 1'000'000'000};
+
+std::string reason(int code) {
+  std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
+  av_strerror(code, text.data(), text.size());
+  return text.data();
+}
+
+/// Phones store the sensor's picture and say how to turn it.
+int quarter_turns_anticlockwise(const AVStream& stream) {
+  const std::uint8_t* data = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, nullptr);
+  if (!data) return 0;
+  const double angle_deg = av_display_rotation_get(reinterpret_cast<const std::int32_t*>(data));
+  if (!std::isfinite(angle_deg)) return 0;
+  return ((static_cast<int>(std::lround(angle_deg / 90.0)) % 4) + 4) % 4;
+}
+
+GrayImage turned(const GrayImage& image, int turns) {
+  if (turns == 0) return image;
+  constexpr std::array kRotations = {cv::ROTATE_90_COUNTERCLOCKWISE, cv::ROTATE_180, cv::ROTATE_90_CLOCKWISE};
+  cv::Mat upright;
+  cv::rotate(mat_of(image.view()), upright, kRotations[static_cast<std::size_t>(turns - 1)]);
+  return copy_of(upright);
+}
+
+}  // namespace
+
+void VideoDecoder::Deleter::operator()(AVFormatContext* context) const {
+  avformat_close_input(&context);
+}
+void VideoDecoder::Deleter::operator()(AVCodecContext* context) const {
+  avcodec_free_context(&context);
+}
+void VideoDecoder::Deleter::operator()(AVFrame* frame) const {
+  av_frame_free(&frame);
+}
+void VideoDecoder::Deleter::operator()(AVPacket* packet) const {
+  av_packet_free(&packet);
+}
+
+VideoDecoder::VideoDecoder(const std::string& path) : frame_(av_frame_alloc()), packet_(av_packet_alloc()) {
+  open_file(path);
+  open_stream(path);
+}
+
+void VideoDecoder::open_file(const std::string& path) {
+  AVFormatContext* file = nullptr;
+  // The protocol is named, lest a colon in a file name be taken for one.
+  const int opened = avformat_open_input(&file, ("file:" + path).c_str(), nullptr, nullptr);
+  if (opened < 0)
+    throw io_error(path, fmt::format("is neither an image nor a video that can be read: {}", reason(opened)));
+  file_.reset(file);
+  const int probed = avformat_find_stream_info(file, nullptr);
+  if (probed < 0) throw io_error(path, fmt::format("its streams cannot be read: {}", reason(probed)));
+}
+
+void VideoDecoder::open_stream(const std::string& path) {
+  const AVCodec* decoder = nullptr;
+  const int index = av_find_best_stream(file_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
+  if (index < 0) throw io_error(path, fmt::format("holds no video that can be decoded: {}", reason(index)));
+  for (unsigned i = 0; i < file_->nb_streams; ++i) file_->streams[i]->discard = AVDISCARD_ALL;
+  stream_ = file_->streams[index];
+  stream_->discard = AVDISCARD_DEFAULT;
+  turns_ = quarter_turns_anticlockwise(*stream_);
+  codec_.reset(avcodec_alloc_context3(decoder));
+  avcodec_parameters_to_context(codec_.get(), stream_->codecpar);
+  codec_->pkt_timebase = stream_->time_base;
+  const int opened = avcodec_open2(codec_.get(), decoder, nullptr);
+  if (opened < 0) throw io_error(path, fmt::format("its video cannot be decoded: {}", reason(opened)));
+}
+
+std::optional<VideoDecoder::Decoded> VideoDecoder::advance() {
+  for (;;) {
+    const int received = avcodec_receive_frame(codec_.get(), frame_.get());
+    if (received == 0) {
+      const bool is_damaged = (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0;
+      return Decoded{time_of(frame_->best_effort_timestamp), is_damaged ? "the data is damaged" : ""};
+    }
+    if (received == AVERROR_EOF) return std::nullopt;
+    if (received != AVERROR(EAGAIN))
+      return Decoded{std::nullopt, fmt::format("cannot be decoded: {}", reason(received))};
+    if (auto failed = feed()) return failed;
+  }
+}
+
+std::optional<VideoDecoder::Decoded> VideoDecoder::feed() {
+  int got = 0;
+  do {
+    av_packet_unref(packet_.get());
+    got = av_read_frame(file_.get(), packet_.get());
+  } while (got >= 0 && packet_->stream_index != stream_->index);
+  if (got < 0) {
+    const bool broke_off = got != AVERROR_EOF && !is_draining_;
+    is_draining_ = true;
+    avcodec_send_packet(codec_.get(), nullptr);
+    if (broke_off) return Decoded{std::nullopt, fmt::format("the file breaks off: {}", reason(got))};
+    return std::nullopt;
+  }
+  const int sent = avcodec_send_packet(codec_.get(), packet_.get());
+  if (sent < 0) return Decoded{time_of(packet_->pts), fmt::format("cannot be decoded: {}", reason(sent))};
+  return std::nullopt;
+}
+
+std::optional<Timestamp> VideoDecoder::time_of(std::int64_t stream_time) const {
+  if (stream_time == AV_NOPTS_VALUE) return std::nullopt;
+  const std::int64_t start = stream_->start_time == AV_NOPTS_VALUE ? 0 : stream_->start_time;
+  return Timestamp{av_rescale_q(stream_time - start, stream_->time_base, kNanoseconds)};
+}
+
+GrayImage VideoDecoder::picture() {
+  const GrayImage image = converter_.convert(*frame_);
+  return image.is_empty() ? image : turned(image, turns_);
+}
+
+std::optional<std::size_t> VideoDecoder::num_frames() const {
+  if (stream_->nb_frames > 0) return static_cast<std::size_t>(stream_->nb_frames);
+  const double rate_hz = av_q2d(stream_->avg_frame_rate);
+  const double count = static_cast<double>(file_->duration) / AV_TIME_BASE * rate_hz;
+  if (file_->duration <= 0 || !std::isfinite(count) || count < 1.0) return std::nullopt;
+  return static_cast<std::size_t>(std::lround(count));
+}
+
+bool VideoDecoder::has_times() const {
+  return (file_->iformat->flags & AVFMT_NOTIMESTAMPS) == 0;
+}
+
+}  // namespace apriltrack

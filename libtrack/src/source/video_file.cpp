@@ -1,0 +1,80 @@
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "apriltrack/base/error.h"
+#include "video_decoder.h"
+#include "video_source.h"
+
+namespace apriltrack {
+namespace {
+
+class VideoFile : public SkippableSource {
+ public:
+  VideoFile(std::string name, std::optional<double> rate_hz)
+      : name_(std::move(name)), rate_hz_(rate_hz), decoder_(name_) {
+    pending_ = decoder_.advance();
+    if (!pending_) throw io_error(name_, "opens as a video, but not one frame of it can be read");
+    has_times_ = decoder_.has_times() && (pending_->timestamp || !pending_->error.empty());
+    if (!has_times_ && !rate_hz_)
+      throw invalid_input(name_, "its frames carry no times: give the frame rate with --rate HZ");
+  }
+
+  std::optional<SourceFrame> next() override {
+    if (!pass_over()) return std::nullopt;
+    SourceFrame frame;
+    frame.name = fmt::format("{} frame {}", name_, num_passed_ - 1);
+    frame.timestamp = time_;
+    std::string error = error_;
+    if (error.empty()) {
+      frame.pixels = decoder_.picture();
+      if (frame.pixels.is_empty()) error = "its pixels cannot be converted to grey";
+    }
+    if (!error.empty()) frame.error = fmt::format("{}: {}", frame.name, error);
+    return frame;
+  }
+
+  bool pass_over() override {
+    const auto decoded = pending_ ? std::exchange(pending_, std::nullopt) : decoder_.advance();
+    if (!decoded) return false;
+    error_ = decoded->error;
+    set_time(has_times_ ? decoded->timestamp : advance({}, static_cast<double>(num_passed_) / *rate_hz_));
+    ++num_passed_;
+    return true;
+  }
+
+  std::optional<std::size_t> num_frames() const override { return decoder_.num_frames(); }
+  std::string name() const override { return name_; }
+
+ private:
+  /// Time runs forward whatever the file says: a frame whose time does not is unreadable, just after the one
+  /// before.
+  void set_time(std::optional<Timestamp> told) {
+    if (told && (num_passed_ == 0 || *told > time_)) {
+      time_ = *told;
+      return;
+    }
+    if (num_passed_ > 0) time_ = {time_.ns + 1};
+    if (!error_.empty()) return;
+    error_ = told ? fmt::format("its time, {} s, is not later than the frame's before", format_seconds(*told))
+                  : "it carries no time";
+  }
+
+  std::string name_;
+  std::optional<double> rate_hz_;
+  VideoDecoder decoder_;
+  std::optional<VideoDecoder::Decoded> pending_;
+  bool has_times_ = true;
+  std::size_t num_passed_ = 0;
+  Timestamp time_;
+  std::string error_;
+};
+
+}  // namespace
+
+std::unique_ptr<SkippableSource> open_video(const std::filesystem::path& path,
+                                            std::optional<double> rate_hz) {
+  return std::make_unique<VideoFile>(path.string(), rate_hz);
+}
+
+}  // namespace apriltrack

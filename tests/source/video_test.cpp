@@ -1,0 +1,210 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "apriltrack/image/opencv_bridge.h"
+#include "source_support.h"
+#include "support/shared_data.h"
+#include "video_files.h"
+
+namespace apriltrack::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+constexpr int kWidth = 64;
+constexpr int kHeight = 48;
+constexpr double kMaxCodingError = 4.0;  // grey levels; JPEG at 98, MPEG-4 at its finest
+
+/// Plain grey, so that a frame's level tells which picture it is.
+VideoPlan plan_of_levels(const std::vector<std::int64_t>& times_ticks) {
+  VideoPlan plan;
+  for (std::size_t i = 0; i < times_ticks.size(); ++i)
+    plan.pictures.emplace_back(kWidth, kHeight, static_cast<std::uint8_t>(5 + 15 * i));
+  plan.times_ticks = times_ticks;
+  return plan;
+}
+
+std::vector<std::int64_t> nanoseconds_of(const std::vector<std::int64_t>& times_ticks) {
+  std::vector<std::int64_t> times;
+  for (const std::int64_t ticks : times_ticks)
+    times.push_back((2 * ticks * 1'000'000'000 + kTicksPerSecond) /
+                    (2 * kTicksPerSecond));  // rounded, in integers
+  return times;
+}
+
+double level_of(const SourceFrame& frame) {
+  return cv::mean(mat_of(frame.pixels.view()))[0];
+}
+
+// Nothing like a constant rate: from 5 ms to 1 s between frames.
+const std::vector<std::int64_t> kIrregular = {0,      450,    3453,   6003,   96003,  97000,
+                                              100001, 110000, 110900, 140000, 140450, 150001};
+
+TEST(Video, KeepsIrregularTimesToTheNanosecond) {
+  const auto path = temporary_folder() / "irregular.mov";
+  write_mjpeg_video(path, plan_of_levels(kIrregular));
+  const auto frames = read_all(path.string());
+  EXPECT_EQ(times_of(frames), nanoseconds_of(kIrregular));
+  EXPECT_EQ(open_source(path.string())->num_frames(), kIrregular.size());
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    EXPECT_NEAR(level_of(frames[i]), 5.0 + 15.0 * static_cast<double>(i), kMaxCodingError);
+}
+
+TEST(Video, KeepsTimesOfMatroskaToItsMillisecond) {
+  const auto path = temporary_folder() / "irregular.mkv";
+  std::vector<std::int64_t> times_ticks = kIrregular;
+  for (std::int64_t& ticks : times_ticks) ticks = ticks / 90 * 90;
+  write_mjpeg_video(path, plan_of_levels(times_ticks));
+  EXPECT_EQ(times_of(read_all(path.string())), nanoseconds_of(times_ticks));
+}
+
+TEST(Video, JoinsEachPictureWithItsOwnTimeWhereStoredInAnotherOrder) {
+  std::vector<std::int64_t> times_ticks = kIrregular;
+  for (std::int64_t& ticks : times_ticks) ticks = ticks / 3 * 3;  // the codec's own ticks are 1/30000 s
+  const auto path = temporary_folder() / "b_frames.mov";
+  write_b_frame_video(path, plan_of_levels(times_ticks));
+  const auto frames = read_all(path.string());
+  ASSERT_EQ(frames.size(), times_ticks.size());
+  EXPECT_EQ(times_of(frames), nanoseconds_of(times_ticks));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_TRUE(frames[i].is_readable()) << frames[i].error;
+    EXPECT_NEAR(level_of(frames[i]), 5.0 + 15.0 * static_cast<double>(i), kMaxCodingError) << "frame " << i;
+  }
+}
+
+TEST(Video, SpreadsItsRangeFromBlackToWhite) {
+  VideoPlan plan;
+  for (const std::uint8_t level : {0, 128, 255}) plan.pictures.emplace_back(kWidth, kHeight, level);
+  plan.times_ticks = {0, 3000, 6000};
+  const auto folder = temporary_folder();
+  const auto full = folder / "full.mov";
+  const auto narrow = folder / "narrow.mov";
+  write_mjpeg_video(full, plan);
+  write_b_frame_video(narrow, plan);
+  for (const fs::path& path : {full, narrow}) {
+    const auto frames = read_all(path.string());
+    ASSERT_EQ(frames.size(), 3U);
+    EXPECT_NEAR(level_of(frames[0]), 0.0, kMaxCodingError) << path;
+    EXPECT_NEAR(level_of(frames[1]), 128.0, kMaxCodingError) << path;
+    EXPECT_NEAR(level_of(frames[2]), 255.0, kMaxCodingError) << path;
+  }
+}
+
+TEST(Video, StandsUprightAsTheFileSays) {
+  // Brighter to the right; turned clockwise it is brighter to the bottom.
+  GrayImage ramp(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) ramp(x, y) = static_cast<std::uint8_t>(3 * x + y);
+  }
+  const auto folder = temporary_folder();
+  const auto first_frame = [&](int turn_deg) {
+    const auto path = folder / (std::to_string(turn_deg) + ".mov");
+    write_mjpeg_video(path,
+                      {.pictures = {ramp, ramp}, .times_ticks = {0, 3000}, .turn_clockwise_deg = turn_deg});
+    return read_all(path.string()).at(0).pixels;
+  };
+  const GrayImage plain = first_frame(0);
+  const GrayImage quarter = first_frame(90);
+  const GrayImage half = first_frame(180);
+  const GrayImage three_quarters = first_frame(270);
+  ASSERT_EQ(plain.width(), kWidth);
+  ASSERT_EQ(quarter.width(), kHeight);
+  ASSERT_EQ(quarter.height(), kWidth);
+  ASSERT_EQ(half.width(), kWidth);
+  ASSERT_EQ(three_quarters.width(), kHeight);
+  for (const auto& [x, y] : {std::pair(5, 7), std::pair(60, 40), std::pair(0, 47)}) {
+    EXPECT_NEAR(plain(x, y), ramp(x, y), kMaxCodingError);
+    EXPECT_NEAR(quarter(kHeight - 1 - y, x), ramp(x, y), kMaxCodingError);
+    EXPECT_NEAR(half(kWidth - 1 - x, kHeight - 1 - y), ramp(x, y), kMaxCodingError);
+    EXPECT_NEAR(three_quarters(y, kWidth - 1 - x), ramp(x, y), kMaxCodingError);
+  }
+}
+
+TEST(Video, CanBeSampledWithoutLosingTimes) {
+  const auto path = temporary_folder() / "irregular.mov";
+  write_mjpeg_video(path, plan_of_levels(kIrregular));
+  const auto frames = read_all(path.string(), {.skip = 1, .step = 4});
+  EXPECT_EQ(times_of(frames), nanoseconds_of({kIrregular[1], kIrregular[5], kIrregular[9]}));
+  EXPECT_THAT(frames[1].name, HasSubstr("irregular.mov frame 5"));
+  EXPECT_NEAR(level_of(frames[1]), 5.0 + 15.0 * 5.0, kMaxCodingError);
+}
+
+TEST(Video, HandsOutADamagedFrameAsUnreadableAndGoesOn) {
+  const auto path = temporary_folder() / "damaged.mov";
+  VideoPlan plan = plan_of_levels(kIrregular);
+  plan.damaged_picture = 4;
+  write_mjpeg_video(path, plan);
+  const auto frames = read_all(path.string());
+  ASSERT_EQ(frames.size(), kIrregular.size());
+  EXPECT_EQ(times_of(frames), nanoseconds_of(kIrregular));
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    EXPECT_EQ(frames[i].is_readable(), i != 4) << frames[i].error;
+  EXPECT_THAT(frames[4].error, HasSubstr("damaged.mov frame 4: cannot be decoded"));
+}
+
+TEST(Video, WithoutTimesNeedsARate) {
+  const auto path = temporary_folder() / "raw.mjpeg";  // JPEGs one after the other, no container
+  write_mjpeg_video(path, plan_of_levels({0, 1, 2, 3}));
+  expect_refused(path, ErrorKind::kInvalidInput, {"raw.mjpeg", "no times", "--rate HZ"});
+  const auto frames = read_all(path.string(), {.rate_hz = 30.0});
+  EXPECT_THAT(times_of(frames), ::testing::ElementsAre(0, 33333333, 66666667, 100000000));
+}
+
+TEST(Video, WithoutAFrameIsAnError) {
+  const auto path = temporary_folder() / "none.mkv";
+  write_mjpeg_video(path, {});
+  expect_refused(path, ErrorKind::kIo, {"none.mkv"});
+}
+
+TEST(Video, CutBeforeItsIndexIsAnError) {
+  const auto path = temporary_folder() / "cut.mov";
+  write_mjpeg_video(path, plan_of_levels(kIrregular));
+  const std::string whole = read_bytes(path);
+  write_text(path, whole.substr(0, whole.size() / 2));
+  expect_refused(path, ErrorKind::kIo, {"cut.mov", "neither an image nor a video"});
+}
+
+TEST(Video, OfAPhoneHasItsRecordedSizeAndTimes) {
+  APRILTRACK_SHARED_OR_SKIP(path, "data/phone_page_blur/video.mp4");
+  const auto source = open_source(path.string());
+  std::int64_t number = 0;
+  for (; const auto frame = source->next(); ++number) {
+    ASSERT_TRUE(frame->is_readable()) << frame->error;
+    ASSERT_EQ(frame->pixels.width(), 480);
+    ASSERT_EQ(frame->pixels.height(), 640);
+    ASSERT_NEAR(static_cast<double>(frame->timestamp.ns), static_cast<double>(number) * 1e9 / 30.0, 1.0);
+  }
+  EXPECT_EQ(number, 886);
+}
+
+TEST(Video, OfAFieldIsWholeAndGreyAsOpenCvSeesIt) {
+  APRILTRACK_SHARED_OR_SKIP(path, "data/wpical_field/video.mp4");
+  cv::VideoCapture capture(path.string(), cv::CAP_FFMPEG);
+  const auto source = open_source(path.string());
+  std::int64_t last_ns = -1;
+  int number = 0;
+  double worst_difference = 0.0;
+  for (; const auto frame = source->next(); ++number) {
+    ASSERT_TRUE(frame->is_readable()) << frame->error;
+    ASSERT_GT(frame->timestamp.ns, last_ns);
+    last_ns = frame->timestamp.ns;
+    cv::Mat colour, gray;
+    ASSERT_TRUE(capture.read(colour));
+    if (number % 20 != 0) continue;
+    cv::cvtColor(colour, gray, cv::COLOR_BGR2GRAY);
+    ASSERT_EQ(gray.size(), cv::Size(frame->pixels.width(), frame->pixels.height()));
+    worst_difference = std::max(worst_difference, cv::norm(gray, mat_of(frame->pixels.view()), cv::NORM_L1) /
+                                                      static_cast<double>(gray.total()));
+  }
+  EXPECT_EQ(number, 159);
+  EXPECT_LT(worst_difference, 1.0);  // grey levels: two roads from luma to grey, rounded on the way
+  EXPECT_EQ(last_ns,
+            5300000000);  // 81408 ticks of 1/15360 s in the file: one frame of 160 was dropped on the way
+}
+
+}  // namespace
+}  // namespace apriltrack::test
