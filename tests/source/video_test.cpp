@@ -94,6 +94,21 @@ TEST(Video, SpreadsItsRangeFromBlackToWhite) {
   }
 }
 
+TEST(Video, KeepsEveryPixelOfAnOddWidth) {
+  GrayImage ramp(61, 47);
+  for (int y = 0; y < 47; ++y) {
+    for (int x = 0; x < 61; ++x) ramp(x, y) = static_cast<std::uint8_t>(3 * x + y);
+  }
+  const auto path = temporary_folder() / "odd.mov";
+  write_mjpeg_video(path, {.pictures = {ramp}, .times_ticks = {0}});
+  const GrayImage image = read_all(path.string()).at(0).pixels;
+  ASSERT_EQ(image.width(), 61);
+  ASSERT_EQ(image.height(), 47);
+  for (int y = 0; y < 47; ++y) {
+    for (int x = 0; x < 61; ++x) ASSERT_NEAR(image(x, y), ramp(x, y), kMaxCodingError) << x << ", " << y;
+  }
+}
+
 TEST(Video, StandsUprightAsTheFileSays) {
   // Brighter to the right; turned clockwise it is brighter to the bottom.
   GrayImage ramp(kWidth, kHeight);

@@ -5,10 +5,13 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
+#include <algorithm>
 #include <array>
 
 namespace apriltrack {
 namespace {
+
+constexpr int kVectorBytes = 64;
 
 /// The old names of full-range formats, which the converter only takes with a warning for each frame.
 AVPixelFormat without_range(AVPixelFormat format) {
@@ -41,10 +44,16 @@ GrayImage GrayConverter::convert(const AVFrame& frame) {
   const bool is_full_range = format != told || frame.color_range == AVCOL_RANGE_JPEG;
   set_up({.width = frame.width, .height = frame.height, .format = format, .is_full_range = is_full_range});
   if (!context_) return {};
-  GrayImage image(frame.width, frame.height);
-  const std::array<std::uint8_t*, 4> target = {image.row(0), nullptr, nullptr, nullptr};
-  const std::array<int, 4> stride = {frame.width, 0, 0, 0};
+  // The converter writes whole vectors, beyond the end of a row whose width is no multiple of theirs.
+  const int padded_width = (frame.width + kVectorBytes - 1) / kVectorBytes * kVectorBytes;
+  padded_.resize(static_cast<std::size_t>(padded_width) * static_cast<std::size_t>(frame.height) +
+                 kVectorBytes);
+  const std::array<std::uint8_t*, 4> target = {padded_.data(), nullptr, nullptr, nullptr};
+  const std::array<int, 4> stride = {padded_width, 0, 0, 0};
   sws_scale(context_.get(), frame.data, frame.linesize, 0, frame.height, target.data(), stride.data());
+  GrayImage image(frame.width, frame.height);
+  const GrayView rows(padded_.data(), frame.width, frame.height, padded_width);
+  for (int y = 0; y < frame.height; ++y) std::copy_n(rows.row(y), frame.width, image.row(y));
   return image;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "apriltrack/image/image.h"
 
@@ -31,6 +33,7 @@ class GrayConverter {
 
   Input input_;
   std::unique_ptr<SwsContext, Deleter> context_;
+  std::vector<std::uint8_t> padded_;
 };
 
 }  // namespace apriltrack
