@@ -97,6 +97,14 @@ void Record::add_unreadable(const SourceFrame& frame) {
   rows.push_back(row);
 }
 
+/// Said before the work and not after it.
+void check_folder_of(const std::filesystem::path& output) {
+  const auto folder = output.parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+    throw io_error(output.string(), "cannot be written: there is no such folder");
+  }
+}
+
 void check_arguments(const Arguments& arguments) {
   if (arguments.input.empty() == arguments.detections.empty()) {
     throw invalid_input("track", "give either INPUT or --detections FILE");
