@@ -115,6 +115,8 @@ void check_arguments(const Arguments& arguments) {
                                     "multi-tag PnP)",
                                     arguments.method));
   }
+  check_folder_of(arguments.output);
+  check_folder_of(arguments.frames_csv);
 }
 
 /// The option's file, else the sequence folder's own.
