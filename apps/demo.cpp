@@ -34,8 +34,8 @@ void run_demo(const DemoOptions& options, const Console& console) {
   if (failure) throw io_error(folder.string(), fmt::format("cannot be made: {}", failure.message()));
 
   step(console, "A gentle recording of a room of tags, to calibrate from",
-       {"simulate", "--scene", "room-gentle", "--frames", "150", "--output", path("gentle"), "--seed", seed,
-        "--threads", threads, "--force"});
+       {"simulate", "--scene", "room-gentle", "--frames", "150", "--speed", "2", "--exposure", "0.003",
+        "--output", path("gentle"), "--seed", seed, "--threads", threads, "--force"});
   step(console, "The same room, filmed by a hand in a hurry",
        {"simulate", "--scene", "room", "--frames", "240", "--output", path("blurred"), "--seed", seed,
         "--threads", threads, "--force"});

@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <iostream>
@@ -12,6 +15,15 @@ namespace {
 constexpr int kStatusUsage = 2;
 constexpr int kStatusNoResult = 1;
 
+/// CLI11 speaks of what is missing before it speaks of what it did not understand; users mistype more often.
+int tell_usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  std::cerr << "error: " << error.what() << '\n';
+  const std::vector<std::string> strays = app.remaining(true);
+  if (!strays.empty()) std::cerr << "not understood: " << fmt::format("{}", fmt::join(strays, " ")) << '\n';
+  std::cerr << "Run with --help for more information.\n";
+  return kStatusUsage;
+}
+
 int run(int argc, char** argv) {
   CLI::App app;
   add_all_commands(app);
@@ -19,7 +31,8 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kStatusUsage;  // CLI11's own codes start at 100
+    const bool is_answer = error.get_exit_code() == 0;  // --help and --version; CLI11's failures start at 100
+    return is_answer ? app.exit(error) : tell_usage_error(app, error);
   } catch (const Error& error) {
     std::cerr << "error: " << error.what() << '\n';
     return static_cast<int>(error.kind());

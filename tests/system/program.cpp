@@ -1,9 +1,12 @@
 #include "program.h"
 
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 #include "support/shared_data.h"
@@ -18,14 +21,35 @@ fs::path capture_file(const char* name) {
          ("apriltrack-system-" + std::to_string(::getpid()) + "-" + std::to_string(number++) + "." + name);
 }
 
-[[noreturn]] void become(const std::vector<std::string>& words, const fs::path& out, const fs::path& err) {
+/// Writing beyond the limit then fails as on a full disk; the captured stdout and stderr are under it too.
+bool limit_file_size(std::size_t max_bytes) {
+  const rlimit limit{max_bytes, max_bytes};
+  return std::signal(SIGXFSZ, SIG_IGN) != SIG_ERR && ::setrlimit(RLIMIT_FSIZE, &limit) == 0;
+}
+
+[[noreturn]] void become(const std::vector<std::string>& words, const fs::path& out, const fs::path& err,
+                         std::optional<std::size_t> max_bytes) {
   std::vector<char*> arguments{const_cast<char*>(APRILTRACK_PROGRAM)};
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
-  const bool is_redirected = std::freopen("/dev/null", "r", stdin) &&
-                             std::freopen(out.c_str(), "w", stdout) && std::freopen(err.c_str(), "w", stderr);
-  if (is_redirected) ::execv(APRILTRACK_PROGRAM, arguments.data());
+  const bool is_ready = std::freopen("/dev/null", "r", stdin) && std::freopen(out.c_str(), "w", stdout) &&
+                        std::freopen(err.c_str(), "w", stderr) && (!max_bytes || limit_file_size(*max_bytes));
+  if (is_ready) ::execv(APRILTRACK_PROGRAM, arguments.data());
   ::_exit(127);
+}
+
+ProgramRun run(const std::vector<std::string>& words, std::optional<std::size_t> max_bytes) {
+  const fs::path out = capture_file("out");
+  const fs::path err = capture_file("err");
+  const pid_t child = ::fork();
+  if (child == 0) become(words, out, err, max_bytes);
+  int wait_status = 0;
+  ::waitpid(child, &wait_status, 0);
+  const int status = WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status);
+  ProgramRun ended{status, read_text(out), read_text(err)};
+  fs::remove(out);
+  fs::remove(err);
+  return ended;
 }
 
 }  // namespace
@@ -41,18 +65,16 @@ void write_text(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
+void PrintTo(const ProgramRun& run, std::ostream* out) {
+  *out << "status " << run.status << ", stderr:\n" << run.err;
+}
+
 ProgramRun run_program(const std::vector<std::string>& words) {
-  const fs::path out = capture_file("out");
-  const fs::path err = capture_file("err");
-  const pid_t child = ::fork();
-  if (child == 0) become(words, out, err);
-  int wait_status = 0;
-  ::waitpid(child, &wait_status, 0);
-  const ProgramRun run{WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status),
-                       read_text(out), read_text(err)};
-  fs::remove(out);
-  fs::remove(err);
-  return run;
+  return run(words, std::nullopt);
+}
+
+ProgramRun run_program_on_full_disk(const std::vector<std::string>& words, std::size_t max_bytes) {
+  return run(words, max_bytes);
 }
 
 }  // namespace apriltrack::test

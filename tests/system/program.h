@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,17 @@ struct ProgramRun {
   std::string err;  ///< stderr
 };
 
-/// Runs `apriltrack <words>`, without a shell; HOME and the working folder are the test's own.
+/// For messages of failed expectations.
+void PrintTo(const ProgramRun& run, std::ostream* out);
+
+/// Runs `apriltrack <words>`, without a shell.
 ProgramRun run_program(const std::vector<std::string>& words);
+
+/// The same with no file allowed to grow beyond `max_bytes`: to the program, a disk that is full.
+ProgramRun run_program_on_full_disk(const std::vector<std::string>& words, std::size_t max_bytes);
 
 /// Status and a message, told together: a status without its cause is no use to anyone.
 MATCHER_P2(EndsWith, status, message_part, "") {
-  *result_listener << "status " << arg.status << ", stderr:\n" << arg.err;
   return arg.status == status && arg.err.find(message_part) != std::string::npos;
 }
 

@@ -1,0 +1,155 @@
+// The whole job through the command line, judged against the simulator's exact truth.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "program.h"
+#include "support/shared_data.h"
+
+namespace apriltrack::test {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+json run_for_json(std::vector<std::string> words) {
+  words.insert(words.end(), {"--json", "--quiet"});
+  const ProgramRun run = run_program(words);
+  EXPECT_EQ(run.status, 0) << run.err;
+  return run.status == 0 ? json::parse(run.out) : json();
+}
+
+void simulate(const std::string& scene, int frames, const std::string& folder) {
+  run_for_json(
+      {"simulate", "--scene", scene, "--frames", std::to_string(frames), "--seed", "3", "--output", folder});
+}
+
+/// The whole round of the gentle scene in a fifth of its frames, as sharp as the scene's own.
+void simulate_quick_round(const std::string& folder) {
+  run_for_json({"simulate", "--scene", "room-gentle", "--frames", "60", "--speed", "5", "--exposure",
+                "0.0012", "--seed", "3", "--output", folder});
+}
+
+std::size_t num_lines(const fs::path& file) {
+  std::ifstream in(file);
+  return static_cast<std::size_t>(std::count(std::istreambuf_iterator<char>(in), {}, '\n'));
+}
+
+TEST(Pipeline, TheTruthScoresZeroAgainstItself) {
+  const fs::path folder = temporary_folder() / "single";
+  simulate("single", 8, folder);
+  const json score =
+      run_for_json({"evaluate", "--truth", folder, "--estimate", folder / "truth.tum", "--mode", "joint"});
+  EXPECT_EQ(score["coverage"], 1.0);
+  EXPECT_EQ(score["median_px"], 0.0);
+  EXPECT_EQ(score["p95_px"], 0.0);
+  EXPECT_EQ(score["position_rmse_mm"], 0.0);
+  EXPECT_EQ(score["rotation_rmse_deg"], 0.0);
+}
+
+TEST(Pipeline, AnEstimateThatIsOffByOneCentimetreSaysSo) {
+  const fs::path folder = temporary_folder() / "single";
+  simulate("single", 4, folder);
+  std::ifstream truth(folder / "truth.tum");
+  std::ofstream shifted(folder / "shifted.tum");
+  shifted.precision(12);
+  std::string time;
+  double x = 0.0;
+  for (std::string line; std::getline(truth, line);) {
+    if (line.starts_with('#')) continue;
+    std::istringstream words(line);
+    words >> time >> x;
+    std::string rest;
+    std::getline(words, rest);
+    shifted << time << ' ' << x + 0.01 << rest << '\n';
+  }
+  shifted.close();
+  const json score =
+      run_for_json({"evaluate", "--truth", folder, "--estimate", folder / "shifted.tum", "--mode", "joint"});
+  EXPECT_NEAR(score["position_rmse_mm"].get<double>(), 10.0, 1e-3);
+}
+
+TEST(Pipeline, ARoomIsCalibratedAndACameraLocalisedInIt) {
+  const fs::path folder = temporary_folder();
+  const std::string gentle = folder / "gentle";
+  simulate_quick_round(gentle);
+  const std::string map = folder / "map.yaml";
+  run_for_json({"calibrate", gentle, "--tag-size", "0.16", "--output", map});
+
+  // The limits of a whole recording; a tag that is seldom seen whole may well be the worst by far.
+  const json difference = run_for_json({"map", "diff", gentle + "/map.yaml", map});
+  EXPECT_EQ(difference["compared"].get<int>(), 14) << difference.dump(1);
+  EXPECT_TRUE(difference["extra"].empty());
+  EXPECT_LT(difference["position_mm"]["rms"].get<double>(), 4.0) << difference.dump(1);
+  EXPECT_LT(difference["rotation_deg"]["rms"].get<double>(), 0.5) << difference.dump(1);
+
+  const std::string tum = folder / "camera.tum";
+  const std::string log = folder / "frames.csv";
+  run_for_json({"track", gentle, "--method", "pnp", "--output", tum, "--frames-csv", log});
+  EXPECT_EQ(num_lines(log), 61U);
+  const json score = run_for_json({"evaluate", "--truth", gentle, "--estimate", tum, "--frames-csv", log});
+  EXPECT_GE(score["success_5px"].get<double>(), 0.95) << score.dump(1);
+  EXPECT_LT(score["median_px"].get<double>(), 0.3) << score.dump(1);
+  EXPECT_EQ(score["claimed_good_but_over_10px"], 0);
+}
+
+TEST(Pipeline, CornersFromAFileGiveTheSameMapAsImages) {
+  const fs::path folder = temporary_folder();
+  const std::string gentle = folder / "gentle";
+  simulate("room-gentle", 30, gentle);
+  run_for_json({"detect", gentle, "--camera", gentle + "/camera.yaml", "--output", folder / "corners.csv"});
+  run_for_json({"calibrate", gentle, "--tag-size", "0.16", "--output", folder / "from_images.yaml"});
+  run_for_json({"calibrate", "--detections", folder / "corners.csv", "--camera", gentle + "/camera.yaml",
+                "--tag-size", "0.16", "--output", folder / "from_corners.yaml"});
+  const json difference =
+      run_for_json({"map", "diff", folder / "from_images.yaml", folder / "from_corners.yaml"});
+  EXPECT_TRUE(difference["missing"].empty());
+  EXPECT_LT(difference["position_mm"]["max"].get<double>(), 0.01);  // corners are written with six decimals
+}
+
+TEST(Pipeline, ResultsDoNotDependOnTheNumberOfThreads) {
+  const fs::path folder = temporary_folder();
+  std::vector<std::string> outputs[2];
+  for (const int threads : {1, 2}) {
+    const std::string run = folder / std::to_string(threads);
+    const std::string count = std::to_string(threads);
+    run_for_json(
+        {"simulate", "--scene", "room-gentle", "--frames", "12", "--output", run, "--threads", count});
+    run_for_json({"calibrate", run, "--tag-size", "0.16", "--output", run + "/new.yaml", "--threads", count});
+    run_for_json({"track", run, "--output", run + "/camera.tum", "--threads", count});
+    for (const char* file : {"/truth.tum", "/camera.tum", "/new.detections.csv"})
+      outputs[threads - 1].push_back(read_text(run + file));
+    for (const auto& entry : fs::directory_iterator(run + "/frames"))
+      outputs[threads - 1].push_back(entry.path().filename().string() + read_text(entry.path()));
+    std::sort(outputs[threads - 1].begin(), outputs[threads - 1].end());
+  }
+  ASSERT_EQ(outputs[0].size(), 15U);
+  EXPECT_TRUE(outputs[0] == outputs[1]) << "bytes differ";
+}
+
+TEST(Pipeline, AFullDiskIsStatus3AndKeepsTheOldFile) {
+  const fs::path folder = temporary_folder();
+  const std::string room = folder / "room";
+  simulate("room-gentle", 20, room);
+  const std::string tum = folder / "camera.tum";
+  write_text(tum, "old\n");
+  EXPECT_THAT(run_program_on_full_disk({"track", room, "--output", tum, "--quiet"}, 1000),
+              EndsWith(3, "camera.tum"));
+  EXPECT_EQ(read_text(tum), "old\n");
+  EXPECT_THAT(run_program_on_full_disk(
+                  {"calibrate", room, "--tag-size", "0.16", "--output", folder / "map.yaml", "--quiet"}, 500),
+              EndsWith(3, (folder / "map").string()));
+  EXPECT_FALSE(fs::exists(folder / "map.yaml"));
+  EXPECT_THAT(
+      run_program_on_full_disk(
+          {"simulate", "--scene", "single", "--frames", "2", "--output", folder / "s", "--quiet"}, 2000),
+      EndsWith(3, (folder / "s").string()));
+}
+
+}  // namespace
+}  // namespace apriltrack::test
