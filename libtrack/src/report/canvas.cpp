@@ -35,8 +35,8 @@ void Canvas::box(cv::Rect2d area, const cv::Scalar& colour) {
   cv::rectangle(pixels_, scaled(area), colour, cv::FILLED);
 }
 
-void Canvas::text(const std::string& words, cv::Point2d at, double height, const cv::Scalar& colour,
-                  Align align) {
+double Canvas::text(const std::string& words, cv::Point2d at, double height, const cv::Scalar& colour,
+                    Align align) {
   const double font_scale = kScale * height / kFontUnits;
   const int thickness = std::max(1, cvRound(font_scale * 0.9));
   int baseline = 0;
@@ -45,6 +45,7 @@ void Canvas::text(const std::string& words, cv::Point2d at, double height, const
   if (align == Align::kCentre) start.x -= width / 2;
   if (align == Align::kRight) start.x -= width;
   cv::putText(pixels_, words, start, kFont, font_scale, colour, thickness, cv::LINE_AA);
+  return (start.x + width) / kScale;
 }
 
 void Canvas::picture(const GrayView& image, cv::Rect2d area) {

@@ -18,8 +18,8 @@ class Canvas {
 
   void line(cv::Point2d a, cv::Point2d b, const cv::Scalar& colour, double width = 1.0);
   void box(cv::Rect2d area, const cv::Scalar& colour);
-  /// at: left, middle or right end of the letters' base line.
-  void text(const std::string& words, cv::Point2d at, double height, const cv::Scalar& colour,
+  /// at: left, middle or right end of the letters' base line. Returns where the letters end.
+  double text(const std::string& words, cv::Point2d at, double height, const cv::Scalar& colour,
             Align align = Align::kLeft);
   /// Scales the picture into `area`.
   void picture(const GrayView& image, cv::Rect2d area);

@@ -108,7 +108,8 @@ void draw_grid(Canvas& canvas, const Axes& axes) {
     canvas.text(fmt::format("{:.0f} s", t), {axes.x(axes.start_s + t), axes.top + kChartHeight + 18.0}, 9.0,
                 kPaleInk, Canvas::Align::kCentre);
   }
-  canvas.text("motion blur of the worst corner, px", {kMargin, axes.top - 10.0}, 10.0, kPaleInk);
+  canvas.text("motion blur of the worst corner, px", {kMargin + kInner, axes.top - 10.0}, 10.0, kPaleInk,
+              Canvas::Align::kRight);
 }
 
 void draw_bars(Canvas& canvas, std::span<const TimelineFrame> frames, const Axes& axes) {
@@ -139,8 +140,7 @@ void draw_legend(Canvas& canvas, std::span<const TimelineFrame> frames, double y
     });
     const double share = 100.0 * static_cast<double>(count) / static_cast<double>(frames.size());
     canvas.box({x, y - 11.0, 14.0, 14.0}, entry.colour);
-    canvas.text(fmt::format("{}  {:.0f} %", entry.words, share), {x + 22.0, y}, 10.5, kInk);
-    x += kInner / 4.0 + (entry.outcome == FrameOutcome::kBlind ? 40.0 : -10.0);
+    x = canvas.text(fmt::format("{}  {:.0f} %", entry.words, share), {x + 22.0, y}, 10.5, kInk) + 32.0;
   }
 }
 
