@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "apriltrack/base/error.h"
@@ -15,7 +17,7 @@
 #include "calibrate_input.h"
 #include "commands.h"
 #include "config_file.h"
-#include "console.h"
+#include "inputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -113,8 +115,7 @@ void check_arguments(const Arguments& a) {
                         fmt::format("must be in (0, 1e6] frames a second (is {})", *a.source.rate_hz));
   a.detector.check();
   a.calibration.check();
-  const fs::path folder = fs::absolute(a.output).parent_path();
-  if (!fs::is_directory(folder)) throw io_error(a.output, "its folder does not exist");
+  check_folder_of(a.output);
 }
 
 fs::path camera_file(const Arguments& a) {
@@ -225,8 +226,8 @@ void finish(const Arguments& a, const Sightings& sightings, const CalibrationRes
   for (const TagMap& part : result.other_parts) other_parts.push_back(names(part));
   const nlohmann::json summary = {{"tags", names(result.map)},
                                   {"held_tag", to_string(result.held_tag)},
-                                  {"frames", sightings.frames_read},
-                                  {"frames_unreadable", sightings.frames_unreadable},
+                                  {"frames", sightings.counts.readable},
+                                  {"frames_unreadable", sightings.counts.unreadable},
                                   {"frames_used", result.frames_used},
                                   {"observations_used", result.observations_used},
                                   {"observations_rejected", result.observations_rejected},
@@ -235,14 +236,14 @@ void finish(const Arguments& a, const Sightings& sightings, const CalibrationRes
                                   {"other_parts", other_parts},
                                   {"part_files", part_files},
                                   {"warnings", result.warnings},
-                                  {"interrupted", sightings.is_interrupted},
+                                  {"interrupted", sightings.counts.is_interrupted},
                                   {"output", a.output},
                                   {"observations", observations.string()}};
   std::string text = fmt::format(
       "{} tags from {} of {} frames ({} unreadable); {} observations, {} rejected; residual {:.3f} px (rms "
       "per axis)\n"
       "origin: {}\nmap: {}\nobservations: {}",
-      result.map.tags.size(), result.frames_used, sightings.frames_read, sightings.frames_unreadable,
+      result.map.tags.size(), result.frames_used, sightings.counts.readable, sightings.counts.unreadable,
       result.observations_used, result.observations_rejected, result.residual_rms_px,
       to_string(result.held_tag), a.output, observations.string());
   for (const std::string& file : part_files) text += "\npart: " + file;
@@ -253,13 +254,9 @@ void run(CLI::App& command, Arguments& a) {
   if (!a.config.empty()) apply_config_file(command, a.config);
   check_arguments(a);
   const fs::path camera = camera_file(a);
-  const CameraRig rig = read_cameras(camera);
+  const CameraRig rig = read_cameras(camera, a.console.log());
   const TagSizes sizes = tag_sizes(a);
   const Sightings sightings = gather(a, rig);
-  if (sightings.is_interrupted)
-    a.console.warning("interrupted: the map is made from the frames seen until then");
-  if (sightings.frames_unreadable > 1)
-    a.console.warning(fmt::format("{} frames cannot be read", sightings.frames_unreadable));
 
   a.calibration.num_threads = a.num_threads;
   if (!a.held_tag.empty()) a.calibration.held_tag = parse_held_tag(a.held_tag, a, sightings);

@@ -3,83 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <deque>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <set>
-#include <thread>
 
 #include "apriltrack/base/error.h"
-#include "apriltrack/base/parallel.h"
 #include "apriltrack/detect/detections_csv.h"
+#include "frame_loop.h"
 
 namespace apriltrack::app {
 namespace {
-
-constexpr std::size_t kFramesPerThread = 4;  // evens out slow frames
-
-int resolved_threads(int num_threads) {
-  if (num_threads > 0) return num_threads;
-  constexpr int kMaxDefaultThreads = 8;  // every detector holds decoding tables of 38 MB (tag36h11)
-  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMaxDefaultThreads);
-}
-
-/// One recording's frames through as many detectors as there are threads.
-class RecordingDetector {
- public:
-  RecordingDetector(const Camera& camera, DetectorOptions options, int num_threads)
-      : camera_(camera), parallel_for_(parallel_for(num_threads)) {
-    options.response = camera.response;
-    for (int i = 0; i < num_threads; ++i) detectors_.emplace_back(options);
-  }
-
-  void run(FrameSource& source, const Console& console, Sightings& sightings) {
-    Progress progress(console, "detect " + source.name(), source.num_frames());
-    while (true) {
-      sightings.is_interrupted = is_interrupted();
-      if (sightings.is_interrupted) return;
-      const std::vector<SourceFrame> batch = read(source);
-      if (batch.empty()) return;
-      detect(batch, console, sightings);
-      progress.advance(batch.size());
-    }
-  }
-
- private:
-  std::vector<SourceFrame> read(FrameSource& source) const {
-    std::vector<SourceFrame> batch;
-    while (batch.size() < kFramesPerThread * detectors_.size()) {
-      std::optional<SourceFrame> frame = source.next();
-      if (!frame) break;
-      if (frame->is_readable())
-        check_resolution(camera_, frame->pixels.width(), frame->pixels.height(), frame->name);
-      batch.push_back(std::move(*frame));
-    }
-    return batch;
-  }
-
-  void detect(const std::vector<SourceFrame>& batch, const Console& console, Sightings& sightings) {
-    std::vector<std::vector<Detection>> found(batch.size());
-    parallel_for_(detectors_.size(), [&](std::size_t thread) {
-      for (std::size_t i = thread; i < batch.size(); i += detectors_.size()) {
-        if (batch[i].is_readable()) found[i] = detectors_[thread].detect(batch[i].pixels.view());
-      }
-    });
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      if (!batch[i].is_readable()) {
-        if (sightings.frames_unreadable++ == 0)
-          console.warning(fmt::format("{} cannot be read: {}", batch[i].name, batch[i].error));
-        continue;
-      }
-      ++sightings.frames_read;
-      sightings.frames.push_back({batch[i].timestamp, camera_.name, std::move(found[i])});
-    }
-  }
-
-  const Camera& camera_;
-  ParallelFor parallel_for_;
-  std::deque<Detector> detectors_;
-};
 
 /// Recordings made one after the other by one camera may have clocks that start anew. A later one is moved
 /// behind the earlier one, so that no two moments are taken for one; recordings of different cameras keep
@@ -138,26 +72,26 @@ std::vector<Recording> parse_recordings(const std::vector<std::string>& inputs, 
 }
 
 Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& rig,
-                    const DetectorOptions& options, const SourceOptions& source_options, int num_threads,
+                    const DetectorOptions& detector, const SourceOptions& source_options, int num_threads,
                     const Console& console) {
   Sightings all;
   Clock clock;
   for (const Recording& recording : recordings) {
+    const Camera& camera = rig.find(recording.camera);
+    FrameLoopOptions options{detector, &camera, num_threads, "detect " + recording.input};
+    options.detector.response = camera.response;
     const std::unique_ptr<FrameSource> source = open_source(recording.input, source_options);
-    RecordingDetector detector(rig.find(recording.camera), options, resolved_threads(num_threads));
-    Sightings sightings;
-    detector.run(*source, console, sightings);
-    if (sightings.frames_read == 0 && !sightings.is_interrupted)
-      throw io_error(recording.input,
-                     sightings.frames_unreadable > 0
-                         ? fmt::format("none of its {} frames can be read", sightings.frames_unreadable)
-                         : "has no frames");
-    clock.place(recording.camera, sightings.frames);
-    append(std::move(sightings.frames), all.frames);
-    all.frames_read += sightings.frames_read;
-    all.frames_unreadable += sightings.frames_unreadable;
-    all.is_interrupted = sightings.is_interrupted;
-    if (all.is_interrupted) break;
+    std::vector<FrameDetections> frames;
+    const FrameCounts counts = detect_frames(*source, options, console, [&](DetectedFrame frame) {
+      if (frame.source.is_readable())
+        frames.push_back({frame.source.timestamp, camera.name, std::move(frame.detections)});
+    });
+    clock.place(recording.camera, frames);
+    append(std::move(frames), all.frames);
+    all.counts.readable += counts.readable;
+    all.counts.unreadable += counts.unreadable;
+    all.counts.is_interrupted = counts.is_interrupted;
+    if (counts.is_interrupted) break;
   }
   return all;
 }
@@ -182,7 +116,7 @@ Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig&
       append(std::move(own), all.frames);
     }
   }
-  all.frames_read = all.frames.size();
+  all.counts.readable = all.frames.size();
   if (!camera_name.empty() && all.frames.empty()) {
     rig.find(camera_name);
     throw no_result("calibrate", fmt::format("the detection files have no rows of camera {}", camera_name));

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +8,7 @@
 #include "apriltrack/detect/detector.h"
 #include "apriltrack/source/frame_source.h"
 #include "console.h"
+#include "frame_loop.h"
 
 namespace apriltrack::app {
 
@@ -21,20 +21,17 @@ struct Recording {
 /// Everything that was found in all inputs.
 struct Sightings {
   std::vector<FrameDetections> frames;  ///< In the order of time per camera.
-  std::size_t frames_read = 0;
-  std::size_t frames_unreadable = 0;
-  bool is_interrupted = false;
+  FrameCounts counts;
 };
 
 /// `cam1=PATH` names the camera; a bare PATH is camera_name's, or the first camera's where that is empty.
 std::vector<Recording> parse_recordings(const std::vector<std::string>& inputs, const CameraRig& rig,
                                         const std::string& camera_name);
 
-/// Detects in every frame, each thread with a detector of its own; results do not depend on the number of
-/// threads. Throws Error(kIo) when nothing can be read, Error(kInvalidInput) when images do not fit the
-/// camera.
+/// Detects in every frame of every recording. Throws Error(kIo) when one cannot be read at all,
+/// Error(kInvalidInput) when images do not fit the camera.
 Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& rig,
-                    const DetectorOptions& options, const SourceOptions& source_options, int num_threads,
+                    const DetectorOptions& detector, const SourceOptions& source_options, int num_threads,
                     const Console& console);
 
 /// Reads detection files. camera_name: only this camera's rows; empty: all. A file that names one camera only

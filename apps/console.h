@@ -1,14 +1,17 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstddef>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "apriltrack/base/log.h"
+
+namespace CLI {
+class App;
+}
 
 namespace apriltrack::app {
 
@@ -59,6 +62,8 @@ class Progress {
 /// True once the user pressed Ctrl-C: loops end early and keep what is done. A second Ctrl-C ends the
 /// program.
 bool is_interrupted();
+/// What a command says that ended so and has a result none the less.
+inline constexpr const char* kInterrupted = "interrupted: the result is that of the frames until then";
 void install_interrupt_handler();
 
 }  // namespace apriltrack::app

@@ -1,20 +1,17 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <deque>
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
 #include <set>
-#include <thread>
 
 #include "apriltrack/base/error.h"
-#include "apriltrack/base/parallel.h"
-#include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detections_csv.h"
-#include "apriltrack/detect/detector.h"
 #include "apriltrack/io/numbers.h"
-#include "apriltrack/source/frame_source.h"
 #include "commands.h"
-#include "console.h"
+#include "frame_loop.h"
+#include "inputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -42,17 +39,16 @@ struct Arguments {
 
 /// What a run found.
 struct Record {
+  FrameCounts counts;
   std::vector<FrameDetections> frames;  ///< Those with tags.
   std::set<TagKey> tags;
-  int num_frames = 0;
-  int unreadable = 0;
-  std::string first_unreadable;
-  bool is_interrupted = false;
+  std::size_t num_detections = 0;
 
-  std::size_t num_detections() const {
-    std::size_t count = 0;
-    for (const FrameDetections& frame : frames) count += frame.detections.size();
-    return count;
+  void add(FrameDetections frame) {
+    if (frame.detections.empty()) return;
+    for (const Detection& detection : frame.detections) tags.insert(detection.tag);
+    num_detections += frame.detections.size();
+    frames.push_back(std::move(frame));
   }
 };
 
@@ -60,8 +56,7 @@ std::optional<Camera> load_camera(const Arguments& arguments) {
   std::optional<std::filesystem::path> path = sequence_camera_file(arguments.input);
   if (!arguments.camera.empty()) path = arguments.camera;
   if (!path) return std::nullopt;
-  const CameraRig rig = read_cameras(*path);
-  return arguments.camera_name.empty() ? rig.cameras.front() : rig.find(arguments.camera_name);
+  return read_camera(*path, arguments.camera_name, arguments.console);
 }
 
 ResponseCurve parse_response(const std::string& text) {
@@ -84,118 +79,49 @@ DetectorOptions detector_options(const Arguments& arguments, const std::optional
   return options;
 }
 
-/// Several frames at a time, each thread with a detector of its own; frames keep their order, so that the
-/// number of threads changes nothing.
-class FrameDetector {
- public:
-  FrameDetector(const DetectorOptions& options, std::string camera_name, const std::optional<Camera>& camera,
-                int num_threads)
-      : camera_name_(std::move(camera_name)), camera_(camera), parallel_for_(parallel_for(num_threads)) {
-    for (int i = 0; i < num_threads; ++i) detectors_.emplace_back(options);
-  }
-
-  void run(FrameSource& source, const Console& console, Record& record) {
-    Progress progress(console, "detect", source.num_frames());
-    while (!is_interrupted()) {
-      const std::vector<SourceFrame> batch = read(source);
-      if (batch.empty()) return;
-      detect(batch, record);
-      progress.advance(batch.size());
-    }
-    record.is_interrupted = true;
-  }
-
- private:
-  static constexpr std::size_t kFramesPerThread = 4;  // evens out slow frames
-
-  std::vector<SourceFrame> read(FrameSource& source) const {
-    std::vector<SourceFrame> batch;
-    while (batch.size() < kFramesPerThread * detectors_.size()) {
-      std::optional<SourceFrame> frame = source.next();
-      if (!frame) break;
-      if (camera_ && frame->is_readable())
-        check_resolution(*camera_, frame->pixels.width(), frame->pixels.height(), frame->name);
-      batch.push_back(std::move(*frame));
-    }
-    return batch;
-  }
-
-  void detect(const std::vector<SourceFrame>& batch, Record& record) {
-    std::vector<std::vector<Detection>> found(batch.size());
-    parallel_for_(detectors_.size(), [&](std::size_t thread) {
-      for (std::size_t i = thread; i < batch.size(); i += detectors_.size())
-        if (batch[i].is_readable()) found[i] = detectors_[thread].detect(batch[i].pixels.view());
-    });
-    for (std::size_t i = 0; i < batch.size(); ++i) add(batch[i], std::move(found[i]), record);
-  }
-
-  void add(const SourceFrame& frame, std::vector<Detection> detections, Record& record) const {
-    if (!frame.is_readable()) {
-      if (record.unreadable++ == 0) record.first_unreadable = frame.name + ": " + frame.error;
-      return;
-    }
-    ++record.num_frames;
-    if (detections.empty()) return;
-    for (const Detection& detection : detections) record.tags.insert(detection.tag);
-    record.frames.push_back({frame.timestamp, camera_name_, std::move(detections)});
-  }
-
-  std::string camera_name_;
-  const std::optional<Camera>& camera_;
-  ParallelFor parallel_for_;
-  std::deque<Detector> detectors_;
-};
-
-int resolved_threads(int num_threads) {
-  if (num_threads > 0) return num_threads;
-  constexpr int kMaxDefaultThreads = 8;  // every detector holds decoding tables of 38 MB (tag36h11)
-  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMaxDefaultThreads);
+Record detect(const Arguments& arguments) {
+  const std::optional<Camera> camera = load_camera(arguments);
+  std::string name = camera ? camera->name : "cam0";
+  if (!arguments.camera_name.empty()) name = arguments.camera_name;
+  const FrameLoopOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
+                                    arguments.num_threads, "detect"};
+  const std::unique_ptr<FrameSource> source = open_source(arguments.input, {.rate_hz = arguments.rate_hz});
+  Record record;
+  record.counts = detect_frames(*source, options, arguments.console, [&](DetectedFrame frame) {
+    record.add({frame.source.timestamp, name, std::move(frame.detections)});
+  });
+  return record;
 }
 
 void check_result(const Arguments& arguments, const Record& record) {
-  if (record.num_frames == 0 && record.unreadable > 0)
-    throw io_error(arguments.input, fmt::format("none of its {} frames can be read; the first: {}",
-                                                record.unreadable, record.first_unreadable));
-  if (record.frames.empty())
-    throw no_result(
-        arguments.input,
-        fmt::format("no tag of family {} in any of {} frames; try the family that is printed (--family), "
-                    "--decimate 1, a lower --min-margin; tags need a white margin and about 12 px of width",
-                    fmt::join(arguments.detector.families, ", "), record.num_frames));
+  if (!record.frames.empty()) return;
+  throw no_result(
+      arguments.input,
+      fmt::format("no tag of family {} in any of {} frames; try the family that is printed (--family), "
+                  "--decimate 1, a lower --min-margin; tags need a white margin and about 12 px of width",
+                  fmt::join(arguments.detector.families, ", "), record.counts.readable));
 }
 
 void finish(const Arguments& arguments, const Record& record) {
-  if (record.unreadable > 0)
-    arguments.console.warning(
-        fmt::format("{} frames cannot be read; the first: {}", record.unreadable, record.first_unreadable));
-  if (record.is_interrupted) arguments.console.warning("interrupted: what was found until then is kept");
   nlohmann::json tags = nlohmann::json::array();
   for (const TagKey& tag : record.tags) tags.push_back(to_string(tag));
-  const nlohmann::json summary = {{"frames", record.num_frames},
+  const nlohmann::json summary = {{"frames", record.counts.readable},
                                   {"frames_with_tags", record.frames.size()},
-                                  {"unreadable", record.unreadable},
-                                  {"detections", record.num_detections()},
+                                  {"unreadable", record.counts.unreadable},
+                                  {"detections", record.num_detections},
                                   {"tags", tags},
-                                  {"interrupted", record.is_interrupted},
+                                  {"interrupted", record.counts.is_interrupted},
                                   {"output", arguments.output}};
-  arguments.console.finish(
-      summary,
-      fmt::format("{} of {} frames with tags, {} unreadable; {} detections of {} tags\ndetections: {}",
-                  record.frames.size(), record.num_frames, record.unreadable, record.num_detections(),
-                  record.tags.size(), arguments.output));
+  arguments.console.finish(summary,
+                           fmt::format("{} of {} frames with tags, {} unreadable; {} detections of {} tags\n"
+                                       "detections: {}",
+                                       record.frames.size(), record.counts.readable, record.counts.unreadable,
+                                       record.num_detections, record.tags.size(), arguments.output));
 }
 
 void run(const Arguments& arguments) {
-  const std::optional<Camera> camera = load_camera(arguments);
-  const DetectorOptions options = detector_options(arguments, camera);
-  std::string name = camera ? camera->name : "cam0";
-  if (!arguments.camera_name.empty()) name = arguments.camera_name;
-  SourceOptions source_options;
-  source_options.rate_hz = arguments.rate_hz;
-  const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options);
-  FrameDetector detector(options, name, camera, resolved_threads(arguments.num_threads));
-  Record record;
-  detector.run(*source, arguments.console, record);
+  check_folder_of(arguments.output);
+  const Record record = detect(arguments);
   check_result(arguments, record);
   write_detections_csv(arguments.output, record.frames);
   finish(arguments, record);

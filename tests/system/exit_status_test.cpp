@@ -61,6 +61,12 @@ class ExitStatus : public ::testing::Test {
                     changes);
   }
 
+  ProgramRun detect(const std::vector<std::string>& changes = {}) const {
+    return run_with(
+        {"detect", path("frames"), "--camera", path("camera.yaml"), "--output", path("corners.csv")},
+        changes);
+  }
+
   fs::path folder_;
 };
 
@@ -137,10 +143,29 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(ExitStatus, WrongResolutionNamesBothSizes) {
   write_image(path("frames/1000000000.pgm"), 64, 48);
-  for (const ProgramRun& run : {track(), calibrate()}) {
+  for (const ProgramRun& run : {track(), calibrate(), detect()}) {
     EXPECT_THAT(run, EndsWith(2, "64"));
     EXPECT_THAT(run, EndsWith(2, "160"));
   }
+}
+
+TEST_F(ExitStatus, WithoutAResolutionTheFirstImageSetsIt) {
+  write_text(path("camera.yaml"),
+             R"({"camera_matrix": [[500, 0, 79.5], [0, 500, 59.5], [0, 0, 1]], "distortion_coefficients": )"
+             R"([0, 0, 0, 0, 0]})");
+  for (const ProgramRun& run : {track(), calibrate(), detect()})
+    EXPECT_THAT(run, EndsWith(1, "no "));  // the image fits; it shows no tag
+  write_image(path("frames/2000000000.pgm"), 64, 48);
+  for (const ProgramRun& run : {track(), calibrate(), detect()}) {
+    EXPECT_THAT(run, EndsWith(2, "64 x 48"));
+    EXPECT_THAT(run, EndsWith(2, "160 x 120"));
+  }
+}
+
+TEST_F(ExitStatus, AnOddCameraIsWarnedOfByEveryCommand) {
+  write_text(path("camera.yaml"), replaced(kCamera, "79.5", "300.0"));
+  for (const ProgramRun& run : {track(), calibrate(), detect()})
+    EXPECT_THAT(run, EndsWith(1, "warning: " + path("camera.yaml")));
 }
 
 TEST_F(ExitStatus, WrongTagSizeIs2) {
@@ -203,18 +228,23 @@ TEST_F(ExitStatus, AFolderOfWhichNothingIsReadableIs3) {
   write_text(path("frames/1000000000.pgm"), "no image");
   EXPECT_THAT(track(), EndsWith(3, "frames"));
   EXPECT_THAT(calibrate(), EndsWith(3, "frames"));
+  EXPECT_THAT(detect(), EndsWith(3, "frames"));
 }
 
 TEST_F(ExitStatus, ACorruptImageAmongGoodOnesIsCountedAndNotTheEnd) {
   write_text(path("frames/2000000000.pgm"), "no image");
-  const ProgramRun run = track();
-  EXPECT_THAT(run, EndsWith(1, "2000000000.pgm"));  // 1: the good image shows no tag
+  for (const ProgramRun& run : {track(), calibrate(), detect()}) {
+    EXPECT_THAT(run, EndsWith(1, "1 of 2 frames"));  // 1: the good image shows no tag
+    EXPECT_THAT(run, EndsWith(1, "2000000000.pgm"));
+  }
 }
 
 TEST_F(ExitStatus, AnUnwritableOutputIs3BeforeTheWorkIsDone) {
   EXPECT_THAT(run_program({"simulate", "--scene", "single", "--frames", "1", "--output", "/proc/nowhere"}),
               EndsWith(3, "/proc/nowhere"));
   EXPECT_THAT(track({"--output", path("missing/out.tum")}), EndsWith(3, "missing/out.tum"));
+  EXPECT_THAT(calibrate({"--output", path("missing/map.yaml")}), EndsWith(3, "missing/map.yaml"));
+  EXPECT_THAT(detect({"--output", path("missing/corners.csv")}), EndsWith(3, "missing/corners.csv"));
 }
 
 TEST_F(ExitStatus, AFailedRunKeepsTheOldOutput) {

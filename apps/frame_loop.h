@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/detect/detection.h"
+#include "apriltrack/detect/detector.h"
+#include "apriltrack/source/frame_source.h"
+#include "console.h"
+
+namespace apriltrack::app {
+
+struct FrameLoopOptions {
+  DetectorOptions detector;
+  /// Whose resolution every image must have (the first image's where its file names none); nullptr: any.
+  const Camera* camera = nullptr;
+  int num_threads = 0;  ///< 0: one per core, 8 at most.
+  std::string label;    ///< What the progress line says is being done.
+};
+
+/// One frame and the tags found in it: none in a frame that is unreadable.
+struct DetectedFrame {
+  const SourceFrame& source;
+  std::vector<Detection> detections;
+  double latency_s = 0.0;  ///< From the decoded image to the detections, other threads at work beside it.
+};
+
+struct FrameCounts {
+  std::size_t readable = 0;
+  std::size_t unreadable = 0;
+  bool is_interrupted = false;
+};
+
+/// Detects in every frame of `source`, several side by side, each thread with a detector of its own; `sink`
+/// gets all frames one by one, in order, so that the number of threads changes no result.
+///
+/// Ctrl-C ends it early. It warns of that and of unreadable frames before it returns, so that users hear the
+/// cause before what follows from it. Throws Error(kIo) when no frame can be read, Error(kInvalidInput) when
+/// an image has not the camera's resolution.
+FrameCounts detect_frames(FrameSource& source, const FrameLoopOptions& options, const Console& console,
+                          const std::function<void(DetectedFrame)>& sink);
+
+}  // namespace apriltrack::app

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "apriltrack/camera/camera.h"
+#include "console.h"
+
+namespace apriltrack::app {
+
+/// The file that an option names, else the sequence folder's own; throws Error(kInvalidInput) where there is
+/// neither. option: "--map"; name: "map.yaml".
+std::filesystem::path file_or_own(const std::string& given, const std::optional<std::filesystem::path>& own,
+                                  std::string_view option, std::string_view name);
+
+/// The camera called `name`, or the file's first where `name` is empty; odd values are told to the console.
+/// Throws as read_cameras and CameraRig::find do.
+Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console);
+
+/// A camera file may leave out the resolution (WPILib's do): then that of the first readable image holds.
+/// input: as for open_source; a camera whose resolution is known is not compared with it.
+Camera with_resolution_of_images(Camera camera, const std::string& input);
+
+/// Said before the work and not after it: throws Error(kIo) when the folder of a file to write is missing.
+void check_folder_of(const std::filesystem::path& output);
+
+}  // namespace apriltrack::app

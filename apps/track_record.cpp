@@ -1,0 +1,125 @@
+#include "track_record.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/eval/statistics.h"
+
+namespace apriltrack::app {
+namespace {
+
+/// "tag36h11/0 to 13, tag16h5/2": sorted keys with runs drawn together.
+std::string list_of_tags(const std::set<TagKey>& keys) {
+  std::string text;
+  for (auto first = keys.begin(); first != keys.end();) {
+    auto last = first;
+    for (auto next = std::next(last);
+         next != keys.end() && next->family == last->family && next->id == last->id + 1; ++next) {
+      last = next;
+    }
+    if (!text.empty()) text += ", ";
+    text += to_string(*first);
+    if (last != first) text += fmt::format(" to {}", last->id);
+    first = std::next(last);
+  }
+  return text;
+}
+
+struct MapContents {
+  std::set<TagKey> tags;
+  std::set<std::string> families;
+
+  explicit MapContents(const TagMap& map) {
+    for (const MapTag& tag : map.tags) {
+      tags.insert(tag.key);
+      families.insert(tag.key.family);
+    }
+  }
+};
+
+std::string why_without_pose(const MapContents& map, const std::set<TagKey>& seen, std::size_t num_frames) {
+  if (num_frames == 0) return "has no frames";
+  if (seen.empty()) {
+    return fmt::format(
+        "no tag of family {} in any of {} frames; is this the family that is printed? Are the "
+        "tags sharp, with a white margin, and 20 px wide or more?",
+        fmt::join(map.families, ", "), num_frames);
+  }
+  const bool sees_mapped =
+      std::any_of(seen.begin(), seen.end(), [&](const TagKey& key) { return map.tags.contains(key); });
+  if (!sees_mapped) {
+    return fmt::format(
+        "no tag of the map in any of {} frames: seen {}; the map has {}; give the map of this place",
+        num_frames, list_of_tags(seen), list_of_tags(map.tags));
+  }
+  return fmt::format(
+      "tags of the map are seen ({}), but in none of {} frames do their corners fit a pose; check the tag "
+      "sizes and poses of the map, and the camera file",
+      list_of_tags(seen), num_frames);
+}
+
+}  // namespace
+
+void TrackRecord::add(const FrameDetections& frame, const TrackResult& result, double latency_s) {
+  std::set<TagKey> tags;
+  for (const Detection& detection : frame.detections) tags.insert(detection.tag);
+  for (const TagKey& tag : tags) ++frames_by_tag_[tag];
+  rows_.push_back({.timestamp = result.timestamp,
+                   .status = to_string(result.status),
+                   .pose = result.pose,
+                   .tags_detected = result.tags_detected,
+                   .tags_tracked = result.tags_tracked,
+                   .latency_ms = 1e3 * latency_s,
+                   .second_mode_odds = result.second_mode_odds,
+                   .covariance = result.covariance});
+  latencies_ms_.push_back(1e3 * latency_s);
+  if (result.pose) {
+    trajectory_.push_back({result.timestamp, *result.pose});
+  } else {
+    ++lost_reasons_[result.reason];
+  }
+}
+
+void TrackRecord::add_unreadable(Timestamp timestamp) {
+  ++num_unreadable_;
+  FrameLogRow row;
+  row.timestamp = timestamp;
+  row.status = to_string(TrackStatus::kUnreadable);
+  rows_.push_back(row);
+}
+
+void TrackRecord::check_has_pose(const std::string& input, const TagMap& map) const {
+  if (!trajectory_.empty()) return;
+  std::set<TagKey> seen;
+  for (const auto& [key, count] : frames_by_tag_) seen.insert(key);
+  throw no_result(input, why_without_pose(MapContents(map), seen, num_lost()));
+}
+
+double TrackRecord::latency_ms(double fraction) const {
+  return percentile(latencies_ms_, fraction);
+}
+
+nlohmann::json TrackRecord::summary() const {
+  return {{"frames", rows_.size()},
+          {"detected", trajectory_.size()},
+          {"lost", num_lost()},
+          {"unreadable", num_unreadable_},
+          {"lost_reasons", lost_reasons_},
+          {"tags_seen", frames_by_tag_.size()},
+          {"latency_p50_ms", latency_ms(0.50)},
+          {"latency_p99_ms", latency_ms(0.99)}};
+}
+
+std::string TrackRecord::text() const {
+  return fmt::format(
+      "{} frames: {} with a pose, {} lost, {} unreadable; latency {:.1f} ms (p50), {:.1f} ms (p99)",
+      rows_.size(), trajectory_.size(), num_lost(), num_unreadable_, latency_ms(0.50), latency_ms(0.99));
+}
+
+}  // namespace apriltrack::app
