@@ -1,4 +1,7 @@
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <limits>
@@ -46,6 +49,97 @@ TEST(AtomicFile, MissingFolderIsAnIoError) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kIo);
+  }
+}
+
+TEST(AtomicFile, KeepsALinkAndReplacesWhatItNames) {
+  const auto folder = test::temporary_folder();
+  fs::create_directories(folder / "far");
+  write_file_atomically(folder / "far" / "file", "old");
+  fs::create_symlink("file", folder / "far" / "near");
+  fs::create_symlink("far/near", folder / "link");  // relative to the link's own folder
+  write_file_atomically(folder / "link", "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_TRUE(fs::is_symlink(folder / "far" / "near"));
+  EXPECT_EQ(read_file(folder / "far" / "file"), "new");
+  EXPECT_EQ(num_files(folder / "far"), 2U) << "nothing is left aside";
+}
+
+TEST(AtomicFile, MakesTheFileThatADanglingLinkNames) {
+  const auto folder = test::temporary_folder();
+  fs::create_symlink(folder / "later", folder / "link");
+  write_file_atomically(folder / "link", "text");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(read_file(folder / "later"), "text");
+}
+
+TEST(AtomicFile, LinkToItselfIsAnIoError) {
+  const auto link = test::temporary_folder() / "loop";
+  fs::create_symlink("loop", link);
+  try {
+    write_file_atomically(link, "text");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kIo);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("symbolic links"));
+  }
+  EXPECT_TRUE(fs::is_symlink(link));
+}
+
+TEST(AtomicFile, WritesIntoAFifo) {
+  const auto fifo = test::temporary_folder() / "fifo";
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  const int reader = ::open(fifo.c_str(), O_RDONLY | O_NONBLOCK);  // so that the writer need not wait
+  ASSERT_GE(reader, 0);
+  write_file_atomically(fifo, "text");
+  char bytes[16] = {};
+  const ssize_t count = ::read(reader, bytes, sizeof bytes);
+  ::close(reader);
+  ASSERT_EQ(count, 4);
+  EXPECT_EQ(std::string(bytes, 4), "text");
+  EXPECT_TRUE(fs::is_fifo(fifo));
+}
+
+// Through links in a folder of our own: a mistake replaces the link, not the machine's device.
+TEST(AtomicFile, WritesIntoADevice) {
+  const auto folder = test::temporary_folder();
+  fs::create_symlink("/dev/null", folder / "null");
+  fs::create_symlink("/dev/full", folder / "full");
+  write_file_atomically(folder / "null", "text");
+  EXPECT_TRUE(fs::is_symlink(folder / "null"));
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  try {
+    write_file_atomically(folder / "full", "text");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kIo);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("No space"));
+  }
+  EXPECT_EQ(num_files(folder), 2U) << "nothing is left aside";
+}
+
+TEST(AtomicFile, AddsToAnOpenDescriptor) {
+  const auto folder = test::temporary_folder();
+  const int fd = ::open((folder / "log").c_str(), O_RDWR | O_CREAT, 0600);
+  ASSERT_EQ(::write(fd, "before ", 7), 7);
+  write_file_atomically("/dev/fd/" + std::to_string(fd), "after");
+  struct stat held {};
+  EXPECT_EQ(::fstat(fd, &held), 0);
+  ::close(fd);
+  EXPECT_EQ(held.st_nlink, 1U) << "the open file was replaced";
+  EXPECT_EQ(read_file(folder / "log"), "before after");
+}
+
+TEST(AtomicFile, KeepsTheModeOfAnExistingFile) {
+  const auto path = test::temporary_folder() / "out.txt";
+  for (const Durability durability : {Durability::kOnDisk, Durability::kComplete}) {
+    for (const auto mode : {fs::perms{0600}, fs::perms{0664}, fs::perms{0755}}) {
+      write_file_atomically(path, "first", durability);
+      fs::permissions(path, mode);
+      write_file_atomically(path, "second", durability);
+      EXPECT_EQ(read_file(path), "second");
+      EXPECT_EQ(fs::status(path).permissions(), mode);
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,9 +12,12 @@
 #include "apriltrack/base/error.h"
 
 namespace apriltrack {
+namespace fs = std::filesystem;
 namespace {
 
-std::string system_reason(int code) { return std::generic_category().message(code); }
+std::string system_reason(int code) {
+  return std::generic_category().message(code);
+}
 
 /// Closes on every way out; a POSIX descriptor because streams do not tell why a write failed.
 class Descriptor {
@@ -42,20 +46,70 @@ bool write_all(int fd, std::string_view contents) {
   return true;
 }
 
-}  // namespace
+[[noreturn]] void fail_to_write(const fs::path& path, int code, std::string_view kept = "") {
+  throw io_error(path.string(), fmt::format("cannot be written: {}{}", system_reason(code), kept));
+}
 
-void write_file_atomically(const std::filesystem::path& path, std::string_view contents) {
-  std::filesystem::path aside = path;
+/// The file that a chain of symbolic links names, whether or not it is there yet.
+fs::path follow_links(const fs::path& path) {
+  constexpr int kMaxLinks = 40;  // as Linux: path_resolution(7)
+  fs::path target = path;
+  for (int i = 0; i < kMaxLinks; ++i) {
+    std::error_code error;
+    if (!fs::is_symlink(fs::symlink_status(target, error))) return target;
+    const fs::path next = fs::read_symlink(target, error);
+    if (error) fail_to_write(path, error.value());
+    target = target.parent_path() / next;  // an absolute `next` takes the place of the whole
+  }
+  fail_to_write(path, ELOOP);
+}
+
+/// /dev/stdout, /dev/fd/N and their like name what this process holds open; beside them nothing can be
+/// written.
+bool is_open_descriptor(const fs::path& path) {
+  std::error_code error;
+  const fs::path folder = fs::canonical(path.parent_path(), error);
+  return !error && folder.string().starts_with("/proc/");
+}
+
+bool goes_through_open_descriptor(const fs::path& path) {
+  std::error_code error;
+  const bool is_link = fs::is_symlink(fs::symlink_status(path, error));
+  return is_open_descriptor(path) ||
+         (is_link && is_open_descriptor(path.parent_path() / fs::read_symlink(path, error)));
+}
+
+/// Appends, because standard output may be a file that holds something already.
+void write_directly(const fs::path& path, std::string_view contents) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC));
+  if (file.get() < 0 || !write_all(file.get(), contents) || !file.close()) fail_to_write(path, errno);
+}
+
+void write_beside_and_rename(const fs::path& path, std::string_view contents, const struct stat* existing,
+                             Durability durability) {
+  fs::path aside = path;
   aside += fmt::format(".{}.part", ::getpid());
   Descriptor file(::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-  if (file.get() < 0) throw io_error(path.string(), fmt::format("cannot be written: {}", system_reason(errno)));
-  const bool is_complete = write_all(file.get(), contents) && ::fsync(file.get()) == 0 && file.close() &&
-                           ::rename(aside.c_str(), path.c_str()) == 0;
+  if (file.get() < 0) fail_to_write(path, errno);
+  const bool is_complete = (!existing || ::fchmod(file.get(), existing->st_mode & 07777) == 0) &&
+                           write_all(file.get(), contents) &&
+                           (durability == Durability::kComplete || ::fsync(file.get()) == 0) &&
+                           file.close() && ::rename(aside.c_str(), path.c_str()) == 0;
   if (!is_complete) {
     const int code = errno;
     ::unlink(aside.c_str());
-    throw io_error(path.string(), fmt::format("cannot be written: {}; an existing file was kept", system_reason(code)));
+    fail_to_write(path, code, "; an existing file was kept");
   }
+}
+
+}  // namespace
+
+void write_file_atomically(const fs::path& path, std::string_view contents, Durability durability) {
+  struct stat existing {};
+  const bool exists = ::stat(path.c_str(), &existing) == 0;
+  if (exists && (!S_ISREG(existing.st_mode) || goes_through_open_descriptor(path)))
+    return write_directly(path, contents);
+  write_beside_and_rename(follow_links(path), contents, exists ? &existing : nullptr, durability);
 }
 
 std::string read_file(const std::filesystem::path& path) {

@@ -81,7 +81,8 @@ void write_image(const std::filesystem::path& path, const GrayView& image) {
   }
   std::vector<unsigned char> bytes;
   if (!cv::imencode(ending, mat_of(image), bytes)) throw io_error(path.string(), "cannot be encoded");
-  write_file_atomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  write_file_atomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()},
+                        Durability::kComplete);
 }
 
 }  // namespace apriltrack

@@ -6,10 +6,18 @@
 
 namespace apriltrack {
 
-/// Writes beside the target and renames when all is on the disk, so that an existing file is either kept or
-/// replaced by a complete one. Throws Error(kIo) with the path and the system's reason (full disk, no
-/// permission, no folder).
-void write_file_atomically(const std::filesystem::path& path, std::string_view contents);
+/// What is certain when write_file_atomically returns.
+enum class Durability {
+  kOnDisk,    ///< The file outlives a loss of power: the write waits for the disk.
+  kComplete,  ///< The file is complete for every program that reads it; for files by the hundred.
+};
+
+/// Writes beside the target and renames when all is written, so that an existing file is either kept or
+/// replaced by a complete one with the same mode. A symbolic link stays, and the file that it names is
+/// replaced. What is no regular file (a device, a FIFO, /dev/stdout) is written to directly. Throws
+/// Error(kIo) with the path and the system's reason (full disk, no permission, no folder).
+void write_file_atomically(const std::filesystem::path& path, std::string_view contents,
+                           Durability durability = Durability::kOnDisk);
 
 /// Throws Error(kIo) with the path and the system's reason.
 std::string read_file(const std::filesystem::path& path);
