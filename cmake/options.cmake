@@ -30,6 +30,8 @@ function(apriltrack_compile_options target)
     -Wold-style-cast -Wfloat-conversion -Wextra-semi
     $<$<BOOL:${APRILTRACK_WERROR}>:-Werror>)
   if(APRILTRACK_SANITIZE)
+    # Eigen allocates otherwise under a sanitizer than in Debian's Ceres, whose static copy the linker mixes with ours.
+    target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)
     target_compile_options(${target} PRIVATE -fsanitize=${APRILTRACK_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
       -Wno-maybe-uninitialized)  # GCC 12 sees ghosts inside instrumented std::function and std::regex
     target_link_options(${target} PUBLIC -fsanitize=${APRILTRACK_SANITIZE})
