@@ -60,8 +60,8 @@ TEST(ShippedMaps, EveryFileOfTheFolderIsTested) {
   for (const auto& entry : std::filesystem::directory_iterator(test::source_path("maps"))) {
     if (entry.path().extension() == ".yaml") names.insert(entry.path().filename().string());
   }
-  const std::set<std::string> tested = {"a4_page_6.yaml", "aprilgrid_6x6.yaml", "cube_6.yaml",
-                                        "room_14.yaml"};
+  const std::set<std::string> tested = {"a4_page_6.yaml", "aprilgrid_6x6.yaml", "cube_6.yaml", "room_14.yaml",
+                                        "wall_3x4.yaml"};
   EXPECT_EQ(names, tested);
 }
 
@@ -81,17 +81,21 @@ TEST(ShippedMaps, CubeShowsATagOnEachFaceOutward) {
   ASSERT_EQ(map.tags.size(), 6u);
   std::set<int> faces;
   for (const MapTag& tag : map.tags) {
+    EXPECT_EQ(tag.size_m, 0.07);
     const Eigen::Vector3d centre = tag.T_map_tag.translation();
-    EXPECT_LT((centre + 0.05 * into_tag(tag)).norm(), 1e-15) << "into the cube, from the face's middle";
     int axis = 0;
     centre.cwiseAbs().maxCoeff(&axis);
     faces.insert(centre[axis] > 0 ? axis : axis + 3);
-    EXPECT_LE(half_print_m(tag), 0.05 + 1e-15) << "the print fits the face";
+    EXPECT_NEAR(std::abs(centre[axis]), 0.0503, 1e-12) << "on the face, as thick as paper";
+    EXPECT_NEAR(into_tag(tag)[axis], centre[axis] > 0 ? -1.0 : 1.0, 1e-12) << "into the cube";
+    const double print_over_size = 2.0 * half_print_m(tag) / tag.size_m;
     for (const Eigen::Vector3d& corner : corners_in_map(tag)) {
-      // The corners lie on the face: one coordinate 0.05, two 0.04.
-      Eigen::Vector3d sorted = corner.cwiseAbs();
-      std::sort(sorted.data(), sorted.data() + 3);
-      EXPECT_LT((sorted - Eigen::Vector3d(0.04, 0.04, 0.05)).norm(), 1e-12);
+      const Eigen::Vector3d of_print = centre + print_over_size * (corner - centre);
+      EXPECT_NEAR(std::abs(corner[axis]), 0.0503, 1e-12);
+      for (const int along : {(axis + 1) % 3, (axis + 2) % 3}) {
+        EXPECT_LT(std::abs(corner[along]), 0.044) << "the black border keeps off the edges";
+        EXPECT_LT(std::abs(of_print[along]), 0.051) << "no more than a corner of white paper stands out";
+      }
     }
   }
   EXPECT_EQ(faces.size(), 6u);
@@ -107,7 +111,7 @@ TEST(ShippedMaps, RoomHangsItsTagsOnTheWallsFacingInward) {
     const Eigen::Vector3d into = into_tag(tag);
     const int axis = std::abs(into.x()) > 0.5 ? 0 : 1;
     EXPECT_NEAR(std::abs(into[axis]), 1.0, 1e-12) << to_string(tag.key);
-    EXPECT_NEAR(centre[axis], into[axis] * (axis == 0 ? 2.5 : 2.0), 1e-12) << to_string(tag.key);
+    EXPECT_NEAR(centre[axis], into[axis] * ((axis == 0 ? 2.5 : 2.0) - 0.003), 1e-12) << to_string(tag.key);
     walls.insert({axis, into[axis] > 0 ? 1 : -1});
     EXPECT_EQ(tag.size_m, 0.16);
     const Eigen::Vector3d down = tag.T_map_tag.rotation() * Eigen::Vector3d::UnitY();
@@ -118,6 +122,20 @@ TEST(ShippedMaps, RoomHangsItsTagsOnTheWallsFacingInward) {
     }
   }
   EXPECT_EQ(walls.size(), 4u);
+  EXPECT_EQ(count_overlaps(map, half_print_m), 0);
+}
+
+TEST(ShippedMaps, WallIsSheetsOfA4EdgeToEdge) {
+  const TagMap map = shipped("wall_3x4.yaml");
+  EXPECT_EQ(map.frame, "wall");
+  ASSERT_EQ(map.tags.size(), 12u);
+  for (const MapTag& tag : map.tags) {
+    const Eigen::Vector3d expected(0.21 * (tag.key.id % 4), 0.297 * (tag.key.id / 4), 0.0);
+    EXPECT_LT((tag.T_map_tag.translation() - expected).norm(), 1e-12) << to_string(tag.key);
+    EXPECT_EQ(tag.T_map_tag.rotation().coeffs(), Eigen::Quaterniond::Identity().coeffs());
+    EXPECT_EQ(tag.size_m, 0.16);
+    EXPECT_LE(half_print_m(tag), 0.5 * 0.21 - 0.005 + 1e-12) << "the printer reaches it";
+  }
   EXPECT_EQ(count_overlaps(map, half_print_m), 0);
 }
 
