@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 
 #include "apriltrack/base/error.h"
@@ -36,6 +37,9 @@ int run(int argc, char** argv) {
   } catch (const Error& error) {
     std::cerr << "error: " << error.what() << '\n';
     return static_cast<int>(error.kind());
+  } catch (const std::filesystem::filesystem_error& error) {
+    std::cerr << "error: " << error.path1().string() << ": " << error.code().message() << '\n';
+    return static_cast<int>(ErrorKind::kIo);
   } catch (const std::exception& error) {
     std::cerr << "internal error, please report it: " << error.what() << '\n';
     return kStatusNoResult;

@@ -115,6 +115,36 @@ TEST(ImageFolder, WithoutImagesIsAnError) {
   expect_refused(folder, ErrorKind::kIo, {"frames", "holds no images"});
 }
 
+TEST(ImageFolder, KeepsFramesApartAtTheEndsOfTheRateRange) {
+  const auto folder = temporary_folder();
+  write_frames(folder, {"a.pgm", "b.pgm", "c.pgm"});
+  EXPECT_THAT(times_of(read_all(folder.string(), {.rate_hz = 1e6})), ElementsAre(0, 1000, 2000));
+  EXPECT_THAT(times_of(read_all(folder.string(), {.rate_hz = 1e-3})),
+              ElementsAre(0, 1'000'000'000'000, 2'000'000'000'000));
+}
+
+TEST(ImageFolder, HandsOutALoopOfLinksAsAnUnreadableFrame) {
+  const auto folder = temporary_folder();
+  write_frames(folder, {"1.pgm"});
+  fs::create_symlink("2.pgm", folder / "2.pgm");
+  for (const std::string& input : {folder.string(), (folder / "*.pgm").string()}) {
+    const auto frames = read_all(input);
+    ASSERT_THAT(times_of(frames), ElementsAre(1, 2)) << input;
+    EXPECT_TRUE(frames[0].is_readable());
+    EXPECT_THAT(frames[1].error, HasSubstr("symbolic links"));
+  }
+}
+
+TEST(SequenceFolder, WithAFileThatCannotBeLookedAtIsAnIoError) {
+  const auto folder = temporary_folder();
+  write_frames(folder / "frames", {"1.pgm"});
+  for (const char* name : {"frames.csv", "camera.yaml", "map.yaml"}) fs::create_symlink(name, folder / name);
+  expect_refused(folder, ErrorKind::kIo, {"frames.csv", "symbolic links"});
+  expect_error(ErrorKind::kIo, {"camera.yaml", "symbolic links"},
+               [&] { sequence_camera_file(folder.string()); });
+  expect_error(ErrorKind::kIo, {"map.yaml", "symbolic links"}, [&] { sequence_map_file(folder.string()); });
+}
+
 TEST(Sampling, LeavesOutAndStopsAsAsked) {
   const auto folder = temporary_folder();
   write_frames(folder, {"0.pgm", "1.pgm", "2.pgm", "3.pgm", "4.pgm", "5.pgm", "6.pgm"});
@@ -134,8 +164,11 @@ TEST(Sampling, LeavesOutAndStopsAsAsked) {
 TEST(Sampling, RefusesSenselessOptions) {
   const auto folder = temporary_folder();
   write_frames(folder, {"0.pgm"});
-  expect_refused(folder, ErrorKind::kInvalidInput, {"--rate", "> 0", "-5"}, {.rate_hz = -5.0});
+  expect_refused(folder, ErrorKind::kInvalidInput, {"--rate", "[0.001, 1e+06]", "-5"}, {.rate_hz = -5.0});
   expect_refused(folder, ErrorKind::kInvalidInput, {"--rate", "nan"}, {.rate_hz = std::nan("")});
+  expect_refused(folder, ErrorKind::kInvalidInput, {"--rate", "0.001", "10000000000"}, {.rate_hz = 1e10});
+  expect_refused(folder, ErrorKind::kInvalidInput, {"--rate", "0.001", "1e-300"}, {.rate_hz = 1e-300});
+  expect_refused(folder, ErrorKind::kInvalidInput, {"--rate", "inf"}, {.rate_hz = HUGE_VAL});
   expect_refused(folder, ErrorKind::kInvalidInput, {"--step", "at least 1"}, {.step = 0});
 }
 

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cmath>
 #include <system_error>
 
 #include "apriltrack/base/error.h"
@@ -23,10 +22,15 @@ namespace {
 constexpr std::string_view kCameraPrefix = "camera:";
 constexpr std::string_view kDevicePrefix = "/dev/video";
 constexpr int kMaxCameraNumber = 255;
+// Frames are at least a microsecond apart, and nine million of them fit into 64 bits of nanoseconds.
+constexpr double kMinRate_hz = 1e-3;
+constexpr double kMaxRate_hz = 1e6;
 
 void check_options(const SourceOptions& options) {
-  if (options.rate_hz && !(*options.rate_hz > 0.0 && std::isfinite(*options.rate_hz)))
-    throw invalid_input("--rate", fmt::format("must be > 0 frames a second (is {})", *options.rate_hz));
+  if (options.rate_hz && !(*options.rate_hz >= kMinRate_hz && *options.rate_hz <= kMaxRate_hz)) {
+    throw invalid_input("--rate", fmt::format("must be in [{:g}, {:g}] frames a second (is {})", kMinRate_hz,
+                                              kMaxRate_hz, *options.rate_hz));
+  }
   if (options.step < 1) throw invalid_input("--step", "must be at least 1 (is 0)");
 }
 
@@ -36,7 +40,7 @@ std::unique_ptr<SkippableSource> open_camera(const std::string& input, std::stri
     throw invalid_input(input,
                         fmt::format("'{}' is no camera number: write camera:0 or /dev/video0", number_text));
   }
-  if (input.starts_with(kDevicePrefix) && !fs::exists(input)) throw io_error(input, "no such camera");
+  if (input.starts_with(kDevicePrefix) && !path_exists(input)) throw io_error(input, "no such camera");
   return open_live_camera(static_cast<int>(*number), input);
 }
 
@@ -93,9 +97,8 @@ std::unique_ptr<SkippableSource> open_any(const std::string& input, std::optiona
 }
 
 std::optional<fs::path> sequence_file(const std::string& input, const char* name) {
-  std::error_code ignored;
   const fs::path path = fs::path(input) / name;
-  if (!is_sequence_folder(input) || !fs::exists(path, ignored)) return std::nullopt;
+  if (!is_sequence_folder(input) || !path_exists(path)) return std::nullopt;
   return path;
 }
 

@@ -4,6 +4,7 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <system_error>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/csv.h"
@@ -41,7 +42,7 @@ std::vector<fs::path> match(const std::string& pattern) {
 std::vector<ImageEntry> list_sequence(const fs::path& folder, std::optional<double> rate_hz) {
   const fs::path frames = folder / "frames";
   auto entries = give_times(require_images(frames), rate_hz, frames.string());
-  if (fs::exists(folder / "frames.csv")) add_frame_facts(folder / "frames.csv", entries);
+  if (path_exists(folder / "frames.csv")) add_frame_facts(folder / "frames.csv", entries);
   return entries;
 }
 
@@ -72,8 +73,9 @@ std::vector<ImageEntry> list_glob(const std::string& pattern, std::optional<doub
   const std::vector<fs::path> matches = match(pattern);
   if (matches.empty()) throw io_error(pattern, "no file matches this pattern");
   std::vector<fs::path> images;
+  std::error_code ignored;  // what cannot be looked at becomes an unreadable frame
   for (const fs::path& path : matches) {
-    if (has_image_ending(path) && !fs::is_directory(path)) images.push_back(path);
+    if (has_image_ending(path) && !fs::is_directory(path, ignored)) images.push_back(path);
   }
   if (images.empty()) {
     throw io_error(pattern,
@@ -85,6 +87,14 @@ std::vector<ImageEntry> list_glob(const std::string& pattern, std::optional<doub
 
 std::vector<ImageEntry> list_single_image(const fs::path& path) {
   return {{.path = path, .timestamp = time_in_name(path).value_or(Timestamp{})}};
+}
+
+bool path_exists(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) return false;
+  if (error) throw io_error(path.string(), fmt::format("cannot be read: {}", error.message()));
+  return true;
 }
 
 bool is_sequence_folder(const fs::path& folder) {

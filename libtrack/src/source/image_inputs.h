@@ -22,6 +22,8 @@ std::vector<ImageEntry> list_glob(const std::string& pattern, std::optional<doub
 /// A lone image needs no rate: without a time in its name it is at 0 s.
 std::vector<ImageEntry> list_single_image(const std::filesystem::path& path);
 
+/// Throws Error(kIo) with the system's reason where that cannot be told (a loop of links, a closed folder).
+bool path_exists(const std::filesystem::path& path);
 bool is_sequence_folder(const std::filesystem::path& folder);
 /// The camera folder that `folder` is or holds (mav0 or its parent: cam0); nullopt when it is no such
 /// recording.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <string>
+#include <system_error>
 
 namespace apriltrack {
 namespace fs = std::filesystem;
@@ -36,9 +37,11 @@ bool has_image_ending(const fs::path& path) {
 
 std::vector<fs::path> list_images(const fs::path& folder) {
   std::vector<fs::path> images;
+  std::error_code ignored;  // what cannot be looked at becomes an unreadable frame
   for (const auto& entry : fs::directory_iterator(folder)) {
     const bool is_hidden = entry.path().filename().string().starts_with('.');
-    if (!is_hidden && has_image_ending(entry.path()) && !entry.is_directory()) images.push_back(entry.path());
+    if (!is_hidden && has_image_ending(entry.path()) && !entry.is_directory(ignored))
+      images.push_back(entry.path());
   }
   std::ranges::sort(images, natural_less, [](const fs::path& path) { return path.string(); });
   return images;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "forward_clock.h"
 #include "gray_pixels.h"
 #include "video_source.h"
 
@@ -42,7 +43,9 @@ class LiveCamera : public SkippableSource {
   std::optional<SourceFrame> next() override {
     if (!pass_over()) return std::nullopt;
     SourceFrame frame = retrieve_frame(capture_, fmt::format("{} frame {}", name_, num_grabbed_ - 1));
-    frame.timestamp = time_;
+    frame.timestamp = clock_.time();
+    if (frame.error.empty() && !time_error_.empty())
+      frame.error = fmt::format("{}: {}", frame.name, time_error_);
     return frame;
   }
 
@@ -52,7 +55,8 @@ class LiveCamera : public SkippableSource {
     const Timestamp arrival{std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
     const Timestamp told = grabbed_time(capture_);
     if (num_grabbed_ == 0) driver_tells_time_ = told.ns > 0;
-    time_ = driver_tells_time_ ? told : arrival;
+    const auto believed = told.ns > 0 ? std::optional(told) : std::nullopt;  // 0: the driver did not say
+    time_error_ = clock_.take(driver_tells_time_ ? believed : arrival);
     ++num_grabbed_;
     return true;
   }
@@ -65,7 +69,8 @@ class LiveCamera : public SkippableSource {
   cv::VideoCapture capture_;
   std::size_t num_grabbed_ = 0;
   bool driver_tells_time_ = false;
-  Timestamp time_;
+  ForwardClock clock_;
+  std::string time_error_;
 };
 
 }  // namespace

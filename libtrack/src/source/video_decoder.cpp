@@ -3,6 +3,7 @@
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
+#include <libavutil/common.h>
 #include <libavutil/display.h>
 }
 
@@ -19,6 +20,8 @@ extern "C" {
 namespace apriltrack {
 namespace {
 
+/// So often in a row may the decoder fail without having been given anything new.
+constexpr int kMaxIdleErrors = 100;
 constexpr AVRational kNanoseconds = {1, 1'000'000'000};
 
 std::string reason(int code) {
@@ -94,12 +97,16 @@ std::optional<VideoDecoder::Decoded> VideoDecoder::advance() {
   for (;;) {
     const int received = avcodec_receive_frame(codec_.get(), frame_.get());
     if (received == 0) {
+      num_idle_errors_ = 0;
       const bool is_damaged = (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0;
       return Decoded{time_of(frame_->best_effort_timestamp), is_damaged ? "the data is damaged" : ""};
     }
     if (received == AVERROR_EOF) return std::nullopt;
-    if (received != AVERROR(EAGAIN))
+    if (received != AVERROR(EAGAIN)) {
+      if (++num_idle_errors_ > kMaxIdleErrors) return std::nullopt;
       return Decoded{std::nullopt, fmt::format("cannot be decoded: {}", reason(received))};
+    }
+    if (is_draining_) return std::nullopt;  // it asks for more, and there is no more
     if (auto failed = feed()) return failed;
   }
 }
@@ -117,6 +124,7 @@ std::optional<VideoDecoder::Decoded> VideoDecoder::feed() {
     if (broke_off) return Decoded{std::nullopt, fmt::format("the file breaks off: {}", reason(got))};
     return std::nullopt;
   }
+  num_idle_errors_ = 0;
   const int sent = avcodec_send_packet(codec_.get(), packet_.get());
   if (sent < 0) return Decoded{time_of(packet_->pts), fmt::format("cannot be decoded: {}", reason(sent))};
   return std::nullopt;
@@ -125,7 +133,7 @@ std::optional<VideoDecoder::Decoded> VideoDecoder::feed() {
 std::optional<Timestamp> VideoDecoder::time_of(std::int64_t stream_time) const {
   if (stream_time == AV_NOPTS_VALUE) return std::nullopt;
   const std::int64_t start = stream_->start_time == AV_NOPTS_VALUE ? 0 : stream_->start_time;
-  return Timestamp{av_rescale_q(stream_time - start, stream_->time_base, kNanoseconds)};
+  return Timestamp{av_rescale_q(av_sat_sub64(stream_time, start), stream_->time_base, kNanoseconds)};
 }
 
 GrayImage VideoDecoder::picture() {

@@ -31,7 +31,8 @@ class VideoDecoder {
     std::optional<Timestamp> timestamp;  ///< Since the stream's start; none where the file gives no time.
     std::string error;                   ///< Why there is no picture; empty for a good frame.
   };
-  /// nullopt at the end. A packet that cannot be decoded is a frame with an error.
+  /// nullopt at the end. A packet that cannot be decoded is a frame with an error; a decoder that fails on
+  /// and on without being fed is at its end.
   std::optional<Decoded> advance();
   /// The picture of the frame last advanced to, turned upright as the file says; empty when it cannot be
   /// converted.
@@ -64,6 +65,7 @@ class VideoDecoder {
   AVStream* stream_ = nullptr;  ///< Owned by file_.
   int turns_ = 0;               ///< Quarter turns anticlockwise that stand the picture upright.
   bool is_draining_ = false;
+  int num_idle_errors_ = 0;  ///< Since the decoder was last fed.
 };
 
 }  // namespace apriltrack

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "forward_clock.h"
 #include "video_decoder.h"
 #include "video_source.h"
 
@@ -24,7 +25,7 @@ class VideoFile : public SkippableSource {
     if (!pass_over()) return std::nullopt;
     SourceFrame frame;
     frame.name = fmt::format("{} frame {}", name_, num_passed_ - 1);
-    frame.timestamp = time_;
+    frame.timestamp = clock_.time();
     std::string error = error_;
     if (error.empty()) {
       frame.pixels = decoder_.picture();
@@ -37,8 +38,10 @@ class VideoFile : public SkippableSource {
   bool pass_over() override {
     const auto decoded = pending_ ? std::exchange(pending_, std::nullopt) : decoder_.advance();
     if (!decoded) return false;
-    error_ = decoded->error;
-    set_time(has_times_ ? decoded->timestamp : advance({}, static_cast<double>(num_passed_) / *rate_hz_));
+    const auto told =
+        has_times_ ? decoded->timestamp : advance({}, static_cast<double>(num_passed_) / *rate_hz_);
+    const std::string time_error = clock_.take(told);
+    error_ = decoded->error.empty() ? time_error : decoded->error;
     ++num_passed_;
     return true;
   }
@@ -47,26 +50,13 @@ class VideoFile : public SkippableSource {
   std::string name() const override { return name_; }
 
  private:
-  /// Time runs forward whatever the file says: a frame whose time does not is unreadable, just after the one
-  /// before.
-  void set_time(std::optional<Timestamp> told) {
-    if (told && (num_passed_ == 0 || *told > time_)) {
-      time_ = *told;
-      return;
-    }
-    if (num_passed_ > 0) time_ = {time_.ns + 1};
-    if (!error_.empty()) return;
-    error_ = told ? fmt::format("its time, {} s, is not later than the frame's before", format_seconds(*told))
-                  : "it carries no time";
-  }
-
   std::string name_;
   std::optional<double> rate_hz_;
   VideoDecoder decoder_;
   std::optional<VideoDecoder::Decoded> pending_;
   bool has_times_ = true;
   std::size_t num_passed_ = 0;
-  Timestamp time_;
+  ForwardClock clock_;
   std::string error_;
 };
 

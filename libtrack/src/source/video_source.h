@@ -15,7 +15,8 @@ namespace apriltrack {
 std::unique_ptr<SkippableSource> open_video(const std::filesystem::path& path, std::optional<double> rate_hz);
 
 /// A live camera by its number. Times are the driver's, or else those of arrival, on the machine's monotonic
-/// clock. where: what messages call it. Throws Error(kIo) when it cannot be opened.
+/// clock, and stay as they are: they are not moved to the middle of the exposure. A frame whose time does not
+/// run forward is unreadable. where: what messages call it. Throws Error(kIo) when it cannot be opened.
 std::unique_ptr<SkippableSource> open_live_camera(int number, const std::string& where);
 
 }  // namespace apriltrack

@@ -24,7 +24,7 @@ struct SourceFrame {
 };
 
 struct SourceOptions {
-  std::optional<double> rate_hz = std::nullopt;  ///< For images whose names are no times.
+  std::optional<double> rate_hz = std::nullopt;  ///< For images whose names are no times; in [1e-3, 1e6].
   std::size_t skip = 0;                          ///< Frames left out at the start.
   std::size_t step = 1;                          ///< Every step-th frame.
   std::optional<std::size_t> max_frames = std::nullopt;
@@ -46,8 +46,10 @@ class FrameSource {
 };
 
 /// A sequence folder, a folder of images, a glob, a EuRoC/ASL `mav0` folder (or one camera folder of it), a
-/// video file, `camera:N` or a V4L2 path. Throws Error(kIo) when there is nothing to read,
-/// Error(kInvalidInput) when images need a rate and none is given.
+/// video file, `camera:N` or a V4L2 path. A live camera's times are the driver's own (of arrival where it
+/// tells none), not corrected to the middle of the exposure. Throws Error(kIo) when there is nothing to read,
+/// Error(kInvalidInput) when images need a rate and none is given, or
+/// an option is out of its range.
 std::unique_ptr<FrameSource> open_source(const std::string& input, const SourceOptions& options = {});
 
 /// Files that a sequence folder brings with it; nullopt where it does not, or INPUT is no such folder.
