@@ -6,6 +6,7 @@
 namespace apriltrack::app {
 
 void add_all_commands(CLI::App& app) {
+  app.name("apriltrack");  // not the path by which it was called
   app.description(
       "Fiducial tracking that keeps the pose through motion blur.\n"
       "Start with: apriltrack demo --output demo-output");

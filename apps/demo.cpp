@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apriltrack/base/error.h"
+#include "command_help.h"
 #include "commands.h"
 #include "console.h"
 #include "demo_picture.h"
@@ -72,19 +73,21 @@ void run_demo(const DemoOptions& options, const Console& console) {
 void add_demo_command(CLI::App& app) {
   auto options = std::make_shared<DemoOptions>();
   auto console = std::make_shared<Console>();
-  CLI::App* command = app.add_subcommand("demo",
-                                         "The whole job on a rendered room: calibrate from a gentle "
-                                         "recording, localise in a violently blurred one, compare "
-                                         "with the truth.\n\n  apriltrack demo --output demo-output\n");
+  CLI::App& command =
+      add_command(app, "demo",
+                  {"The whole job on rendered recordings of a room, with a picture at the end.",
+                   "apriltrack demo --output demo-output",
+                   "Calibrates from a gentle recording, localises in a violently blurred one, "
+                   "and compares with the truth."});
   command
-      ->add_option("--output", options->output, "Folder for recordings, maps, trajectories and the picture")
+      .add_option("--output", options->output, "Folder for recordings, maps, trajectories and the picture")
       ->required();
-  command->add_option("--seed", options->seed, "Of the rendered recordings")->capture_default_str();
-  command->add_option("--threads", options->threads, "0 = all cores; results do not depend on it")
+  command.add_option("--seed", options->seed, "Of the rendered recordings")->capture_default_str();
+  command.add_option("--threads", options->threads, "0 = all cores; results do not depend on it")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
-  console->add_options(*command);
-  command->callback([options, console] { run_demo(*options, *console); });
+  console->add_options(command);
+  command.callback([options, console] { run_demo(*options, *console); });
 }
 
 }  // namespace apriltrack::app

@@ -9,6 +9,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/io/numbers.h"
+#include "command_help.h"
 #include "commands.h"
 #include "frame_loop.h"
 #include "inputs.h"
@@ -16,13 +17,12 @@
 namespace apriltrack::app {
 namespace {
 
-constexpr const char* kDescription =
-    "Finds tags and writes their corners, for calibrate --detections and track --detections.\n"
-    "Example:\n"
-    "  apriltrack detect recording --camera camera.yaml --output detections.csv\n"
-    "Several families, images without times in their names:\n"
-    "  apriltrack detect 'photos/*.jpg' --rate 1 --family tag36h11 --family tag25h9 --output detections.csv\n"
-    "Kalibr's printed grids: --family tag36h11b2.";
+const CommandHelp kHelp = {
+    "Finds tags and writes their corners, for calibrate --detections and track --detections.",
+    "apriltrack detect recording --camera camera.yaml --output detections.csv\n"
+    "apriltrack detect 'photos/*.jpg' --rate 1 --family tag36h11 --family tag25h9 --output detections.csv",
+    "--family may be given several times; Kalibr's printed grids are tag36h11b2. Images whose names are no\n"
+    "times need --rate."};
 
 struct Arguments {
   std::string input;
@@ -130,37 +130,36 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_detect_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("detect", kDescription);
+  CLI::App& command = add_command(app, "detect", kHelp);
   const auto arguments = std::make_shared<Arguments>();
   command
-      ->add_option("INPUT", arguments->input,
-                   "Sequence folder, images, glob, EuRoC folder, video or camera:N")
+      .add_option("INPUT", arguments->input, "Sequence folder, images, glob, EuRoC folder, video or camera:N")
       ->required();
-  command->add_option("--camera", arguments->camera,
-                      "Camera file, for its response and resolution; a sequence folder brings its own");
-  command->add_option("--camera-name", arguments->camera_name, "Which camera of the file; else its first");
-  command->add_option("--response", arguments->response,
-                      "srgb, linear or gamma:G: what the grey levels stand for; wins over the camera file's");
-  command->add_option("--output", arguments->output, "detections.csv")->required();
-  command->add_option("--family", arguments->detector.families, "Tag family; may be given several times")
+  command.add_option("--camera", arguments->camera,
+                     "Camera file, for its response and resolution; a sequence folder brings its own");
+  command.add_option("--camera-name", arguments->camera_name, "Which camera of the file; else its first");
+  command.add_option("--response", arguments->response,
+                     "srgb, linear or gamma:G: what the grey levels stand for; wins over the camera file's");
+  command.add_option("--output", arguments->output, "detections.csv")->required();
+  command.add_option("--family", arguments->detector.families, "Tag family; may be given several times")
       ->capture_default_str();
-  command->add_option("--decimate", arguments->detector.decimate, "Search in an image so many times smaller")
-      ->capture_default_str();
-  command
-      ->add_option("--min-margin", arguments->detector.min_decision_margin,
-                   "Grey levels between bits and their threshold; lower finds more and errs more")
+  command.add_option("--decimate", arguments->detector.decimate, "Search in an image so many times smaller")
       ->capture_default_str();
   command
-      ->add_option("--max-hamming", arguments->detector.max_hamming,
-                   "Wrong bits that may be corrected, 0 to 2")
+      .add_option("--min-margin", arguments->detector.min_decision_margin,
+                  "Grey levels between bits and their threshold; lower finds more and errs more")
       ->capture_default_str();
-  command->add_flag("--no-refine", arguments->no_refine, "Leave the corners where the library found them");
-  command->add_option("--rate", arguments->rate_hz, "Frames per second, for images without times")
+  command
+      .add_option("--max-hamming", arguments->detector.max_hamming,
+                  "Wrong bits that may be corrected, 0 to 2")
+      ->capture_default_str();
+  command.add_flag("--no-refine", arguments->no_refine, "Leave the corners where the library found them");
+  command.add_option("--rate", arguments->rate_hz, "Frames per second, for images without times")
       ->check(CLI::PositiveNumber);
-  command->add_option("--threads", arguments->num_threads, "Threads; 0 = one per core, up to 8")
+  command.add_option("--threads", arguments->num_threads, "Threads; 0 = one per core, up to 8")
       ->check(CLI::NonNegativeNumber);
-  arguments->console.add_options(*command);
-  command->callback([arguments] { run(*arguments); });
+  arguments->console.add_options(command);
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace apriltrack::app

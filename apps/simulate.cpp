@@ -18,6 +18,7 @@
 #include "apriltrack/sim/renderer.h"
 #include "apriltrack/sim/streaks.h"
 #include "apriltrack/source/sequence_writer.h"
+#include "command_help.h"
 #include "commands.h"
 #include "console.h"
 
@@ -181,23 +182,22 @@ void simulate(const SimulateOptions& options) {
   report(scene, figures, options);
 }
 
-std::string description() {
-  std::string text =
-      "Renders a recording with true motion blur and exact truth.\n\n"
-      "Example:\n  apriltrack simulate --scene room --output room --seed 7\n\nScenes:\n";
+CommandHelp help() {
+  std::string details = "Scenes:\n";
   for (const SceneName& scene : named_scenes())
-    text += fmt::format("  {:<12} {}\n", scene.name, scene.summary);
-  text +=
+    details += fmt::format("  {:<12} {}\n", scene.name, scene.summary);
+  details +=
       "\nThe folder gets frames/, camera.yaml, map.yaml and truth.tum (the pose at the middle of each "
       "exposure).";
-  return text;
+  return {"Renders a recording with true motion blur and exact truth.",
+          "apriltrack simulate --scene room --output room --seed 7", details};
 }
 
 }  // namespace
 
 void add_simulate_command(CLI::App& app) {
   auto options = std::make_shared<SimulateOptions>();
-  CLI::App& command = *app.add_subcommand("simulate", description());
+  CLI::App& command = add_command(app, "simulate", help());
   command.add_option("--scene", options->scene, "What to film: see the list above")->required();
   command.add_option("--output", options->output, "Folder to write; must be new or empty")->required();
   command.add_option("--frames", options->frames, "How many frames (default: the scene's own)");

@@ -9,6 +9,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/tracker/localizer.h"
+#include "command_help.h"
 #include "commands.h"
 #include "frame_loop.h"
 #include "inputs.h"
@@ -17,13 +18,12 @@
 namespace apriltrack::app {
 namespace {
 
-constexpr const char* kDescription =
-    "Localises a camera in a map of tags, or a body of tags before a camera.\n"
-    "Example:\n"
-    "  apriltrack track recording --camera camera.yaml --map map.yaml --output camera.tum --frames-csv "
+const CommandHelp kHelp = {
+    "Localises a camera in a map of tags, or a body of tags before a camera.",
+    "apriltrack track recording --camera camera.yaml --map map.yaml --output camera.tum --frames-csv "
     "frames.csv\n"
-    "A sequence folder brings its own camera and map:\n"
-    "  apriltrack track room_blur --output camera.tum";
+    "apriltrack track room_blur --output camera.tum",
+    "A sequence folder, such as room_blur, brings its own camera and map."};
 
 struct Arguments {
   std::string input;
@@ -148,7 +148,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_track_command(CLI::App& app) {
-  CLI::App& command = *app.add_subcommand("track", kDescription);
+  CLI::App& command = add_command(app, "track", kHelp);
   const auto arguments = std::make_shared<Arguments>();
   command.add_option("INPUT", arguments->input,
                      "Sequence folder, folder of images, glob, EuRoC mav0 folder, video file, or camera:N");

@@ -1,5 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
 #include "program.h"
 
 namespace apriltrack::test {
@@ -9,15 +15,45 @@ using ::testing::HasSubstr;
 
 const char* const kCommands[] = {"simulate", "detect", "calibrate", "track", "evaluate", "map", "demo"};
 
-TEST(CommandLine, HelpOfEveryCommandShowsAnExampleFirst) {
-  for (const std::string command : kCommands) {
-    const ProgramRun run = run_program({command, "--help"});
-    EXPECT_EQ(run.status, 0) << command;
-    const std::size_t example = run.out.find("apriltrack " + command);
-    const std::size_t options = run.out.find("Options:");
-    EXPECT_NE(example, std::string::npos) << command << ":\n" << run.out;
-    EXPECT_LT(example, options) << command << ":\n" << run.out;
+/// What a list of commands says, by command.
+std::map<std::string, std::string> listed_commands(const std::string& help) {
+  std::istringstream lines(help.substr(help.find("Subcommands:\n")));
+  std::map<std::string, std::string> summaries;
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line) && !line.empty()) {
+    EXPECT_EQ(line.find_first_not_of(' '), 2U) << "goes on over a second line: " << line;
+    const std::size_t end = line.find(' ', 2);
+    const std::size_t summary = line.find_first_not_of(' ', end);
+    if (summary != std::string::npos) summaries[line.substr(2, end - 2)] = line.substr(summary);
   }
+  return summaries;
+}
+
+TEST(CommandLine, EveryCommandIsListedInOneShortLine) {
+  const auto summaries = listed_commands(run_program({"--help"}).out);
+  EXPECT_EQ(summaries.size(), std::size(kCommands));
+  for (const std::string command : kCommands) EXPECT_TRUE(summaries.contains(command)) << command;
+  for (const auto& [command, summary] : summaries) EXPECT_LT(summary.size(), 90U) << command;
+}
+
+void expect_example_first(std::vector<std::string> words) {
+  std::string command = "apriltrack";
+  for (const std::string& word : words) command += " " + word;
+  words.push_back("--help");
+  const ProgramRun run = run_program(words);
+  EXPECT_EQ(run.status, 0) << command;
+  EXPECT_THAT(run.out, ::testing::StartsWith("Example:\n  " + command + " ")) << command;
+}
+
+TEST(CommandLine, HelpOfEveryCommandBeginsWithAnExampleToPaste) {
+  for (const std::string command : kCommands) expect_example_first({command});
+}
+
+TEST(CommandLine, HelpOfEveryVerbOfMapBeginsWithAnExampleToPaste) {
+  const auto verbs = listed_commands(run_program({"map", "--help"}).out);
+  EXPECT_GE(verbs.size(), 4U);
+  for (const auto& [verb, summary] : verbs) expect_example_first({"map", verb});
 }
 
 TEST(CommandLine, VersionIsTold) {

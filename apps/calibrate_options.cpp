@@ -1,0 +1,106 @@
+#include "calibrate_options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <set>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/io/numbers.h"
+#include "inputs.h"
+
+namespace apriltrack::app {
+
+void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
+  command.add_option(
+      "input", a.inputs,
+      "INPUT: sequence folder, folder of images, glob, EuRoC mav0 folder or video; of several cameras: "
+      "cam0=PATH cam1=PATH");
+  command.add_option("--detections", a.detections, "Detection file(s) in place of images");
+  command.add_option("--camera", a.camera, "Camera file; a sequence folder's own by default");
+  command.add_option("--camera-name", a.camera_name, "Use this camera of the file only");
+  command.add_option(
+      "--tag-size", a.tag_size_m,
+      "Edge length in metres of the square whose corners are detected (tag36h11: the outer edge of the "
+      "black border), for tags that --tag-sizes does not name");
+  command.add_option("--tag-sizes", a.tag_sizes, "YAML file with sizes by id");
+  command.add_option("--family", a.detector.families, "Tag family; may be given several times")
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command.add_option("--decimate", a.detector.decimate, "Search tags in an image this many times smaller")
+      ->capture_default_str();
+  command.add_option(
+      "--held-tag,--origin", a.held_tag,
+      "Tag at the map's origin, ID or family/ID; by default the first one of the largest part");
+  command
+      .add_option("--min-views", a.calibration.min_views,
+                  "Leave out tags seen in fewer frames together with others")
+      ->capture_default_str();
+  command.add_option("--map-frame", a.calibration.map_frame, "Name of the map's frame")
+      ->capture_default_str();
+  command.add_option("--rate", a.source.rate_hz, "Frames a second, for images whose names are no times");
+  command.add_option("--step", a.source.step, "Use every STEP-th frame")->capture_default_str();
+  command.add_option("--max-frames", a.source.max_frames, "Use so many frames of each input at most");
+  command.add_option("--parts", a.parts, "Folder for a map of each part: part_1.yaml is the map itself");
+  command.add_option("--config", a.config,
+                     "YAML file of options, keys = their long names; the command line wins");
+  command.add_option("--output", a.output,
+                     "The map; its observations go to <output>.detections.csv beside it");
+  command.add_option("--threads", a.num_threads, "0 = as many as there are cores; changes no result")
+      ->capture_default_str();
+  a.console.add_options(command);
+}
+
+void check(const CalibrateOptions& a) {
+  if (a.output.empty()) throw invalid_input("--output", "is required: where to write the map");
+  if (a.inputs.empty() == a.detections.empty())
+    throw invalid_input("calibrate", a.inputs.empty() ? "give an INPUT or --detections FILE"
+                                                      : "give either INPUT or --detections, not both");
+  if (!a.tag_size_m && a.tag_sizes.empty())
+    throw invalid_input("--tag-size",
+                        "is required (or --tag-sizes FILE): the edge in metres of the square whose "
+                        "corners are detected; for tag36h11 the outer edge of the black border");
+  if (a.tag_size_m && !(*a.tag_size_m > 0.0 && *a.tag_size_m <= 100.0))
+    throw invalid_input("--tag-size", fmt::format("must be in (0, 100] metres (is {})", *a.tag_size_m));
+  if (a.num_threads < 0)
+    throw invalid_input("--threads", fmt::format("must be 0 or more (is {})", a.num_threads));
+  if (a.source.step < 1) throw invalid_input("--step", "must be 1 or more (is 0)");
+  if (a.source.rate_hz && !(*a.source.rate_hz > 0.0 && *a.source.rate_hz <= 1e6))
+    throw invalid_input("--rate",
+                        fmt::format("must be in (0, 1e6] frames a second (is {})", *a.source.rate_hz));
+  a.detector.check();
+  a.calibration.check();
+  check_folder_of(a.output);
+}
+
+std::filesystem::path camera_file(const CalibrateOptions& a) {
+  if (!a.camera.empty()) return a.camera;
+  for (const std::string& input : a.inputs) {
+    const auto own = sequence_camera_file(input.substr(input.find('=') + 1));  // npos + 1 is 0
+    if (own) return *own;
+  }
+  throw invalid_input("--camera",
+                      "is required: the input is no sequence folder with a camera.yaml of its own");
+}
+
+TagKey parse_held_tag(const CalibrateOptions& a, const Sightings& sightings) {
+  const std::string& text = a.held_tag;
+  const std::size_t slash = text.find('/');
+  const auto id = parse_integer(slash == std::string::npos ? text : text.substr(slash + 1));
+  if (!id || *id < 0)
+    throw invalid_input("--held-tag", fmt::format("must be ID or family/ID (is '{}')", text));
+  if (slash != std::string::npos) return {text.substr(0, slash), static_cast<int>(*id)};
+  std::set<std::string> families;
+  for (const FrameDetections& frame : sightings.frames) {
+    for (const Detection& detection : frame.detections) {
+      if (detection.tag.id == *id) families.insert(detection.tag.family);
+    }
+  }
+  if (families.size() > 1)
+    throw invalid_input("--held-tag", fmt::format("id {} was seen of several families ({}); say family/ID",
+                                                  *id, fmt::join(families, ", ")));
+  return {families.empty() ? a.detector.families.front() : *families.begin(), static_cast<int>(*id)};
+}
+
+}  // namespace apriltrack::app

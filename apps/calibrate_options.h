@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apriltrack/calib/calibrate_map.h"
+#include "calibrate_input.h"
+#include "console.h"
+
+namespace apriltrack::app {
+
+/// What the command line or --config says.
+struct CalibrateOptions {
+  std::vector<std::string> inputs;
+  std::vector<std::string> detections;
+  std::string camera;
+  std::string camera_name;
+  std::optional<double> tag_size_m;
+  std::string tag_sizes;
+  std::string held_tag;
+  std::string config;
+  std::string output;
+  std::string parts;
+  int num_threads = 0;
+  DetectorOptions detector;
+  SourceOptions source;
+  CalibrationOptions calibration;
+  Console console;
+};
+
+void add_calibrate_options(CLI::App& command, CalibrateOptions& options);
+
+/// Throws Error(kInvalidInput) that names the option, Error(kIo) when the output has no folder to go to.
+void check(const CalibrateOptions& options);
+
+/// --camera, else the first sequence folder's own; throws Error(kInvalidInput) where there is neither.
+std::filesystem::path camera_file(const CalibrateOptions& options);
+
+/// ID or family/ID as a key; a bare ID is of the family that was seen with it.
+TagKey parse_held_tag(const CalibrateOptions& options, const Sightings& sightings);
+
+}  // namespace apriltrack::app

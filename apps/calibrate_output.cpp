@@ -1,0 +1,130 @@
+#include "calibrate_output.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <ctime>
+#include <nlohmann/json.hpp>
+#include <tuple>
+#include <utility>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/detect/detections_csv.h"
+#include "apriltrack/io/numbers.h"
+
+namespace apriltrack::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptions& a, const fs::path& camera,
+                                                            const TagKey& held,
+                                                            const fs::path& observations) {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  const auto& inputs = a.detections.empty() ? a.inputs : a.detections;
+  return {{"tool", "apriltrack " APRILTRACK_VERSION},
+          {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc)},
+          {"inputs", fmt::format("{}", fmt::join(inputs, ", "))},
+          {"camera", camera.string() + (a.camera_name.empty() ? "" : " " + a.camera_name)},
+          {"options",
+           fmt::format("family {}; tag size {}; sizes file {}; min views {}; step {}",
+                       fmt::join(a.detector.families, " "), a.tag_size_m ? format_exact(*a.tag_size_m) : "-",
+                       a.tag_sizes.empty() ? "-" : a.tag_sizes, a.calibration.min_views, a.source.step)},
+          {"gauge", to_string(held) + " held at the origin"},
+          {"observations", observations.filename().string()}};
+}
+
+/// A side file that is itself an input stays as it is: it may hold more than was used.
+bool is_input(const CalibrateOptions& a, const fs::path& path) {
+  return std::any_of(a.detections.begin(), a.detections.end(), [&](const std::string& input) {
+    std::error_code ignored;
+    return fs::equivalent(input, path, ignored);
+  });
+}
+
+void write_observations(const CalibrateOptions& a, const Sightings& sightings, const fs::path& path) {
+  if (is_input(a, path)) return;
+  std::vector<FrameDetections> frames = sightings.frames;
+  std::stable_sort(frames.begin(), frames.end(), [](const FrameDetections& x, const FrameDetections& y) {
+    return std::tie(x.timestamp, x.camera) < std::tie(y.timestamp, y.camera);
+  });
+  write_detections_csv(path, frames);
+}
+
+std::vector<std::string> write_parts(const CalibrateOptions& a, const CalibrationResult& result) {
+  std::vector<std::string> written;
+  if (a.parts.empty()) return written;
+  std::error_code error;
+  fs::create_directories(a.parts, error);
+  if (error) throw io_error(a.parts, error.message());
+  std::vector<const TagMap*> maps = {&result.map};
+  for (const TagMap& part : result.other_parts) maps.push_back(&part);
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    written.push_back((fs::path(a.parts) / fmt::format("part_{}.yaml", i + 1)).string());
+    write_tag_map(written.back(), *maps[i]);
+  }
+  return written;
+}
+
+nlohmann::json names(const std::vector<TagKey>& keys) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const TagKey& key : keys) list.push_back(to_string(key));
+  return list;
+}
+
+nlohmann::json names(const TagMap& map) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const MapTag& tag : map.tags) list.push_back(to_string(tag.key));
+  return list;
+}
+
+}  // namespace
+
+CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& camera,
+                                   const Sightings& sightings, CalibrationResult& result) {
+  CalibrationFiles files;
+  files.observations = fs::path(a.output).replace_extension(".detections.csv");
+  result.map.provenance = provenance(a, camera, result.held_tag, files.observations);
+  for (TagMap& part : result.other_parts)
+    part.provenance = provenance(a, camera, part.tags.front().key, files.observations);
+  write_observations(a, sightings, files.observations);
+  files.parts = write_parts(a, result);
+  write_tag_map(a.output, result.map);
+  return files;
+}
+
+void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, const CalibrationResult& result,
+                      const CalibrationFiles& files) {
+  nlohmann::json other_parts = nlohmann::json::array();
+  for (const TagMap& part : result.other_parts) other_parts.push_back(names(part));
+  const nlohmann::json summary = {{"tags", names(result.map)},
+                                  {"held_tag", to_string(result.held_tag)},
+                                  {"frames", sightings.counts.readable},
+                                  {"frames_unreadable", sightings.counts.unreadable},
+                                  {"frames_used", result.frames_used},
+                                  {"observations_used", result.observations_used},
+                                  {"observations_rejected", result.observations_rejected},
+                                  {"residual_rms_px", result.residual_rms_px},
+                                  {"left_out", names(result.left_out)},
+                                  {"other_parts", other_parts},
+                                  {"part_files", files.parts},
+                                  {"warnings", result.warnings},
+                                  {"interrupted", sightings.counts.is_interrupted},
+                                  {"output", a.output},
+                                  {"observations", files.observations.string()}};
+  std::string text = fmt::format(
+      "{} tags from {} of {} frames ({} unreadable); {} observations, {} rejected; residual {:.3f} px (rms "
+      "per axis)\n"
+      "origin: {}\nmap: {}\nobservations: {}",
+      result.map.tags.size(), result.frames_used, sightings.counts.readable, sightings.counts.unreadable,
+      result.observations_used, result.observations_rejected, result.residual_rms_px,
+      to_string(result.held_tag), a.output, files.observations.string());
+  for (const std::string& file : files.parts) text += "\npart: " + file;
+  a.console.finish(summary, text);
+}
+
+}  // namespace apriltrack::app

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apriltrack/tags/tag_map.h"
+#include "command_help.h"
+#include "console.h"
+
+namespace apriltrack::app {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr double kMmPerM = 1e3;
+
+/// What the verbs of `map` take; each uses some of it.
+struct MapOptions {
+  std::string first;
+  std::string second;
+  std::string output;
+  double conflict_mm = 10.0;
+  double conflict_deg = 2.0;
+  Console console;
+};
+
+/// Adds a verb with the options of the console; the caller adds its own.
+std::pair<CLI::App*, std::shared_ptr<MapOptions>> add_map_verb(CLI::App& map_command, const std::string& name,
+                                                               const CommandHelp& help,
+                                                               void (*run)(const MapOptions&));
+
+void add_map_show(CLI::App& map_command);
+void add_map_diff(CLI::App& map_command);
+void add_map_align(CLI::App& map_command);
+void add_map_merge(CLI::App& map_command);
+
+nlohmann::json ids_of(const std::vector<TagKey>& keys);
+std::string names_of(const std::vector<TagKey>& keys);  ///< "none" where there are none.
+
+}  // namespace apriltrack::app

@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+
+#include "apriltrack/eval/combine_maps.h"
+#include "apriltrack/eval/statistics.h"
+#include "map_command.h"
+
+namespace apriltrack::app {
+namespace {
+
+using nlohmann::json;
+
+/// A second time the value grows: keys of a block are unique.
+void note(TagMap& map, const std::string& key, const std::string& value) {
+  for (auto& [known, text] : map.provenance) {
+    if (known != key) continue;
+    text += ", " + value;
+    return;
+  }
+  map.provenance.emplace_back(key, value);
+}
+
+void run_align(const MapOptions& options) {
+  AlignedMap aligned = align_map(read_tag_map(options.first), read_tag_map(options.second));
+  note(aligned.map, "aligned_onto", options.first);
+  write_tag_map(options.output, aligned.map);
+  options.console.finish(
+      {{"common_tags", aligned.common_tags}, {"tags", aligned.map.tags.size()}, {"output", options.output}},
+      fmt::format("{}: {} tags, brought onto {} by {} common tags", options.output, aligned.map.tags.size(),
+                  options.first, aligned.common_tags));
+}
+
+json conflicts_json(const std::vector<MapConflict>& conflicts) {
+  json out = json::array();
+  for (const MapConflict& conflict : conflicts) {
+    out.push_back({{"family", conflict.key.family},
+                   {"id", conflict.key.id},
+                   {"position_mm", round_to_decimals(kMmPerM * conflict.position_m, 4)},
+                   {"rotation_deg", round_to_decimals(kDegPerRad * conflict.rotation_rad, 4)}});
+  }
+  return out;
+}
+
+void warn_of(const MergedMap& merged, const Console& console) {
+  for (const MapConflict& conflict : merged.conflicts) {
+    console.warning(fmt::format(
+        "tag {}: the maps differ by {:.1f} mm and {:.2f} deg; the first map's pose is kept",
+        to_string(conflict.key), kMmPerM * conflict.position_m, kDegPerRad * conflict.rotation_rad));
+  }
+  if (!merged.without_covariance.empty()) {
+    console.warning("covariances left out, because the second map's gauge is another: tags " +
+                    names_of(merged.without_covariance));
+  }
+}
+
+void run_merge(const MapOptions& options) {
+  MergedMap merged = merge_maps(read_tag_map(options.first), read_tag_map(options.second),
+                                {options.conflict_mm / kMmPerM, options.conflict_deg / kDegPerRad});
+  note(merged.map, "merged_with", options.second);
+  warn_of(merged, options.console);
+  write_tag_map(options.output, merged.map);
+  options.console.finish(
+      {{"common_tags", merged.common_tags},
+       {"added", ids_of(merged.added)},
+       {"conflicts", conflicts_json(merged.conflicts)},
+       {"tags", merged.map.tags.size()},
+       {"output", options.output}},
+      fmt::format("{}: {} tags, {} of them added over {} common tags, {} conflicts", options.output,
+                  merged.map.tags.size(), merged.added.size(), merged.common_tags, merged.conflicts.size()));
+}
+
+}  // namespace
+
+void add_map_align(CLI::App& map_command) {
+  const auto [verb, options] =
+      add_map_verb(map_command, "align",
+                   {"Moves a map into another one's frame by their common tags.",
+                    "apriltrack map align reference.yaml map.yaml --output aligned.yaml", ""},
+                   run_align);
+  verb->add_option("REFERENCE", options->first, "Tag map whose frame is taken")->required();
+  verb->add_option("MAP", options->second, "Tag map that is moved")->required();
+  verb->add_option("--output", options->output, "Tag map to write")->required();
+}
+
+void add_map_merge(CLI::App& map_command) {
+  const auto [verb, options] =
+      add_map_verb(map_command, "merge",
+                   {"Adds the second map's tags to the first, joined by their common tags.",
+                    "apriltrack map merge hall.yaml corridor.yaml --output building.yaml", ""},
+                   run_merge);
+  verb->add_option("BASE", options->first, "Tag map that is kept as it is")->required();
+  verb->add_option("ADDITION", options->second, "Tag map whose further tags are added")->required();
+  verb->add_option("--output", options->output, "Tag map to write")->required();
+  verb->add_option("--conflict-mm", options->conflict_mm, "Common tags farther apart are reported")
+      ->capture_default_str();
+  verb->add_option("--conflict-deg", options->conflict_deg, "Common tags turned by more are reported")
+      ->capture_default_str();
+}
+
+}  // namespace apriltrack::app

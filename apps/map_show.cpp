@@ -1,0 +1,96 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "map_command.h"
+
+namespace apriltrack::app {
+namespace {
+
+using nlohmann::json;
+
+double block_sigma(const Matrix6d& covariance, int first) {
+  return std::sqrt(covariance.diagonal().segment<3>(first).sum());
+}
+
+Eigen::Vector3d normal_map(const MapTag& tag) {  // towards who looks at the print
+  return tag.T_map_tag.rotation() * -Eigen::Vector3d::UnitZ();
+}
+
+json to_json(const MapTag& tag) {
+  const Eigen::Vector3d& p = tag.T_map_tag.translation();
+  const Eigen::Quaterniond& q = tag.T_map_tag.rotation();
+  const Eigen::Vector3d n = normal_map(tag);
+  json out = {{"family", tag.key.family},
+              {"id", tag.key.id},
+              {"size_m", tag.size_m},
+              {"position", {{"x", p.x()}, {"y", p.y()}, {"z", p.z()}}},
+              {"orientation", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}},
+              {"normal", {n.x(), n.y(), n.z()}}};
+  if (tag.covariance) {
+    out["sigma_position_m"] = block_sigma(*tag.covariance, 0);
+    out["sigma_rotation_rad"] = block_sigma(*tag.covariance, 3);
+  }
+  if (const auto& statistics = tag.statistics) {
+    out["statistics"] = {{"views", statistics->views},
+                         {"residual_rms_px", statistics->residual_rms_px},
+                         {"flags", statistics->flags}};
+  }
+  return out;
+}
+
+json to_json(const TagMap& map) {
+  json out = {{"frame", map.frame},
+              {"default_family", map.default_family},
+              {"tags", json::array()},
+              {"provenance", json::object()}};
+  for (const MapTag& tag : map.tags) out["tags"].push_back(to_json(tag));
+  for (const auto& [key, value] : map.provenance) out["provenance"][key] = value;
+  return out;
+}
+
+std::string table_row(const MapTag& tag) {
+  const Eigen::Vector3d& p = tag.T_map_tag.translation();
+  const Eigen::Vector3d n = normal_map(tag);
+  std::string text =
+      fmt::format("{:<18}{:>8.1f}{:>10.4f}{:>10.4f}{:>10.4f}{:>7.2f}{:>6.2f}{:>6.2f}", to_string(tag.key),
+                  kMmPerM * tag.size_m, p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
+  const bool has_sigma = tag.covariance.has_value();
+  text += has_sigma ? fmt::format("{:>10.3f}{:>11.4f}", kMmPerM * block_sigma(*tag.covariance, 0),
+                                  kDegPerRad * block_sigma(*tag.covariance, 3))
+                    : fmt::format("{:>10}{:>11}", "-", "-");
+  text += tag.statistics
+              ? fmt::format("{:>7}{:>9.3f}  {}", tag.statistics->views, tag.statistics->residual_rms_px,
+                            fmt::format("{}", fmt::join(tag.statistics->flags, " ")))
+              : fmt::format("{:>7}{:>9}", "-", "-");
+  text.erase(text.find_last_not_of(' ') + 1);
+  return text + "\n";
+}
+
+std::string to_text(const TagMap& map) {
+  std::string text = fmt::format("{} tags in frame '{}'\n", map.tags.size(), map.frame);
+  text += fmt::format("{:<18}{:>8}{:>10}{:>10}{:>10}{:>19}{:>10}{:>11}{:>7}{:>9}\n", "tag", "size mm", "x m",
+                      "y m", "z m", "normal", "sigma mm", "sigma deg", "views", "resid px");
+  for (const MapTag& tag : map.tags) text += table_row(tag);
+  for (const auto& [key, value] : map.provenance) text += fmt::format("{}: {}\n", key, value);
+  text.pop_back();
+  return text;
+}
+
+void run_show(const MapOptions& options) {
+  const TagMap map = read_tag_map(options.first);
+  options.console.finish(to_json(map), to_text(map));
+}
+
+}  // namespace
+
+void add_map_show(CLI::App& map_command) {
+  const auto [verb, options] = add_map_verb(
+      map_command, "show",
+      {"Lists a map's tags with sizes, poses, accuracy and origin.", "apriltrack map show map.yaml", ""},
+      run_show);
+  verb->add_option("MAP", options->first, "Tag map")->required();
+}
+
+}  // namespace apriltrack::app
