@@ -59,5 +59,17 @@ TEST(Timestamp, DifferencesAndSums) {
   EXPECT_LT(Timestamp{1}, Timestamp{2});
 }
 
+TEST(Timestamp, DifferencesOfTheFarthestTimesDoNotOverflow) {
+  constexpr Timestamp kFirst{std::numeric_limits<std::int64_t>::min()};
+  constexpr Timestamp kLast{std::numeric_limits<std::int64_t>::max()};
+  EXPECT_EQ(nanoseconds_apart(kFirst, kLast), std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(nanoseconds_apart(kLast, kFirst), std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(nanoseconds_apart({-3}, {4}), 7U);
+  EXPECT_EQ(nanoseconds_apart({4}, {4}), 0U);
+  EXPECT_DOUBLE_EQ(seconds_between(kFirst, kLast), 18446744073.709551615);
+  EXPECT_DOUBLE_EQ(seconds_between(kLast, kFirst), -18446744073.709551615);
+  EXPECT_DOUBLE_EQ(seconds_between(kFirst, {0}), 9223372036.854775808);
+}
+
 }  // namespace
 }  // namespace apriltrack

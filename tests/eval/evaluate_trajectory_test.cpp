@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "apriltrack/base/error.h"
@@ -55,6 +56,16 @@ std::string no_result_message(const Trajectory& truth, const Trajectory& estimat
     return error.what();
   }
   return "no error";
+}
+
+// Their signed difference would wrap to -1 ns: a match.
+TEST(EvaluateTrajectory, TimesAtBothEndsOfTheClockDoNotMeet) {
+  const std::int64_t first = std::numeric_limits<std::int64_t>::min();
+  const std::int64_t last = std::numeric_limits<std::int64_t>::max();
+  const Trajectory early{{{first}, Pose()}, {{first + 1'000'000'000}, Pose()}};
+  const Trajectory late{{{last - 1'000'000'000}, Pose()}, {{last}, Pose()}};
+  EXPECT_THAT(no_result_message(early, late), HasSubstr("no frame is in both"));
+  EXPECT_THAT(no_result_message(late, early), HasSubstr("no frame is in both"));
 }
 
 TEST(EvaluateTrajectory, TruthScoresZero) {

@@ -22,8 +22,14 @@ std::optional<std::int64_t> parse_digits(std::string_view text) {
 
 }  // namespace
 
+std::uint64_t nanoseconds_apart(Timestamp a, Timestamp b) {
+  const auto [low, high] = std::minmax(a, b);
+  return static_cast<std::uint64_t>(high.ns) - static_cast<std::uint64_t>(low.ns);
+}
+
 double seconds_between(Timestamp earlier, Timestamp later) {
-  return static_cast<double>(later.ns - earlier.ns) * 1e-9;
+  const double apart_s = static_cast<double>(nanoseconds_apart(earlier, later)) * 1e-9;
+  return earlier <= later ? apart_s : -apart_s;
 }
 
 Timestamp advance(Timestamp time, double seconds) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/eval/alignment.h"
@@ -15,7 +16,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::int64_t kMaxTimeDifference_ns = 1'000'000;
+constexpr std::uint64_t kMaxTimeDifference_ns = 1'000'000;
 constexpr double kSuccess_px = 5.0;
 constexpr std::array<double, 6> kBlurBinStarts_px = {0.0, 2.0, 5.0, 10.0, 20.0, 40.0};
 constexpr int kMinPosesToAlign = 3;
@@ -26,9 +27,9 @@ using Matches = std::vector<const TimedPose*>;
 const TimedPose* nearest(const Trajectory& trajectory, Timestamp time) {
   const auto after = std::ranges::lower_bound(trajectory, time, {}, &TimedPose::timestamp);
   const TimedPose* best = nullptr;
-  std::int64_t best_ns = kMaxTimeDifference_ns;
+  std::uint64_t best_ns = kMaxTimeDifference_ns;
   const auto offer = [&](const TimedPose& pose) {
-    const std::int64_t difference_ns = std::abs(pose.timestamp.ns - time.ns);
+    const std::uint64_t difference_ns = nanoseconds_apart(pose.timestamp, time);
     if (difference_ns >= best_ns) return;
     best = &pose;
     best_ns = difference_ns;
@@ -49,6 +50,25 @@ std::ptrdiff_t count_matches(const Matches& matches) {
   return std::ranges::count_if(matches, [](const TimedPose* pose) { return pose != nullptr; });
 }
 
+/// What would make the recordings meet, if they begin together on clocks that are apart; else empty.
+std::string describe_offset(const Trajectory& truth, const Trajectory& estimate) {
+  const auto span_ns = [](const Trajectory& t) {
+    return nanoseconds_apart(t.front().timestamp, t.back().timestamp);
+  };
+  // Times so far apart that moving them would leave 64 bits are no recordings: a century fits in.
+  constexpr std::uint64_t kMaxMove_ns = std::numeric_limits<std::int64_t>::max() / 2;
+  if (nanoseconds_apart(truth.front().timestamp, estimate.front().timestamp) > kMaxMove_ns ||
+      span_ns(truth) > kMaxMove_ns || span_ns(estimate) > kMaxMove_ns)
+    return "";
+  const std::int64_t offset_ns = estimate.front().timestamp.ns - truth.front().timestamp.ns;
+  Trajectory moved = estimate;
+  for (TimedPose& pose : moved) pose.timestamp.ns -= offset_ns;
+  const std::ptrdiff_t num_matched = count_matches(match(truth, moved));
+  if (num_matched < 2) return "";
+  return fmt::format("; taking {} s off the estimate's times would join {} of its {} poses",
+                     format_seconds({offset_ns}), num_matched, estimate.size());
+}
+
 /// How the times differ, for the user whose recordings do not meet.
 std::string describe_time_mismatch(const Trajectory& truth, const Trajectory& estimate) {
   if (estimate.empty())
@@ -57,15 +77,7 @@ std::string describe_time_mismatch(const Trajectory& truth, const Trajectory& es
       "no frame is in both within 1 ms: the truth runs from {} to {} s, the estimate from {} to {} s",
       format_seconds(truth.front().timestamp), format_seconds(truth.back().timestamp),
       format_seconds(estimate.front().timestamp), format_seconds(estimate.back().timestamp));
-  const std::int64_t offset_ns = estimate.front().timestamp.ns - truth.front().timestamp.ns;
-  Trajectory moved = estimate;
-  for (TimedPose& pose : moved) pose.timestamp.ns -= offset_ns;
-  const std::ptrdiff_t num_matched = count_matches(match(truth, moved));
-  if (num_matched > 1) {
-    text += fmt::format("; taking {} s off the estimate's times would join {} of its {} poses",
-                        format_seconds({offset_ns}), num_matched, estimate.size());
-  }
-  return text + "; are both of the same recording, and on the same clock?";
+  return text + describe_offset(truth, estimate) + "; are both of the same recording, and on the same clock?";
 }
 
 void check_scene(const CornerScene& scene) {

@@ -12,14 +12,13 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/csv.h"
+#include "pose_columns.h"
 
 namespace apriltrack {
 namespace {
 
 constexpr std::array<std::string_view, 5> kStatuses = {"detected", "tracked", "predicted", "lost",
                                                        "unreadable"};
-constexpr std::array<std::string_view, 7> kPoseColumns = {"tx", "ty", "tz", "qx", "qy", "qz", "qw"};
-constexpr double kMaxQuaternionLengthError = 0.05;  // as for TUM files
 
 bool is_status(std::string_view word) {
   return std::ranges::find(kStatuses, word) != kStatuses.end();
@@ -116,12 +115,9 @@ class RowReader {
     if (filled == 0) return std::nullopt;
     if (filled < static_cast<std::ptrdiff_t>(kPoseColumns.size()))
       fail("tx ... qw: a pose has seven numbers; a frame without one leaves all seven empty");
-    std::array<double, 7> v{};
-    for (std::size_t i = 0; i < v.size(); ++i) v[i] = table_.number(row_, kPoseColumns[i]);
-    const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
-    if (std::abs(rotation.norm() - 1.0) > kMaxQuaternionLengthError)
-      fail(fmt::format("qx qy qz qw: length of the quaternion must be 1 (is {:.4g})", rotation.norm()));
-    return Pose(rotation, Eigen::Vector3d(v[0], v[1], v[2]));
+    std::array<double, kPoseColumns.size()> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = table_.number(row_, kPoseColumns[i]);
+    return pose_of_columns(values, table_.where(row_));
   }
 
   std::optional<Matrix6d> covariance() const {

@@ -13,14 +13,13 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/numbers.h"
+#include "pose_columns.h"
 
 namespace apriltrack {
 namespace {
 
 constexpr std::size_t kNumColumns = 8;
 constexpr std::string_view kBlanks = " \t\r";
-// Files with two decimals are off by 0.01 at most; more than this is another column order or no quaternion.
-constexpr double kMaxQuaternionLengthError = 0.05;
 
 struct Line {
   TimedPose pose;
@@ -69,7 +68,7 @@ Timestamp parse_time(std::string_view field, const std::string& where) {
   throw invalid_input(where, fmt::format("timestamp: '{}' is no time in seconds{}", field, hint));
 }
 
-double parse_finite(std::string_view field, const char* column, const std::string& where) {
+double parse_finite(std::string_view field, std::string_view column, const std::string& where) {
   const auto value = parse_double(field);
   if (!value || !std::isfinite(*value))
     throw invalid_input(where, fmt::format("{}: '{}' is not a finite number", column, field));
@@ -82,15 +81,11 @@ TimedPose parse_line(const std::vector<std::string_view>& fields, const std::str
                         fmt::format("has {} columns, not the 8 of TUM format: timestamp tx ty tz qx qy qz qw",
                                     fields.size()));
   }
-  constexpr std::array<const char*, 7> kNames = {"tx", "ty", "tz", "qx", "qy", "qz", "qw"};
-  std::array<double, 7> v{};
-  for (std::size_t i = 0; i < v.size(); ++i) v[i] = parse_finite(fields[i + 1], kNames[i], where);
-  const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
-  if (std::abs(rotation.norm() - 1.0) > kMaxQuaternionLengthError) {
-    throw invalid_input(
-        where, fmt::format("qx qy qz qw: length of the quaternion must be 1 (is {:.4g})", rotation.norm()));
-  }
-  return {parse_time(fields[0], where), Pose(rotation, Eigen::Vector3d(v[0], v[1], v[2]))};
+  std::array<double, kPoseColumns.size()> values{};
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = parse_finite(fields[i + 1], kPoseColumns[i], where);
+  const Pose pose = pose_of_columns(values, where);
+  return {parse_time(fields[0], where), pose};
 }
 
 std::vector<Line> parse_lines(std::string_view contents, const std::string& name) {

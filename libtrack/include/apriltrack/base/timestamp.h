@@ -16,6 +16,8 @@ struct Timestamp {
   auto operator<=>(const Timestamp&) const = default;
 };
 
+/// |a - b|, exact for any two times; a signed difference may not fit into 64 bits.
+std::uint64_t nanoseconds_apart(Timestamp a, Timestamp b);
 /// later - earlier, in seconds.
 double seconds_between(Timestamp earlier, Timestamp later);
 /// Rounded to the nearest nanosecond.
