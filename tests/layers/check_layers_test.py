@@ -86,6 +86,25 @@ class PlantedBreach(unittest.TestCase):
         place = self.plant("libtrack/src/sim/new.cpp", '#include "../detect/merge.h"')
         self.expect_breach(place + ":", "neither apriltrack/")
 
+    def test_private_header_beside_the_one_that_is_excepted(self):
+        place = self.plant("libtrack/src/detect/library_detector.cpp", '#include "../tags/tag_fields.h"')
+        self.expect_breach(place + ":", "neither apriltrack/")
+        place = self.plant("libtrack/src/detect/new.cpp", '#include "../tags/native_family.h"')
+        self.expect_breach(place + ":", "neither apriltrack/")
+
+    def test_private_header_whose_exception_is_gone(self):
+        self.replace("docs/architecture.md", "| `detect/library_detector.cpp` |", "| `detect/merge.cpp` |")
+        self.expect_breach("libtrack/src/detect/library_detector.cpp:", "'../tags/native_family.h'", "neither apriltrack/")
+
+    def test_exception_that_goes_upwards(self):
+        self.replace("docs/architecture.md", "| `detect/library_detector.cpp` |", "| `image/response.cpp` |")
+        self.expect_breach("docs/architecture.md", "image/response.cpp may not be excepted")
+
+    def test_type_of_a_library_in_a_public_header(self):
+        file = "libtrack/include/apriltrack/tags/new.h"
+        self.plant(file, "struct apriltag_family;")
+        self.expect_breach(file + ":2:", "no type of another library", "apriltag_family")
+
     def test_unknown_library(self):
         place = self.plant("apps/new.cpp", "#include <boost/any.hpp>")
         self.expect_breach(place + ":", "no rule knows <boost/any.hpp>")

@@ -13,7 +13,7 @@
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
-#include "apriltrack/tags/native_family.h"
+#include "native_family.h"
 
 namespace apriltrack {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../tags/native_family.h"
 #include "apriltrack/base/check.h"
-#include "apriltrack/tags/native_family.h"
 #include "apriltrack/tags/tag_family.h"
 
 namespace apriltrack {

@@ -1,4 +1,4 @@
-#include "apriltrack/tags/native_family.h"
+#include "native_family.h"
 
 #include <apriltag/apriltag.h>
 #include <apriltag/tag16h5.h>

@@ -12,8 +12,8 @@
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
-#include "apriltrack/tags/native_family.h"
 #include "family_source.h"
+#include "native_family.h"
 
 namespace apriltrack {
 namespace {
