@@ -90,8 +90,16 @@ void require_connection(const Observations& observations, const std::vector<Part
 
 /// The part with the held tag first, and the tag to hold in each.
 void choose_gauge(const Observations& observations, const CalibrationOptions& options,
-                  std::vector<Part>& parts, std::vector<int>& held_tags) {
+                  const Findings& findings, std::vector<Part>& parts, std::vector<int>& held_tags) {
   if (options.held_tag) {
+    const bool was_seen =
+        std::binary_search(observations.tags.begin(), observations.tags.end(), *options.held_tag);
+    if (!was_seen && std::count(findings.left_out.begin(), findings.left_out.end(), *options.held_tag) > 0)
+      throw no_result(
+          "calibrate",
+          fmt::format("the held tag {} is seen at two places at once, so it is not one tag and "
+                      "was left out: cover its copies, or hold one of these: {}",
+                      to_string(*options.held_tag), list_tags(keys_of(observations, parts.front().tags))));
     const auto seen = std::lower_bound(observations.tags.begin(), observations.tags.end(), *options.held_tag);
     if (seen == observations.tags.end() || *seen != *options.held_tag)
       throw invalid_input("--held-tag",
@@ -205,7 +213,7 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   std::vector<Part> parts = solvable_parts(observations, options, parallel, candidates, findings);
   require_connection(observations, parts);
   std::vector<int> held_tags;
-  choose_gauge(observations, options, parts, held_tags);
+  choose_gauge(observations, options, findings, parts, held_tags);
   report_other_parts(observations, parts, findings);
 
   CalibrationResult result;

@@ -91,7 +91,7 @@ std::string describe(const TagKey& tag, const Repetition& repetition) {
 /// Everything about one image that later steps need, before tags get their numbers.
 struct UsableFrame {
   Timestamp timestamp;
-  int occurrence = 0;  ///< Second image of one camera with one time stamp: another recording, another pose.
+  int occurrence = 0;  ///< Second image of one camera alone with one time stamp: another moment.
   int camera = 0;
   std::map<TagKey, std::vector<const Detection*>> detections;
 };
@@ -129,6 +129,27 @@ std::vector<UsableFrame> usable_frames(std::span<const FrameDetections> frames, 
     return std::tie(a.timestamp, a.occurrence, a.camera) < std::tie(b.timestamp, b.occurrence, b.camera);
   });
   return result;
+}
+
+/// Equal time is all that tells which images of several cameras show one pose of the rig. Where a camera has
+/// two images of one time (two recordings whose clocks start anew), any pairing of them is a guess: a frame
+/// missed by one camera shifts all that follow it.
+void require_distinct_times(const std::vector<UsableFrame>& frames, const CameraRig& rig) {
+  std::set<int> cameras;
+  for (const UsableFrame& frame : frames) {
+    if (!frame.detections.empty()) cameras.insert(frame.camera);
+  }
+  if (cameras.size() < 2) return;
+  const auto repeated = std::find_if(frames.begin(), frames.end(), [](const UsableFrame& frame) {
+    return frame.occurrence > 0 && !frame.detections.empty();
+  });
+  if (repeated == frames.end()) return;
+  throw invalid_input(
+      "calibrate",
+      fmt::format("{} has two images of the time {} ns: with several cameras equal times say which images "
+                  "belong together, so each camera may have one image of a time; shift the time stamps of "
+                  "further recordings behind those of the first",
+                  rig.cameras[static_cast<std::size_t>(repeated->camera)].name, repeated->timestamp.ns));
 }
 
 std::map<TagKey, Repetition> count_repetitions(const std::vector<UsableFrame>& frames) {
@@ -219,6 +240,7 @@ Observations collect_observations(std::span<const FrameDetections> frames, const
                     "too small, or outside what the lens model covers",
                     unusable, detections));
 
+  require_distinct_times(usable, rig);
   const std::map<TagKey, Repetition> repetitions = count_repetitions(usable);
   report_repetitions(repetitions, findings);
   Observations observations =

@@ -40,7 +40,7 @@ struct Findings {
 
 /// Drops corners that no tag can show (not finite, folded, mirrored, tiny, outside the lens model's domain)
 /// and ids that are not unique, and says so in `findings`. Throws Error(kNoResult) when nothing is left,
-/// Error(kInvalidInput) when a camera is unknown.
+/// Error(kInvalidInput) when a camera is unknown, or one of several has two images of one time.
 Observations collect_observations(std::span<const FrameDetections> frames, const CameraRig& rig,
                                   const TagSizes& sizes, const CalibrationOptions& options,
                                   Findings& findings);

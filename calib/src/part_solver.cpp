@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string_view>
 
 #include "apriltrack/base/error.h"
 #include "bundle_adjustment.h"
@@ -20,8 +22,14 @@ constexpr double kFineLossPerSigma = 6.0;  // a good view's whitened norm is sqr
 constexpr double kMaxViewRms = 4.0;        // sigmas; one in 1e18 good views
 constexpr double kMaxComponent = 6.0;      // sigmas; one corner off, the rest of the tag in place
 constexpr double kMinScale = 0.1;  // sigmas are never taken for smaller than a tenth of those expected
+// The expected sigma counts as this many residuals beside those of the fit, as in the localizer: many views
+// speak for themselves, while a few, whose residuals may all be small by chance, claim no more than is known.
+constexpr double kPriorStrength = 3.0;
 constexpr int kMaxRounds = 4;
 constexpr double kNonsense_px = 5.0;
+constexpr std::string_view kWhatToCheck =
+    "check the tag family (--family) and the tag sizes, the camera file, and that no tag was moved while "
+    "filming";
 
 Vector8d whitened_residual(const Observations& observations, const TagView& view, const MapState& state,
                            bool& is_valid, Vector8d* residual_px = nullptr) {
@@ -34,7 +42,19 @@ Vector8d whitened_residual(const Observations& observations, const TagView& view
   return view.whitening * residual;
 }
 
-/// Standard deviation of the whitened residuals, from their median: half of them may be wrong.
+/// Residuals beyond what the unknowns (each frame's pose, and the tags' but one) can make vanish.
+double degrees_of_freedom(const Observations& observations, const std::vector<std::size_t>& views) {
+  std::set<int> tags, frames;
+  for (const std::size_t v : views) {
+    tags.insert(observations.views[v].tag);
+    frames.insert(observations.views[v].frame);
+  }
+  const double unknowns = 6.0 * static_cast<double>(tags.size() + frames.size()) - 6.0;
+  return 8.0 * static_cast<double>(views.size()) - unknowns;
+}
+
+/// Standard deviation of the whitened residuals, from their median: half of them may be wrong. Where there
+/// are few, the fit makes many of them vanish, and the median with them: the expected sigma counts as well.
 double robust_scale(const Observations& observations, const std::vector<std::size_t>& views,
                     const MapState& state) {
   std::vector<double> magnitudes;
@@ -47,7 +67,11 @@ double robust_scale(const Observations& observations, const std::vector<std::siz
   const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
   std::nth_element(magnitudes.begin(), middle, magnitudes.end());
   constexpr double kSigmaPerMedian = 1.4826;  // of a normal distribution
-  return std::max(kMinScale, kSigmaPerMedian * *middle);
+  const double by_median = kSigmaPerMedian * *middle;
+  constexpr double kExpectedResiduals = 15.0;  // two frames of two tags leave 14
+  const double freedom = std::max(0.0, degrees_of_freedom(observations, views));
+  return std::max(kMinScale, std::sqrt((kExpectedResiduals + freedom * by_median * by_median) /
+                                       (kExpectedResiduals + freedom)));
 }
 
 std::vector<std::size_t> inliers(const Observations& observations, const std::vector<std::size_t>& views,
@@ -80,9 +104,16 @@ std::vector<int> free_tags(const Part& part, int held_tag) {
 
 void adjust_robustly(const Observations& observations, const Part& part, int held_tag,
                      const CalibrationOptions& options, MapState& state) {
-  adjust(observations, part.views, free_tags(part, held_tag), {kCoarseLoss, options.max_iterations}, state);
-  const double fine = kFineLossPerSigma * robust_scale(observations, part.views, state);
-  adjust(observations, part.views, free_tags(part, held_tag), {fine, options.max_iterations}, state);
+  // Steps that run out here are no failure yet: the clean adjustment must converge.
+  const auto adjust_with_loss = [&](double loss_scale) {
+    const AdjustmentSummary summary = adjust(observations, part.views, free_tags(part, held_tag),
+                                             {loss_scale, options.max_iterations}, state);
+    if (!summary.is_usable)
+      throw no_result("calibrate", fmt::format("the robust adjustment of {} tags failed ({}); {}",
+                                               part.tags.size(), summary.message, kWhatToCheck));
+  };
+  adjust_with_loss(kCoarseLoss);
+  adjust_with_loss(kFineLossPerSigma * robust_scale(observations, part.views, state));
 }
 
 /// Least squares over the inliers, which are chosen anew until they stay the same.
@@ -93,10 +124,10 @@ Part adjust_cleanly(const Observations& observations, const Part& part, int held
     Part next =
         connected_to(observations, inliers(observations, part.views, state), held_tag, options.min_views);
     if (next.tags.size() < 2)
-      throw no_result("calibrate",
-                      fmt::format("the observations around {} contradict each other: check the tag sizes "
-                                  "and the camera file, and that no tag was moved while filming",
-                                  to_string(observations.tags[static_cast<std::size_t>(held_tag)])));
+      throw no_result(
+          "calibrate",
+          fmt::format("the observations around {} contradict each other: {}",
+                      to_string(observations.tags[static_cast<std::size_t>(held_tag)]), kWhatToCheck));
     if (next.views == kept.views) return kept;
     kept = std::move(next);
     const AdjustmentSummary summary =
@@ -133,17 +164,8 @@ void measure_residuals(const Observations& observations, PartSolution& solution,
   solution.total_rms_px = std::sqrt(total / (8.0 * static_cast<double>(solution.part.views.size())));
 }
 
-std::size_t count_frames(const Observations& observations, const Part& part) {
-  std::size_t frames = 0;
-  int last = -1;
-  for (const std::size_t v : part.views) {
-    if (observations.views[v].frame != last) ++frames;
-    last = observations.views[v].frame;
-  }
-  return frames;
-}
-
-/// Scales the covariances by the noise that the residuals show, and by how much neighbouring frames repeat
+/// Scales the covariances by the noise that the residuals show (a scaled inverse chi-squared prior at the
+/// expected sigma), and by how much neighbouring frames repeat
 /// it.
 void measure_covariances(const Observations& observations, PartSolution& solution) {
   double whitened_sum = 0.0;
@@ -153,11 +175,12 @@ void measure_covariances(const Observations& observations, PartSolution& solutio
     throw no_result("calibrate",
                     "the views leave the pose of a tag undetermined; film each tag from more sides, together "
                     "with others");
-  const double unknowns = 6.0 * static_cast<double>(solution.part.tags.size() - 1) +
-                          6.0 * static_cast<double>(count_frames(observations, solution.part));
-  const double freedom = 8.0 * static_cast<double>(solution.part.views.size()) - unknowns;
+  const double freedom = degrees_of_freedom(observations, solution.part.views);
   const double repetition = views_per_independent_view(observations, solution.part, solution.state);
-  const double scale = whitened_sum / freedom * repetition;
+  // In units of the expected variance: 1 when the residuals are as large as corner_sigma_px says.
+  const double variance =
+      std::max(kMinScale * kMinScale, (kPriorStrength + whitened_sum) / (kPriorStrength + freedom));
+  const double scale = variance * repetition;
   for (const Matrix6d& covariance : *covariances) solution.covariances.push_back(scale * covariance);
 }
 
@@ -186,10 +209,11 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   std::set_difference(part.tags.begin(), part.tags.end(), solution.part.tags.begin(),
                       solution.part.tags.end(), std::back_inserter(solution.lost_tags));
   if (!(solution.total_rms_px < kNonsense_px))
-    throw no_result("calibrate",
-                    fmt::format("the adjusted map leaves errors of {:.1f} px: check the camera file, the tag "
-                                "sizes and the corner order",
-                                solution.total_rms_px));
+    throw no_result(
+        "calibrate",
+        fmt::format("the adjusted map leaves errors of {:.1f} px: {}; corners from elsewhere must "
+                    "come in the order bottom-left, bottom-right, top-right, top-left",
+                    solution.total_rms_px, kWhatToCheck));
   return solution;
 }
 

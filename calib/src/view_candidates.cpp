@@ -9,6 +9,7 @@ namespace {
 
 // The weight stays well above zero: what other views say must be able to overrule one view's residuals, which
 // carry biases (blur, lens model) that are larger than the corner noise.
+// Twice the expected corner sigma (0.15 px), for those biases' sake.
 constexpr double kErrorScale_px = 0.3;
 constexpr double kMinWeight = 0.05;
 

@@ -2,7 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
+#include <array>
+
 #include "apriltrack/base/error.h"
+#include "apriltrack/geometry/rotation.h"
 #include "support/pose_matchers.h"
 #include "synthetic_world.h"
 
@@ -209,6 +213,28 @@ TEST(CalibrateMap, RefusesAHeldTagThatWasNeverSeen) {
   EXPECT_THAT(message, HasSubstr("tag36h11/3"));  // what may be held
 }
 
+TEST(CalibrateMap, SaysThatAHeldTagWasLeftOutForItsCopies) {
+  const SyntheticWorld world = test::make_room(14, 60, test::perspective_camera());
+  std::vector<FrameDetections> frames = test::exact_detections(world);
+  int copies = 0;
+  for (FrameDetections& frame : frames) {
+    const auto nine = std::find_if(frame.detections.begin(), frame.detections.end(),
+                                   [](const Detection& d) { return d.tag.id == 9; });
+    if (nine == frame.detections.end()) continue;
+    Detection copy = *nine;
+    const double shift_px = nine->corners_px[0].x() < 500.0 ? 300.0 : -300.0;
+    for (auto& corner : copy.corners_px) corner.x() += shift_px;
+    frame.detections.push_back(copy);
+    ++copies;
+  }
+  ASSERT_GT(copies, 3);
+  const std::string message =
+      error_of(ErrorKind::kNoResult, [&] { calibrate(world, frames, {.held_tag = tag36h11(9)}); });
+  EXPECT_THAT(message, HasSubstr("tag36h11/9 "));
+  EXPECT_THAT(message, HasSubstr("two places"));
+  EXPECT_THAT(message, HasSubstr("tag36h11/11"));  // what may be held
+}
+
 TEST(CalibrateMap, RefusesAHeldTagThatStandsAlone) {
   SyntheticWorld world = test::make_room(14, 60, test::perspective_camera());
   std::vector<FrameDetections> frames = test::exact_detections(world);
@@ -322,6 +348,57 @@ TEST(CalibrateMap, JoinsTagsThatDifferentCamerasOfARigSee) {
   const CalibrationResult result = calibrate(world, frames);
   EXPECT_GE(result.map.tags.size(), 6u);
   expect_truth(world, result.map, result.held_tag, kExact_m, kExact_rad);
+}
+
+/// Two takes of a rig with one clock that starts anew; its second camera missed one frame of the first take.
+std::vector<FrameDetections> two_takes_with_equal_times(const SyntheticWorld& world) {
+  std::vector<FrameDetections> frames = test::exact_detections(world);
+  const auto half = static_cast<std::int64_t>(world.T_world_rig.size() / 2) * 50'000'000;
+  std::erase_if(frames, [&](const FrameDetections& frame) {
+    return frame.camera == "cam1" && frame.timestamp.ns == 5 * 50'000'000;
+  });
+  for (FrameDetections& frame : frames) {
+    if (frame.timestamp.ns >= half) frame.timestamp.ns -= half;
+  }
+  return frames;
+}
+
+TEST(CalibrateMap, RefusesToGuessWhichImagesOfARigBelongTogether) {
+  SyntheticWorld world = test::make_room(8, 40, test::perspective_camera("cam0"));
+  Camera second = test::equidistant_camera("cam1");
+  second.T_this_previous = Pose(rotation_exp({0.05, 0.4, 0.0}), Eigen::Vector3d(0.1, 0.0, 0.0));
+  const std::vector<FrameDetections> alone = two_takes_with_equal_times(world);
+  EXPECT_EQ(calibrate(world, alone).map.tags.size(), 8u) << "of one camera a second image is another moment";
+
+  world.rig.cameras.push_back(second);
+  const std::vector<FrameDetections> frames = two_takes_with_equal_times(world);
+  const std::string message = error_of(ErrorKind::kInvalidInput, [&] { calibrate(world, frames); });
+  EXPECT_THAT(message, HasSubstr("cam0"));
+  EXPECT_THAT(message, HasSubstr("two images"));
+}
+
+TEST(CalibrateMap, SuggestsTheFamilyAndTheSizesWhenNothingFits) {
+  // What codes read by chance do: two ids on squares that lie elsewhere every time.
+  SyntheticWorld world;
+  world.rig.cameras.push_back(test::perspective_camera());
+  RandomStream random(37);
+  std::vector<FrameDetections> frames;
+  for (std::int64_t k = 0; k < 20; ++k) {
+    frames.push_back({.timestamp = {k * 50'000'000}, .camera = "cam0", .detections = {}});
+    for (int id = 0; id < 2; ++id) {
+      const Eigen::Vector2d centre(random.uniform(200.0, 450.0) + 350.0 * id, random.uniform(200.0, 600.0));
+      const double half_px = random.uniform(20.0, 120.0);
+      const Eigen::Rotation2Dd turn(random.uniform(0.0, 6.28));
+      Detection detection{.tag = tag36h11(id), .corners_px = {}, .hamming = {}, .decision_margin = {}};
+      const std::array<Eigen::Vector2d, 4> square = {Eigen::Vector2d(-1, 1), {1, 1}, {1, -1}, {-1, -1}};
+      for (std::size_t c = 0; c < 4; ++c) detection.corners_px[c] = centre + half_px * (turn * square[c]);
+      frames.back().detections.push_back(detection);
+    }
+  }
+  const std::string message =
+      error_of(ErrorKind::kNoResult, [&] { calibrate_map(frames, world.rig, TagSizes(0.16), {}); });
+  EXPECT_THAT(message, HasSubstr("tag family"));
+  EXPECT_THAT(message, HasSubstr("sizes"));
 }
 
 TEST(CalibrateMap, NamesATagOfWrongSize) {

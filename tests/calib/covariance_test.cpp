@@ -2,11 +2,16 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <limits>
 #include <map>
 #include <numeric>
 
+#include "apriltrack/base/error.h"
+#include "apriltrack/base/parallel.h"
 #include "apriltrack/geometry/rotation.h"
 #include "bundle_adjustment.h"
+#include "part_solver.h"
 #include "support/numeric_jacobian.h"
 #include "synthetic_world.h"
 #include "tag_covariance.h"
@@ -209,6 +214,71 @@ TEST(CalibrateMap, CovarianceKnowsThatNeighbouringFramesRepeatTheirErrors) {
       20);
   EXPECT_GT(ratio, 0.6);  // views taken for independent: about 5
   EXPECT_LT(ratio, 1.6);
+}
+
+/// Two tags at right angles to each other, a metre and a half away, strongly tilted: no ambiguity.
+SyntheticWorld few_views_of_two_tags(int num_frames) {
+  SyntheticWorld world;
+  world.rig.cameras.push_back(test::perspective_camera());
+  for (int i = 0; i < 2; ++i) {
+    MapTag tag;
+    tag.key.id = i;
+    tag.size_m = 0.3;
+    const double side = i == 0 ? -1.0 : 1.0;
+    tag.T_map_tag = test::looking_along({0.35 * side, 0.0, 0.0}, {side, 1.0, 0.2 * side});
+    world.map.tags.push_back(tag);
+  }
+  for (int k = 0; k < num_frames; ++k)
+    world.T_world_rig.push_back(
+        test::looking_along({0.2 * (k - 1), -1.5, 0.3 - 0.3 * k}, {-0.1 * (k - 1), 1.0, 0.2 * k - 0.2}));
+  return world;
+}
+
+TEST(CalibrateMap, CovarianceDoesNotOverclaimFromFewViews) {
+  // Two frames leave 14 residuals more than unknowns: their sum alone is often half of what it should be.
+  for (const int num_frames : {2, 3}) {
+    const double ratio = mean_normalised_error(
+        few_views_of_two_tags(num_frames), {},
+        [](auto& frames, RandomStream& random) { test::add_edge_noise(frames, 0.15, -0.45, random); }, 300);
+    EXPECT_GT(ratio, 0.7) << num_frames << " frames";
+    EXPECT_LT(ratio, 1.5) << num_frames << " frames";
+  }
+}
+
+TEST(CalibrateMap, ExactCornersLeaveACovariance) {
+  // No camera gives corners without an error: a zero would say that the tag was held.
+  for (const int num_frames : {2, 60}) {
+    const SyntheticWorld world =
+        num_frames == 2 ? few_views_of_two_tags(2) : test::make_room(14, 60, test::perspective_camera());
+    const CalibrationResult result =
+        calibrate_map(test::exact_detections(world), world.rig, world.sizes(), {});
+    int checked = 0;
+    for (const MapTag& tag : result.map.tags) {
+      if (tag.key == result.held_tag) continue;
+      const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(*tag.covariance);
+      EXPECT_GT(solver.eigenvalues().minCoeff(), 1e-6 * 1e-6) << to_string(tag.key);
+      ++checked;
+    }
+    EXPECT_EQ(checked + 1, static_cast<int>(world.map.tags.size()));
+  }
+}
+
+TEST(SolvePart, SaysThatTheFirstAdjustmentFailed) {
+  const SyntheticWorld world = test::make_room(7, 16, test::equidistant_camera());
+  Observations observations = observations_of(world, test::exact_detections(world));
+  const Connectivity connectivity = find_parts(observations, all_views(observations), 2);
+  ASSERT_EQ(connectivity.parts.size(), 1u);
+  const ParallelFor parallel = parallel_for(1);
+  const auto candidates = solve_views(observations, all_views(observations), parallel);
+  // A residual that is no number stops the solver before its first step.
+  observations.views[3].whitening.setConstant(std::numeric_limits<double>::quiet_NaN());
+  try {
+    solve_part(observations, connectivity.parts[0], 0, candidates, {}, parallel, silent_log());
+    FAIL() << "an adjustment that failed must not go on";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kNoResult);
+    EXPECT_NE(std::string(error.what()).find("robust adjustment"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace

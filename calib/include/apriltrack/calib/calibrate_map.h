@@ -16,8 +16,8 @@ namespace apriltrack {
 struct CalibrationOptions {
   /// The tag that is held at the map's origin; by default the first (smallest key) tag of the largest part.
   std::optional<TagKey> held_tag = std::nullopt;
-  /// Expected error normal to a tag's edge at one of its ends; scales the covariance only until residuals say
-  /// more.
+  /// Expected error normal to a tag's edge at one of its ends. For the covariance it counts as three
+  /// residuals beside those of the fit: many views speak for themselves, few claim no more than this.
   double corner_sigma_px = 0.15;
   /// Correlation of those errors between the two ends of an edge: -0.5 for corners that are intersections of
   /// lines fitted to the edges. In (-1, 1).
@@ -48,16 +48,16 @@ struct CalibrationResult {
 /// Builds a tag map by bundle adjustment: connectivity first, planar solutions resolved, spanning-tree start,
 /// robust adjustment with one tag held (docs/algorithms/calibration.md).
 ///
-/// frames: in any order; those of several cameras with equal time share the rig's pose. A second frame of one
-/// camera with the same time counts as another moment.  rig: needs extrinsics only when several of its
-/// cameras were used.
+/// frames: in any order; those of several cameras with equal time share the rig's pose. Of one camera
+/// alone, a second frame with the same time counts as another moment; of several it is refused.  rig: needs
+/// extrinsics only when several of its cameras were used.
 ///
 /// The tags' covariances rest on the residuals that are left (their size, and how much neighbouring frames
 /// repeat them). A bias that stays the same all through a recording cannot be seen in them.
 ///
 /// Throws Error(kNoResult) when no two tags connect, ids are not unique, or the adjustment does not converge,
-/// and says what to do; Error(kInvalidInput) when a size is missing, a camera is unknown or the held tag was
-/// never seen.
+/// and says what to do; Error(kInvalidInput) when a size is missing, a camera is unknown, one of several
+/// cameras has two frames of one time, or the held tag was never seen.
 CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const CameraRig& rig,
                                 const TagSizes& sizes, const CalibrationOptions& options,
                                 const LogSink& log = silent_log());
