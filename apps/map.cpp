@@ -30,7 +30,7 @@ std::pair<CLI::App*, std::shared_ptr<MapOptions>> add_map_verb(CLI::App& map_com
 
 void add_map_command(CLI::App& app) {
   CLI::App& command = add_command(app, "map",
-                                  {"Shows, compares and joins tag maps.",
+                                  {"Shows, compares, joins and prints tag maps.",
                                    "apriltrack map show map.yaml\n"
                                    "apriltrack map diff true.yaml estimate.yaml",
                                    ""});
@@ -39,6 +39,7 @@ void add_map_command(CLI::App& app) {
   add_map_diff(command);
   add_map_align(command);
   add_map_merge(command);
+  add_map_print(command);
 }
 
 }  // namespace apriltrack::app

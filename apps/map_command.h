@@ -36,6 +36,7 @@ void add_map_show(CLI::App& map_command);
 void add_map_diff(CLI::App& map_command);
 void add_map_align(CLI::App& map_command);
 void add_map_merge(CLI::App& map_command);
+void add_map_print(CLI::App& map_command);
 
 nlohmann::json ids_of(const std::vector<TagKey>& keys);
 std::string names_of(const std::vector<TagKey>& keys);  ///< "none" where there are none.
