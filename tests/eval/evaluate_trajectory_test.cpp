@@ -62,8 +62,8 @@ std::string no_result_message(const Trajectory& truth, const Trajectory& estimat
 TEST(EvaluateTrajectory, TimesAtBothEndsOfTheClockDoNotMeet) {
   const std::int64_t first = std::numeric_limits<std::int64_t>::min();
   const std::int64_t last = std::numeric_limits<std::int64_t>::max();
-  const Trajectory early{{{first}, Pose()}, {{first + 1'000'000'000}, Pose()}};
-  const Trajectory late{{{last - 1'000'000'000}, Pose()}, {{last}, Pose()}};
+  const Trajectory early{{{first}, Pose()}};
+  const Trajectory late{{{last}, Pose()}};
   EXPECT_THAT(no_result_message(early, late), HasSubstr("no frame is in both"));
   EXPECT_THAT(no_result_message(late, early), HasSubstr("no frame is in both"));
 }
