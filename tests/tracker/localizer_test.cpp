@@ -7,6 +7,8 @@
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
+#include "pose_adjustment.h"
+#include "pose_candidate.h"
 #include "support/pose_matchers.h"
 #include "synthetic_world.h"
 
@@ -190,6 +192,45 @@ TEST(Localizer, RecentPosesSettleTheAmbiguityOfALoneTag) {
   EXPECT_GT(wrong_alone, kNumRuns / 10) << "the case must be hard, or it proves nothing";
   EXPECT_GT(with_second_pose, kNumRuns / 2);
   EXPECT_LE(wrong_with_history, kNumRuns / 50);
+}
+
+TEST(PoseCandidate, FitsToATagMoreOrLessAreOneExplanation) {
+  const Camera camera = radtan();
+  RandomStream random(307);
+  int same = 0;
+  for (int i = 0; i < 100; ++i) {
+    const TagMap map = test::room();
+    const auto observations = observe_mapped_tags(
+        map, camera.model, test::with_noise(test::seen(camera, map, Pose()), random, 0.5).detections);
+    std::vector<const TagObservation*> all;
+    for (const TagObservation& observation : observations) all.push_back(&observation);
+    const RobustKernel kernel{RobustKernel::Shape::kHuber, 1.5};
+    const PoseCandidate winner{.T_camera_map = adjust_pose(camera.model, all, kernel, Pose()),
+                               .inliers = all,
+                               .squared_error_px2 = 0.0};
+    const std::vector<const TagObservation*> fewer(all.begin() + 1, all.end());
+    same += is_same_explanation(camera.model, winner, 0.5, adjust_pose(camera.model, fewer, kernel, Pose()));
+    const Pose turned = winner.T_camera_map * Pose::exp((Vector6d() << 0, 0, 0, 0, 0.2, 0).finished());
+    EXPECT_FALSE(is_same_explanation(camera.model, winner, 0.5, turned));
+  }
+  EXPECT_GE(same, 95);
+}
+
+TEST(Localizer, GivesTheSameWhetherItWasPreparedOrNot) {
+  Camera camera = radtan();
+  camera.width = camera.height = 16;
+  const TagMap map = test::room();
+  const GrayImage image(16, 16);
+  const Frame frame{.image = image.view(), .timestamp = {1}, .exposure_s = {}};
+  Localizer prepared(camera, map);
+  prepared.prepare();
+  prepared.prepare();  // once is enough, twice does no harm
+  const TrackResult ready = prepared.localize(frame);
+  Localizer lazy(camera, map);
+  const TrackResult first = lazy.localize(frame);
+  EXPECT_EQ(ready.reason, "no tag seen");
+  EXPECT_EQ(first.reason, ready.reason);
+  EXPECT_EQ(first.status, ready.status);
 }
 
 TEST(Localizer, ForgetsPosesThatAreTooOld) {

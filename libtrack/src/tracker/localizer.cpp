@@ -82,8 +82,8 @@ class Localizer::Implementation {
     APRILTRACK_CHECK(
         !has_size || (frame.image.width() == camera_.width && frame.image.height() == camera_.height),
         "the image must have the camera's resolution");
+    prepare();  // the tables are no part of a frame's latency
     const auto start = std::chrono::steady_clock::now();
-    if (!detector_) detector_.emplace(detector_options_);
     const std::vector<Detection> detections = detector_->detect(frame.image);
     const auto exposure_s = frame.exposure_s ? frame.exposure_s : camera_.exposure_s;
     return localize(frame.timestamp, detections, exposure_s, start);
@@ -92,6 +92,10 @@ class Localizer::Implementation {
   TrackResult localize(const FrameDetections& frame, std::optional<double> exposure_s) {
     return localize(frame.timestamp, frame.detections, exposure_s ? exposure_s : camera_.exposure_s,
                     std::chrono::steady_clock::now());
+  }
+
+  void prepare() {
+    if (!detector_) detector_.emplace(detector_options_);
   }
 
   const DetectorOptions& detector_options() const { return detector_options_; }
@@ -145,6 +149,8 @@ class Localizer::Implementation {
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       const double odds = std::exp(cost[best] - cost[i]);
       if (i == best || odds < kMinOdds || (choice.second && odds <= choice.second->weight)) continue;
+      if (is_same_explanation(camera_.model, choice.candidate, choice.sigma_px, candidates[i].T_camera_map))
+        continue;
       choice.second = PoseMemory::Mode{candidates[i].T_camera_map, odds};
     }
     return choice;
@@ -216,7 +222,7 @@ class Localizer::Implementation {
   TagMap map_;
   LocalizerOptions options_;
   DetectorOptions detector_options_;
-  std::optional<Detector> detector_;  ///< Made for the first image: detections from a file need none.
+  std::optional<Detector> detector_;  ///< Made by prepare(): detections from a file need none.
   PoseMemory memory_;
 };
 
@@ -225,6 +231,10 @@ Localizer::Localizer(const Camera& camera, const TagMap& map, const LocalizerOpt
 Localizer::~Localizer() = default;
 Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
+
+void Localizer::prepare() {
+  implementation_->prepare();
+}
 
 TrackResult Localizer::localize(const Frame& frame) {
   return implementation_->localize(frame);

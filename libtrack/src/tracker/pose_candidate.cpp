@@ -13,6 +13,7 @@ constexpr double kSearchScale_px = 2.0;  // of the Cauchy kernel: a blurred corn
 constexpr std::size_t kMaxRefined = 6;   // two poses for each of three tags, or less
 constexpr double kSameStart_rad = 0.02;  // starts this near slide into one minimum
 constexpr double kSamePose_rad = 1e-3;   // converged minima
+constexpr double kSameSigmas = 3.0;      // Mahalanobis: settled on one tag more or less
 constexpr double kOutlierSigmas = 3.0;
 constexpr double kMinGate_px = 1.0;  // a bent print or a map of a millimetre's accuracy is no outlier
 constexpr int kMaxRefits = 4;
@@ -142,6 +143,13 @@ std::vector<PoseCandidate> find_pose_candidates(const CameraModel& model,
       candidates.push_back(std::move(candidate));
   }
   return candidates;
+}
+
+bool is_same_explanation(const CameraModel& model, const PoseCandidate& winner, double sigma_px,
+                         const Pose& T_camera_map) {
+  const Matrix6d information = corner_information(model, winner.inliers, winner.T_camera_map);
+  const Vector6d xi = (winner.T_camera_map.inverse() * T_camera_map).log();
+  return xi.dot(information * xi) < kSameSigmas * kSameSigmas * sigma_px * sigma_px;
 }
 
 double misfit(const CameraModel& model, const std::vector<TagObservation>& observations, double sigma_px,

@@ -32,6 +32,12 @@ std::vector<PoseCandidate> find_pose_candidates(const CameraModel& model,
                                                 const std::vector<Pose>& predictions,
                                                 const CandidateOptions& options);
 
+/// Whether two poses are one minimum, settled on other tags: their difference is below three sigma in every
+/// direction, all of it together, where `winner`'s inliers with corners of sigma_px determine the pose. The
+/// minima of a planar ambiguity are tens of sigma apart, or they could not be told apart from one.
+bool is_same_explanation(const CameraModel& model, const PoseCandidate& winner, double sigma_px,
+                         const Pose& T_camera_map);
+
 /// -log likelihood of ALL observations under the pose, corners of sigma_px; what no pose explains counts as
 /// much as a tag three sigma off, wherever it lies. Copies of one tag count once, by the best.
 double misfit(const CameraModel& model, const std::vector<TagObservation>& observations, double sigma_px,

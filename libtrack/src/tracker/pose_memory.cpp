@@ -8,10 +8,16 @@ namespace {
 
 constexpr double kMaxVelocityGap_s =
     0.12;  // two poses further apart tell little of the velocity between frames
-constexpr double kMaxAngularRate_rad_s = 15.0;             // faster is a change of mode, not a hand's motion
-constexpr double kPoseSigma_rad = 0.03;                    // a lone tag's orientation
-constexpr double kAngularRateSigma_rad_s = 4.0;            // of a hand-held camera, when no velocity is known
-constexpr double kAngularAccelerationSigma_rad_s2 = 60.0;  // of the same, shaken
+// A hand turns a camera by 10 rad/s at most; over 0.1 s faster turns are a change of mode: two planar poses
+// differ by about a radian.
+constexpr double kMaxAngularRate_rad_s = 15.0;
+// Scatter of a lone tag's orientation that is some 50 px wide: the noise over the perspective, 1 to 2
+// degrees.
+constexpr double kPoseSigma_rad = 0.03;
+// With no velocity known: half a quick turn of a hand-held camera, so that its whole is two sigma.
+constexpr double kAngularRateSigma_rad_s = 4.0;
+// The same camera shaken: 0.15 rad at 3 Hz has 0.15 (2 pi 3)^2 = 53 rad/s^2 at the turning points.
+constexpr double kAngularAccelerationSigma_rad_s2 = 60.0;
 constexpr double kFloor = 1e-3;
 
 }  // namespace

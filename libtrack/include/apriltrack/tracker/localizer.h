@@ -34,8 +34,9 @@ struct LocalizerOptions {
 /// (0.025 of the blur, taken from the last two poses and the exposure) and from corrected bits. The map is
 /// taken as exact.
 ///
-/// One image at a time; give each thread its own. No frame throws, whatever it shows: a pose is finite, or
-/// there is none and the result says why.
+/// One image at a time; give each thread its own. No frame throws, whatever it shows (once prepare() has been
+/// called: before, the first image may run out of memory for the tables): a pose is finite, or there is none
+/// and the result says why.
 class Localizer {
  public:
   /// Throws Error(kInvalidInput) when the map is empty or names an unknown family.
@@ -43,6 +44,10 @@ class Localizer {
   ~Localizer();
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
+
+  /// Builds the detector's tables now: up to seconds, and memory, for families with many codes. Without it the
+  /// first image does; its latency_s does not count them. Those who bring detections need none.
+  void prepare();
 
   /// Requires an image of the camera's resolution. Frames come in the order of time.
   TrackResult localize(const Frame& frame);
