@@ -29,10 +29,20 @@ double largest_corner_distance(const Detection& a, const Detection& b, std::size
   return largest;
 }
 
+double same_quad_limit(const Detection& a, const Detection& b) {
+  return kSameQuad * std::min(mean_edge(a), mean_edge(b));
+}
+
+/// A code that chance or wrong bits let be read turned has its corners in another order: no start for this
+/// one.
+bool is_same_way_up(const Detection& a, const Detection& b) {
+  return largest_corner_distance(a, b, 0) <= same_quad_limit(a, b);
+}
+
 }  // namespace
 
 bool is_same_quad(const Detection& a, const Detection& b) {
-  const double limit = kSameQuad * std::min(mean_edge(a), mean_edge(b));
+  const double limit = same_quad_limit(a, b);
   for (std::size_t turn = 0; turn < kNumCorners; ++turn)
     if (largest_corner_distance(a, b, turn) <= limit) return true;
   return false;
@@ -51,7 +61,8 @@ std::vector<Candidate> merge_same_quads(std::vector<Candidate> candidates) {
     });
     if (same == kept.end()) {
       kept.push_back(std::move(candidate));
-    } else if (candidate.detection.tag == same->detection.tag) {
+    } else if (candidate.detection.tag == same->detection.tag &&
+               is_same_way_up(candidate.detection, same->detection)) {
       same->others.push_back(std::move(candidate));
     }
   }

@@ -19,8 +19,8 @@ struct Candidate {
 bool is_same_quad(const Detection& a, const Detection& b);
 
 /// What stays of detections found in several images or by several families: of each square the one with fewer
-/// corrected bits, then with the higher margin, then the first in the list. It takes over the corners of the
-/// same tag found in linear light, if its own are not.
+/// corrected bits, then with the higher margin, then the first in the list. The same tag found elsewhere, the
+/// same way up, goes into its `others`.
 std::vector<Candidate> merge_same_quads(std::vector<Candidate> candidates);
 
 /// By family, id, then centre (x, y).

@@ -13,7 +13,7 @@ namespace apriltrack {
 struct DetectorOptions {
   std::vector<std::string> families = {"tag36h11"};
   /// Undone before corners are localised; finding uses the raw and the linear image, so that neither's tags are lost.
-  /// linear() gives what the AprilTag library gives.
+  /// linear(): one search, in the image as it is; with refine_edges off that is what the AprilTag library finds.
   ResponseCurve response = ResponseCurve::srgb();
   /// Corners from curves fitted to the tag's edges; a tag whose edges cannot be fitted (hidden, cut by the image) is
   /// not reported, for its corners would be pixels off. Off: the quad's corners as the library found them, with
