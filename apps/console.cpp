@@ -10,6 +10,8 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "apriltrack/base/error.h"
+
 namespace apriltrack::app {
 namespace {
 
@@ -75,6 +77,20 @@ void Console::finish(const nlohmann::json& summary, std::string_view text) const
     std::cout << text << '\n';
   }
   std::cout.flush();
+  const bool is_silenced = std::cout.rdbuf() == nullptr;
+  if (!std::cout && !is_silenced) throw io_error("standard output", "cannot be written");
+}
+
+AnswersAsTalk::AnswersAsTalk(const Console& console) : stdout_buffer_(std::cout.rdbuf()) {
+  if (console.is_quiet()) {
+    std::cout.rdbuf(nullptr);
+  } else if (console.is_json()) {
+    std::cout.rdbuf(std::cerr.rdbuf());
+  }
+}
+
+AnswersAsTalk::~AnswersAsTalk() {
+  std::cout.rdbuf(stdout_buffer_);
 }
 
 Progress::Progress(const Console& console, std::string label, std::optional<std::size_t> total)

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <streambuf>
 #include <string>
 #include <string_view>
 
@@ -22,19 +23,33 @@ class Console {
   void add_options(CLI::App& command);
 
   bool is_json() const { return json_; }
+  bool is_quiet() const { return quiet_; }
 
   void info(std::string_view text) const;     ///< Silent under --quiet.
   void warning(std::string_view text) const;  ///< Always heard.
   LogSink log() const;
 
   /// The end of a command: `summary` on stdout as JSON under --json, else `text` on stdout (even under
-  /// --quiet, which hushes talk and not answers).
+  /// --quiet, which hushes talk and not answers). Throws Error(kIo) when stdout cannot be written.
   void finish(const nlohmann::json& summary, std::string_view text) const;
 
  private:
   friend class Progress;
   bool json_ = false;
   bool quiet_ = false;
+};
+
+/// While it lives, what commands answer on stdout is talk of a larger one whose own answer comes last: it
+/// goes to stderr under --json, and nowhere under --quiet.
+class AnswersAsTalk {
+ public:
+  explicit AnswersAsTalk(const Console& console);
+  ~AnswersAsTalk();
+  AnswersAsTalk(const AnswersAsTalk&) = delete;
+  AnswersAsTalk& operator=(const AnswersAsTalk&) = delete;
+
+ private:
+  std::streambuf* const stdout_buffer_;
 };
 
 /// A bar with rate and time left on a terminal; a plain line every few seconds elsewhere; nothing under

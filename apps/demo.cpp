@@ -22,50 +22,62 @@ struct DemoOptions {
   int threads = 0;
 };
 
-/// Runs one command of the program, shown first as a user would type it.
-void step(const Console& console, const std::string& what, std::vector<std::string> words) {
-  console.info(fmt::format("\n== {}\n$ apriltrack {}", what, fmt::join(words, " ")));
-  run_command(std::move(words));
+struct Step {
+  std::string what;
+  std::vector<std::string> words;  ///< As a user would type them.
+};
+
+std::vector<Step> steps(const DemoOptions& options) {
+  const auto path = [&](const char* name) { return (fs::path(options.output) / name).string(); };
+  const std::string seed = std::to_string(options.seed);
+  const std::string threads = std::to_string(options.threads);
+  return {{"A gentle recording of a room of tags, to calibrate from",
+           {"simulate", "--scene", "room-gentle", "--frames", "150", "--speed", "2", "--exposure", "0.003",
+            "--output", path("gentle"), "--seed", seed, "--threads", threads, "--force"}},
+          {"The same room, filmed by a hand in a hurry",
+           {"simulate", "--scene", "room", "--frames", "240", "--output", path("blurred"), "--seed", seed,
+            "--threads", threads, "--force"}},
+          {"Where are the tags? A map from the gentle recording's images",
+           {"calibrate", path("gentle"), "--tag-size", "0.16", "--output", path("map.yaml"), "--threads",
+            threads}},
+          {"The map against the truth", {"map", "diff", path("gentle/map.yaml"), path("map.yaml")}},
+          {"The map into the truth's frame, to compare trajectories",
+           {"map", "align", path("gentle/map.yaml"), path("map.yaml"), "--output", path("map_aligned.yaml")}},
+          {"Where is the camera? By detection alone, in the blurred recording",
+           {"track", path("blurred"), "--map", path("map_aligned.yaml"), "--method", "pnp", "--output",
+            path("pnp.tum"), "--frames-csv", path("pnp_frames.csv"), "--threads", threads}},
+          {"The trajectory against the truth",
+           {"evaluate", "--truth", path("blurred"), "--estimate", path("pnp.tum"), "--frames-csv",
+            path("pnp_frames.csv")}}};
+}
+
+void run_step(Step step, const Console& console) {
+  console.info(fmt::format("\n== {}\n$ apriltrack {}", step.what, fmt::join(step.words, " ")));
+  if (console.is_quiet()) step.words.emplace_back("--quiet");
+  {
+    const AnswersAsTalk talk(console);
+    run_command(std::move(step.words));
+  }
+  if (is_interrupted()) throw no_result("demo", "interrupted; what was made until then is kept");
 }
 
 void run_demo(const DemoOptions& options, const Console& console) {
   const fs::path folder = options.output;
-  const auto path = [&](const char* name) { return (folder / name).string(); };
-  const std::string seed = std::to_string(options.seed);
-  const std::string threads = std::to_string(options.threads);
   std::error_code failure;
   fs::create_directories(folder, failure);
   if (failure) throw io_error(folder.string(), fmt::format("cannot be made: {}", failure.message()));
+  for (const Step& step : steps(options)) run_step(step, console);
 
-  step(console, "A gentle recording of a room of tags, to calibrate from",
-       {"simulate", "--scene", "room-gentle", "--frames", "150", "--speed", "2", "--exposure", "0.003",
-        "--output", path("gentle"), "--seed", seed, "--threads", threads, "--force"});
-  step(console, "The same room, filmed by a hand in a hurry",
-       {"simulate", "--scene", "room", "--frames", "240", "--output", path("blurred"), "--seed", seed,
-        "--threads", threads, "--force"});
-  step(console, "Where are the tags? A map from the gentle recording's images",
-       {"calibrate", path("gentle"), "--tag-size", "0.16", "--output", path("map.yaml"), "--threads",
-        threads});
-  step(console, "The map against the truth", {"map", "diff", path("gentle/map.yaml"), path("map.yaml")});
-  step(console, "The map into the truth's frame, to compare trajectories",
-       {"map", "align", path("gentle/map.yaml"), path("map.yaml"), "--output", path("map_aligned.yaml")});
-  step(console, "Where is the camera? By detection alone, in the blurred recording",
-       {"track", path("blurred"), "--map", path("map_aligned.yaml"), "--method", "pnp", "--output",
-        path("pnp.tum"), "--frames-csv", path("pnp_frames.csv")});
-  step(console, "The trajectory against the truth",
-       {"evaluate", "--truth", path("blurred"), "--estimate", path("pnp.tum"), "--frames-csv",
-        path("pnp_frames.csv")});
-
-  const BlindnessFigures figures =
-      draw_blindness_picture(folder / "blurred", folder / "pnp.tum", folder / "blindness.png");
-  console.finish({{"picture", path("blindness.png")},
+  const fs::path picture = folder / "blindness.png";
+  const BlindnessFigures figures = draw_blindness_picture(folder / "blurred", folder / "pnp.tum", picture);
+  console.finish({{"picture", picture.string()},
                   {"frames", figures.frames},
                   {"blind", figures.blind},
                   {"within_5px", figures.right}},
                  fmt::format("\nDetection alone gives a pose within 5 px in {} of {} frames, and is blind in "
                              "{} in which tags are in view.\n"
                              "Look at {}",
-                             figures.right, figures.frames, figures.blind, path("blindness.png")));
+                             figures.right, figures.frames, figures.blind, picture.string()));
 }
 
 }  // namespace

@@ -145,6 +145,8 @@ TEST(Pipeline, AFullDiskIsStatus3AndKeepsTheOldFile) {
                   {"calibrate", room, "--tag-size", "0.16", "--output", folder / "map.yaml", "--quiet"}, 500),
               EndsWith(3, (folder / "map").string()));
   EXPECT_FALSE(fs::exists(folder / "map.yaml"));
+  EXPECT_THAT(run_program_on_full_disk({"map", "show", room + "/map.yaml", "--json"}, 1000),
+              EndsWith(3, "standard output"));
   EXPECT_THAT(
       run_program_on_full_disk(
           {"simulate", "--scene", "single", "--frames", "2", "--output", folder / "s", "--quiet"}, 2000),
