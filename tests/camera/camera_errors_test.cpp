@@ -6,6 +6,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/camera.h"
+#include "support/error_message.h"
 #include "support/shared_data.h"
 
 namespace apriltrack {
@@ -13,6 +14,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using test::message_of;
 
 struct Wrong {
   std::string name;
@@ -287,18 +289,6 @@ TEST(CameraErrors, MissingFileIsAnIoError) {
     EXPECT_EQ(error.kind(), ErrorKind::kIo);
     EXPECT_THAT(error.what(), HasSubstr("nowhere.yaml"));
   }
-}
-
-/// The message of the Error that function throws.
-template <class Function>
-std::string message_of(const Function& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInvalidInput);
-    return error.what();
-  }
-  return "nothing was thrown";
 }
 
 TEST(CameraErrors, UnknownCameraNamesThoseThereAre) {

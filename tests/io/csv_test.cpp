@@ -6,6 +6,7 @@
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
+#include "support/error_message.h"
 #include "support/shared_data.h"
 
 namespace apriltrack {
@@ -13,22 +14,12 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using test::message_of;
 
 CsvTable read(const std::string& text, const std::vector<std::string>& required = {}) {
   const auto path = test::temporary_folder() / "t.csv";
   std::ofstream(path, std::ios::binary) << text;
   return CsvTable::read_file(path, required);
-}
-
-template <class Function>
-std::string message_of(const Function& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInvalidInput);
-    return error.what();
-  }
-  return "nothing was thrown";
 }
 
 TEST(CsvTable, FindsColumnsByName) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "apriltrack/base/error.h"
+#include "support/error_message.h"
 #include "support/shared_data.h"
 
 namespace apriltrack {
@@ -12,20 +13,10 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using test::message_of;
 
 YamlNode read(const std::string& text) {
   return YamlNode::read_text(text, "lab.yaml");
-}
-
-template <class Function>
-std::string message_of(const Function& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInvalidInput);
-    return error.what();
-  }
-  return "nothing was thrown";
 }
 
 constexpr const char* kMap = R"(# a comment

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "apriltrack/camera/camera.h"
 #include "program.h"
 #include "support/shared_data.h"
 
@@ -16,13 +16,6 @@ namespace apriltrack::test {
 namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-json run_for_json(std::vector<std::string> words) {
-  words.insert(words.end(), {"--json", "--quiet"});
-  const ProgramRun run = run_program(words);
-  EXPECT_EQ(run.status, 0) << run.err;
-  return run.status == 0 ? json::parse(run.out) : json();
-}
 
 void simulate(const std::string& scene, int frames, const std::string& folder) {
   run_for_json(
@@ -72,6 +65,31 @@ TEST(Pipeline, AnEstimateThatIsOffByOneCentimetreSaysSo) {
   const json score =
       run_for_json({"evaluate", "--truth", folder, "--estimate", folder / "shifted.tum", "--mode", "joint"});
   EXPECT_NEAR(score["position_rmse_mm"].get<double>(), 10.0, 1e-3);
+}
+
+TEST(Pipeline, ACameraWithoutResolutionTakesThatOfTheImages) {
+  const fs::path folder = temporary_folder();
+  const std::string room = folder / "room";
+  simulate("room-gentle", 12, room);
+  const CameraRig rig = read_cameras(room + "/camera.yaml");
+  const Pinhole& pinhole = rig.cameras.front().model.pinhole();
+  const auto& lens = std::get<RadtanDistortion>(rig.cameras.front().model.distortion());
+  const json camera = {
+      {"camera_matrix", {{pinhole.fx, 0, pinhole.cx}, {0, pinhole.fy, pinhole.cy}, {0, 0, 1}}},
+      {"distortion_coefficients", lens.coefficients()}};
+  const std::string file = folder / "wpilib.json";
+  write_text(file, camera.dump());
+
+  const std::string tum = folder / "camera.tum";
+  const std::string map = folder / "map.yaml";
+  run_for_json({"detect", room, "--camera", file, "--output", folder / "corners.csv"});
+  run_for_json({"calibrate", room, "--camera", file, "--tag-size", "0.16", "--output", map});
+  run_for_json({"track", room, "--camera", file, "--output", tum});
+  const json score = run_for_json({"evaluate", "--truth", room, "--camera", file, "--estimate", tum});
+  const json full = run_for_json({"evaluate", "--truth", room, "--estimate", tum});
+  EXPECT_EQ(score["median_px"], full["median_px"]);  // the size decides which tags are in view
+  EXPECT_EQ(score["frames"], full["frames"]);
+  EXPECT_GT(score["median_px"].get<double>(), 0.0);
 }
 
 TEST(Pipeline, ARoomIsCalibratedAndACameraLocalisedInIt) {

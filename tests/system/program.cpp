@@ -77,4 +77,11 @@ ProgramRun run_program_on_full_disk(const std::vector<std::string>& words, std::
   return run(words, max_bytes);
 }
 
+nlohmann::json run_for_json(std::vector<std::string> words) {
+  words.insert(words.end(), {"--json", "--quiet"});
+  const ProgramRun run = run_program(words);
+  EXPECT_EQ(run.status, 0) << run.err;
+  return run.status == 0 ? nlohmann::json::parse(run.out) : nlohmann::json();
+}
+
 }  // namespace apriltrack::test

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -24,6 +25,10 @@ ProgramRun run_program(const std::vector<std::string>& words);
 
 /// The same with no file allowed to grow beyond `max_bytes`: to the program, a disk that is full.
 ProgramRun run_program_on_full_disk(const std::vector<std::string>& words, std::size_t max_bytes);
+
+/// What a run that must succeed answers under --json; a null value, and a failed expectation, where it does
+/// not.
+nlohmann::json run_for_json(std::vector<std::string> words);
 
 /// Status and a message, told together: a status without its cause is no use to anyone.
 MATCHER_P2(EndsWith, status, message_part, "") {

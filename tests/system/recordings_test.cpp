@@ -2,21 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "program.h"
 #include "support/shared_data.h"
 
 namespace apriltrack::test {
 namespace {
 using nlohmann::json;
-
-json run_for_json(std::vector<std::string> words) {
-  words.insert(words.end(), {"--json", "--quiet"});
-  const ProgramRun run = run_program(words);
-  EXPECT_EQ(run.status, 0) << run.err;
-  return run.status == 0 ? json::parse(run.out) : json();
-}
 
 TEST(Recordings, ARoomIsCalibratedToMillimetres) {
   APRILTRACK_SHARED_OR_SKIP(room, "data/room_gentle");
