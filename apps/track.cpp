@@ -84,17 +84,18 @@ std::vector<FrameDetections> load_detections(const std::string& path, const std:
 bool track_detections(const Arguments& arguments, const Camera& camera, Localizer& localizer,
                       TrackRecord& record) {
   const std::vector<FrameDetections> frames = load_detections(arguments.detections, camera.name);
-  Progress progress(arguments.console, "track", frames.size());
-  for (const FrameDetections& frame : frames) {
-    if (is_interrupted()) {
-      arguments.console.warning(kInterrupted);
-      return true;
+  {
+    Progress progress(arguments.console, "track", frames.size());
+    for (const FrameDetections& frame : frames) {
+      if (is_interrupted()) break;
+      const TrackResult result = localizer.localize(frame);
+      record.add(frame, result, result.latency_s);
+      progress.advance();
     }
-    const TrackResult result = localizer.localize(frame);
-    record.add(frame, result, result.latency_s);
-    progress.advance();
   }
-  return false;
+  const bool was_interrupted = record.rows().size() < frames.size();
+  if (was_interrupted) arguments.console.warning(kInterrupted);
+  return was_interrupted;
 }
 
 bool track_images(const Arguments& arguments, const Camera& camera, Localizer& localizer,
