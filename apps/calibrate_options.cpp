@@ -63,15 +63,17 @@ void check(const CalibrateOptions& a) {
                         "corners are detected; for tag36h11 the outer edge of the black border");
   if (a.tag_size_m && !(*a.tag_size_m > 0.0 && *a.tag_size_m <= 100.0))
     throw invalid_input("--tag-size", fmt::format("must be in (0, 100] metres (is {})", *a.tag_size_m));
-  if (a.num_threads < 0)
-    throw invalid_input("--threads", fmt::format("must be 0 or more (is {})", a.num_threads));
+  check_threads(a.num_threads);
   if (a.source.step < 1) throw invalid_input("--step", "must be 1 or more (is 0)");
   if (a.source.rate_hz && !(*a.source.rate_hz > 0.0 && *a.source.rate_hz <= 1e6))
     throw invalid_input("--rate",
                         fmt::format("must be in (0, 1e6] frames a second (is {})", *a.source.rate_hz));
   a.detector.check();
   a.calibration.check();
-  check_folder_of(a.output);
+  std::vector<std::string> read = a.inputs;
+  read.insert(read.end(), a.detections.begin(), a.detections.end());
+  read.insert(read.end(), {a.camera, a.tag_sizes, a.config});
+  check_output(a.output, "--output", read);
 }
 
 std::filesystem::path camera_file(const CalibrateOptions& a) {

@@ -120,7 +120,8 @@ void finish(const Arguments& arguments, const Record& record) {
 }
 
 void run(const Arguments& arguments) {
-  check_folder_of(arguments.output);
+  check_threads(arguments.num_threads);
+  check_output(arguments.output, "--output", {arguments.input, arguments.camera});
   const Record record = detect(arguments);
   check_result(arguments, record);
   write_detections_csv(arguments.output, record.frames);

@@ -34,10 +34,31 @@ Camera with_resolution_of_images(Camera camera, const std::string& input) {
   return camera;
 }
 
-void check_folder_of(const std::filesystem::path& output) {
-  const std::filesystem::path folder = output.parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder))
-    throw io_error(output.string(), "cannot be written: there is no such folder");
+void check_output(const std::string& output, std::string_view option,
+                  const std::vector<std::string>& inputs) {
+  namespace fs = std::filesystem;
+  if (output.empty()) throw invalid_input(option, "is empty: name the file to write");
+  const fs::path path = output;
+  const fs::path folder = path.parent_path();
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) throw io_error(output, "is a folder: name a file in it");
+  if (!folder.empty() && !fs::is_directory(folder, ignored))
+    throw io_error(output, "cannot be written: there is no such folder");
+  for (const std::string& input : inputs) {
+    if (input.empty()) continue;
+    for (const fs::path& file :
+         {fs::path(input), fs::path(input) / "camera.yaml", fs::path(input) / "map.yaml"}) {
+      if (fs::equivalent(path, file, ignored))
+        throw invalid_input(option, fmt::format("'{}' is an input of this run: name another file", output));
+    }
+  }
+}
+
+void check_threads(int num_threads) {
+  constexpr int kMaxThreads = 256;
+  if (num_threads < 0 || num_threads > kMaxThreads)
+    throw invalid_input(
+        "--threads", fmt::format("must be in [0, {}]; 0 = one per core (is {})", kMaxThreads, num_threads));
 }
 
 }  // namespace apriltrack::app

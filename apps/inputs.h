@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "apriltrack/camera/camera.h"
 #include "console.h"
@@ -23,7 +24,13 @@ Camera read_camera(const std::filesystem::path& path, const std::string& name, c
 /// input: as for open_source; a camera whose resolution is known is not compared with it.
 Camera with_resolution_of_images(Camera camera, const std::string& input);
 
-/// Said before the work and not after it: throws Error(kIo) when the folder of a file to write is missing.
-void check_folder_of(const std::filesystem::path& output);
+/// What can be wrong with a file to write, said before the work and not after it. option: "--output".
+/// inputs: files that this run reads; empty names are passed over, and folders hold their camera.yaml and
+/// map.yaml. Throws Error(kInvalidInput) when the name is empty or is that of an input, Error(kIo) when it is
+/// a folder's or its folder is missing.
+void check_output(const std::string& output, std::string_view option, const std::vector<std::string>& inputs);
+
+/// Throws Error(kInvalidInput) unless 0 (one per core) to 256.
+void check_threads(int num_threads);
 
 }  // namespace apriltrack::app

@@ -51,8 +51,14 @@ void check_arguments(const Arguments& arguments) {
                                     "multi-tag PnP)",
                                     arguments.method));
   }
-  check_folder_of(arguments.output);
-  check_folder_of(arguments.frames_csv);
+  const std::vector<std::string> read = {arguments.input, arguments.detections, arguments.camera,
+                                         arguments.map};
+  check_output(arguments.output, "--output", read);
+  if (arguments.frames_csv.empty()) return;
+  check_output(arguments.frames_csv, "--frames-csv", read);
+  if (std::filesystem::weakly_canonical(arguments.frames_csv) ==
+      std::filesystem::weakly_canonical(arguments.output))
+    throw invalid_input("--frames-csv", "is the file of --output: name another");
 }
 
 Camera load_camera(const Arguments& arguments) {

@@ -207,6 +207,23 @@ TEST_F(ExitStatus, BadDetectionsNameLineAndColumn) {
   EXPECT_THAT(run_program(words), EndsWith(2, "c3y"));
 }
 
+TEST_F(ExitStatus, AnInputIsNeverOverwritten) {
+  for (const std::string name : {"camera.yaml", "map.yaml"}) {
+    const std::string before = read_text(path(name));
+    EXPECT_THAT(track({"--output", path(name)}), EndsWith(2, "is an input"));
+    EXPECT_EQ(read_text(path(name)), before);
+  }
+  EXPECT_THAT(calibrate({"--output", path("camera.yaml")}), EndsWith(2, "is an input"));
+  EXPECT_THAT(track({"--frames-csv", path("out.tum")}), EndsWith(2, "--frames-csv"));
+}
+
+TEST_F(ExitStatus, AnEmptyOutputIs2AndThreadsHaveALimit) {
+  EXPECT_THAT(track({"--output", ""}), EndsWith(2, "--output"));
+  EXPECT_THAT(calibrate({"--threads", "20000"}), EndsWith(2, "20000"));
+  EXPECT_THAT(run_program({"detect", path("frames"), "--output", path("d.csv"), "--threads", "20000"}),
+              EndsWith(2, "20000"));
+}
+
 // ---- 3: an input or output cannot be opened, read or written
 
 TEST_F(ExitStatus, MissingInputsAre3) {
@@ -245,6 +262,11 @@ TEST_F(ExitStatus, AnUnwritableOutputIs3BeforeTheWorkIsDone) {
   EXPECT_THAT(track({"--output", path("missing/out.tum")}), EndsWith(3, "missing/out.tum"));
   EXPECT_THAT(calibrate({"--output", path("missing/map.yaml")}), EndsWith(3, "missing/map.yaml"));
   EXPECT_THAT(detect({"--output", path("missing/corners.csv")}), EndsWith(3, "missing/corners.csv"));
+}
+
+TEST_F(ExitStatus, AFolderAsOutputIs3) {
+  EXPECT_THAT(track({"--output", path("frames")}), EndsWith(3, "is a folder"));
+  EXPECT_THAT(calibrate({"--output", path("frames")}), EndsWith(3, "is a folder"));
 }
 
 TEST_F(ExitStatus, AFailedRunKeepsTheOldOutput) {
