@@ -156,6 +156,25 @@ TEST(Localizer, TwoTagsThatDisagreeGiveNoPoseUnlessTheMotionSpeaksForOne) {
   EXPECT_EQ(result.tags_tracked, 1);
 }
 
+/// The map of another place: a pose from two tags that happen to fit must not live on among tags that refute
+/// it.
+TEST(Localizer, AMinorityOfTagsGivesNoPoseEvenWithTheMotion) {
+  const Camera camera = radtan();
+  TagMap elsewhere = test::room();
+  for (std::size_t i = 2; i < elsewhere.tags.size(); ++i) {
+    const double turn = 0.4 + 0.1 * static_cast<double>(i);
+    elsewhere.tags[i].T_map_tag =
+        elsewhere.tags[i].T_map_tag * Pose::exp((Vector6d() << turn, -turn, 0, 0, turn, 0).finished());
+  }
+  const TagMap first = test::only(test::room(), {elsewhere.tags[0].key.id, elsewhere.tags[1].key.id});
+  Localizer localizer(camera, elsewhere);
+  ASSERT_TRUE(localizer.localize(test::seen(camera, first, Pose(), {1'000'000'000})).pose);
+  const TrackResult result = localizer.localize(test::seen(camera, test::room(), Pose(), {1'033'000'000}));
+  ASSERT_GE(result.tags_detected, 5);
+  EXPECT_EQ(result.status, TrackStatus::kLost);
+  EXPECT_FALSE(result.pose);
+}
+
 /// A lone tag 2.5 m away, tilted by 25 degrees, corners 0.4 px off: the perspective that tells its two poses
 /// apart is smaller than the noise.
 TEST(Localizer, RecentPosesSettleTheAmbiguityOfALoneTag) {

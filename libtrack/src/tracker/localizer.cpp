@@ -156,8 +156,9 @@ class Localizer::Implementation {
     return choice;
   }
 
-  /// Most of the tags seen agree, or the motion so far speaks for the few that do. A tag that the frame shows
-  /// twice speaks for nothing by itself: any of its copies may be the false one.
+  /// Most of the tags seen agree, or half of them do and the motion so far speaks for these: it settles a
+  /// tie, but a minority would carry a pose that began in the map of another place from frame to frame. A tag
+  /// that the frame shows twice speaks for nothing by itself: any of its copies may be the false one.
   bool is_supported(Timestamp time, const std::vector<TagObservation>& observations,
                     const PoseCandidate& candidate) const {
     std::set<const MapTag*> seen;
@@ -167,7 +168,8 @@ class Localizer::Implementation {
     const bool has_several = candidate.inliers.size() > 1;
     const bool is_majority = 2 * candidate.inliers.size() > seen.size();
     if (is_majority && (has_unrepeated || has_several)) return true;
-    return !memory_.predict(time).empty() &&
+    const bool is_half = 2 * candidate.inliers.size() >= seen.size();
+    return is_half && !memory_.predict(time).empty() &&
            memory_.log_prior(time, swapped(candidate.T_camera_map)) > kMinLogPriorOfSupport;
   }
 
