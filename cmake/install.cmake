@@ -8,7 +8,7 @@
 include(CMakePackageConfigHelpers)
 
 set(components track calib source eval sim report)
-set(modules_of_track base geometry image io camera tags detect tracker)
+set(modules_of_track base geometry image io camera tags detect motion filter photometric tracker)
 foreach(component calib source eval sim report)
   set(modules_of_${component} ${component})
 endforeach()

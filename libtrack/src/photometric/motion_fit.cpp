@@ -1,0 +1,276 @@
+#include "apriltrack/photometric/motion_fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tag_photometry.h"
+#include "tag_pixels.h"
+#include "tag_prediction.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr int kMinPixels = 12;
+/// What a perfect model would still miss: print, glare, a lens that is sharper here than there.
+constexpr double kModelErrorOfContrast = 0.03;
+constexpr double kMinScale = 2e-3;
+/// Neighbouring pixels err together (demosaicing, compression, the model): so many count as one.
+constexpr double kCorrelatedPixels = 4.0;
+constexpr double kMaxSamples = 340.0;  ///< Of one tag: a patch of 32 x 32, three samples counted as one.
+constexpr double kModelErrorOfVariance = 0.03;
+
+/// A tag as it takes part in the fit on one level.
+struct ActiveTag {
+  int index = 0;
+  TagPixels pixels;
+  double scale = 0.0;
+  double path_px = 0.0;
+
+  /// How much of the information of independent pixels these carry.
+  double information_share() const {
+    return std::min(1.0, pixels.stride * pixels.stride / kCorrelatedPixels);
+  }
+};
+
+TagPrediction prediction_of(PhotometricWorld& world, int index, const MotionState& state,
+                            const PhotometricFrame& frame, int level) {
+  return {world, world.tags[static_cast<std::size_t>(index)], state, frame.exposure_s, level};
+}
+
+std::vector<ActiveTag> active_tags(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& state,
+                                   int level, int max_pixels) {
+  std::vector<ActiveTag> active;
+  for (int k = 0; k < static_cast<int>(world.tags.size()); ++k) {
+    const TagPrediction prediction = prediction_of(world, k, state, frame, level);
+    if (!prediction.is_visible()) continue;
+    TagPixels pixels = select_pixels(world, frame.light, prediction, world.tags[static_cast<std::size_t>(k)], level,
+                                     max_pixels);
+    if (static_cast<int>(pixels.pixels.size()) < kMinPixels) continue;
+    active.push_back({k, std::move(pixels), 0.0, prediction.path_px()});
+  }
+  return active;
+}
+
+double scale_of(const TagMisfit& misfit) {
+  return std::max({misfit.residual_scale, kModelErrorOfContrast * std::abs(misfit.colours.gain), kMinScale});
+}
+
+MotionState moved(const MotionState& state, const Vector12d& step) {
+  MotionState next = state;
+  next.pose = state.pose * Pose::exp(step.head<6>());
+  next.velocity += step.tail<6>();
+  return next;
+}
+
+/// Where `state` lies from `mean`: [right perturbation of the pose; change of velocity].
+Vector12d difference(const MotionState& mean, const MotionState& state) {
+  Vector12d d;
+  d << (mean.pose.inverse() * state.pose).log(), state.velocity - mean.velocity;
+  return d;
+}
+
+/// The matrix from a right perturbation of the pose to a left one of the camera's view of the map.
+Matrix6d view_by_pose(const MotionState& state, TrackMode mode) {
+  return mode == TrackMode::kEgo ? Matrix6d(-Matrix6d::Identity()) : state.pose.adjoint();
+}
+
+struct NormalEquations {
+  Matrix12d H = Matrix12d::Zero();
+  Vector12d g = Vector12d::Zero();
+};
+
+/// The fit of one frame: its data, and what the steps have in common.
+class Fit {
+ public:
+  Fit(PhotometricWorld& world, const PhotometricFrame& frame, const std::optional<MotionBelief>& prior,
+      const std::vector<CornerObservation>& corners)
+      : world_(world), frame_(frame), prior_(prior), corners_(corners) {
+    if (prior_) prior_information_ = prior_->covariance.ldlt().solve(Matrix12d::Identity());
+  }
+
+  MotionState refine_on_level(MotionState state, int level, int max_steps, int max_pixels) {
+    for (int round = 0; round < 2; ++round) {
+      std::vector<ActiveTag> active = active_tags(world_, frame_, state, level, max_pixels);
+      set_scales(active, state, level);
+      state = descend(active, state, level, max_steps / 2);
+    }
+    return state;
+  }
+
+  Matrix12d information(const MotionState& state, int level, int max_pixels) {
+    std::vector<ActiveTag> active = active_tags(world_, frame_, state, level, max_pixels);
+    set_scales(active, state, level);
+    return equations(active, state, level).H;
+  }
+
+ private:
+  void set_scales(std::vector<ActiveTag>& active, const MotionState& state, int level) {
+    for (ActiveTag& tag : active)
+      tag.scale = scale_of(measure_misfit(tag.pixels, prediction_of(world_, tag.index, state, frame_, level), 0.0));
+  }
+
+  MotionState descend(const std::vector<ActiveTag>& active, MotionState state, int level, int max_steps) {
+    double current = cost(active, state, level);
+    double damping = 1e-3;
+    for (int step = 0; step < max_steps; ++step) {
+      const NormalEquations normal = equations(active, state, level);
+      bool is_better = false;
+      Vector12d move = Vector12d::Zero();
+      for (int attempt = 0; attempt < 4 && !is_better; ++attempt) {
+        Matrix12d damped = normal.H;
+        damped.diagonal() *= 1.0 + damping;
+        damped.diagonal().array() += 1e-9;
+        move = -damped.ldlt().solve(normal.g);
+        if (!move.allFinite()) return state;
+        const MotionState next = moved(state, move);
+        const double next_cost = cost(active, next, level);
+        is_better = next_cost < current;
+        if (is_better) {
+          state = next;
+          current = next_cost;
+          damping = std::max(1e-6, 0.2 * damping);
+        } else {
+          damping = std::max(1e-3, 10.0 * damping);
+        }
+      }
+      if (!is_better || is_negligible(move)) break;
+    }
+    return state;
+  }
+
+  static bool is_negligible(const Vector12d& move) {
+    return move.segment<3>(0).norm() < 1e-5 && move.segment<3>(3).norm() < 1e-5;
+  }
+
+  double cost(const std::vector<ActiveTag>& active, const MotionState& state, int level) {
+    double sum = 0.0;
+    for (const ActiveTag& tag : active) {
+      const TagPrediction prediction = prediction_of(world_, tag.index, state, frame_, level);
+      // A tag must not turn its back to be rid of its pixels.
+      if (!prediction.is_visible()) return std::numeric_limits<double>::infinity();
+      const TagMisfit misfit = measure_misfit(tag.pixels, prediction, tag.scale);
+      if (misfit.colours.gain <= 0.0) sum += static_cast<double>(tag.pixels.pixels.size());
+      sum += tag.information_share() * misfit.cost;
+    }
+    if (prior_) {
+      const Vector12d d = difference(prior_->mean, state);
+      sum += 0.5 * d.dot(prior_information_ * d);
+    }
+    const Pose view = camera_from_map(state.pose, world_.mode);
+    for (const CornerObservation& corner : corners_) {
+      const auto pixel = world_.model.project(view * corner.point_map);
+      const double r2 = pixel ? (*pixel - corner.pixel).squaredNorm() / (corner.sigma_px * corner.sigma_px) : 1e6;
+      sum += 0.5 * corner_penalty(r2);
+    }
+    return sum;
+  }
+
+  static double corner_penalty(double r2) { return kCornerReach2 * r2 / (kCornerReach2 + r2); }
+  static double corner_weight(double r2) {
+    const double share = kCornerReach2 / (kCornerReach2 + r2);
+    return share * share;
+  }
+
+  NormalEquations equations(const std::vector<ActiveTag>& active, const MotionState& state, int level) {
+    NormalEquations left;
+    for (const ActiveTag& tag : active) {
+      const TagPrediction prediction = prediction_of(world_, tag.index, state, frame_, level);
+      if (!prediction.is_visible()) continue;
+      const TagMisfit misfit = measure_misfit(tag.pixels, prediction, tag.scale);
+      if (misfit.colours.gain <= 0.0) continue;
+      const TagNormalEquations one = linearise(tag.pixels, prediction, misfit.colours, tag.scale);
+      left.H += tag.information_share() * one.H;
+      left.g += tag.information_share() * one.g;
+    }
+    add_corners(state, left);
+    Matrix12d A = Matrix12d::Zero();
+    A.block<6, 6>(0, 0) = A.block<6, 6>(6, 6) = view_by_pose(state, world_.mode);
+    NormalEquations right{A.transpose() * left.H * A, A.transpose() * left.g};
+    if (prior_) {
+      right.H += prior_information_;
+      right.g += prior_information_ * difference(prior_->mean, state);
+    }
+    return right;
+  }
+
+  void add_corners(const MotionState& state, NormalEquations& left) const {
+    const Pose view = camera_from_map(state.pose, world_.mode);
+    for (const CornerObservation& corner : corners_) {
+      Eigen::Matrix<double, 2, 3> by_point;
+      const Eigen::Vector3d point = view * corner.point_map;
+      const auto pixel = world_.model.project(point, &by_point);
+      if (!pixel) continue;
+      Eigen::Matrix<double, 2, 6> J;
+      J.leftCols<3>() = by_point;
+      for (int row = 0; row < 2; ++row)
+        J.block<1, 3>(row, 3) = point.cross(Eigen::Vector3d(by_point.row(row).transpose())).transpose();
+      J /= corner.sigma_px;
+      const Eigen::Vector2d r = (*pixel - corner.pixel) / corner.sigma_px;
+      const double w = corner_weight(r.squaredNorm());
+      left.H.block<6, 6>(0, 0) += w * J.transpose() * J;
+      left.g.head<6>() += w * J.transpose() * r;
+    }
+  }
+
+  static constexpr double kCornerReach2 = 3.0 * 3.0;
+
+  PhotometricWorld& world_;
+  const PhotometricFrame& frame_;
+  const std::optional<MotionBelief>& prior_;
+  const std::vector<CornerObservation>& corners_;
+  Matrix12d prior_information_ = Matrix12d::Zero();
+};
+
+double independent_samples(const TagEvidence& tag) {
+  return std::min({kMaxSamples, tag.area_px / 3.0, static_cast<double>(tag.num_pixels)});
+}
+
+}  // namespace
+
+std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const PhotometricFrame& frame,
+                                        const MotionState& state, int level, int max_pixels_per_tag) {
+  std::vector<TagEvidence> evidence;
+  for (const ActiveTag& tag : active_tags(world, frame, state, level, max_pixels_per_tag)) {
+    const TagPrediction prediction = prediction_of(world, tag.index, state, frame, level);
+    TagMisfit misfit = measure_misfit(tag.pixels, prediction, 0.0);
+    misfit = measure_misfit(tag.pixels, prediction, scale_of(misfit));
+    evidence.push_back({tag.index, static_cast<int>(tag.pixels.pixels.size()), tag.pixels.area_px, misfit.correlation,
+                        misfit.colours.gain, tag.path_px});
+  }
+  return evidence;
+}
+
+MotionFit fit_motion(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& start,
+                     const std::optional<MotionBelief>& prior, const std::vector<CornerObservation>& corners,
+                     const MotionFitOptions& options) {
+  Fit fit(world, frame, prior, corners);
+  MotionFit result;
+  result.state = start;
+  for (int level = options.coarsest_level; level >= 0; --level)
+    result.state = fit.refine_on_level(result.state, level, options.max_steps_per_level, options.max_pixels_per_tag);
+  result.information = fit.information(result.state, 0, options.max_pixels_per_tag);
+  result.tags = weigh_evidence(world, frame, result.state, 0, options.max_pixels_per_tag);
+  return result;
+}
+
+double log_likelihood(const std::vector<TagEvidence>& tags) {
+  double sum = 0.0;
+  for (const TagEvidence& tag : tags) {
+    const double unexplained = 1.0 - tag.correlation * tag.correlation + kModelErrorOfVariance;
+    sum -= 0.5 * independent_samples(tag) * std::log(unexplained);
+  }
+  return sum;
+}
+
+double mean_correlation(const std::vector<TagEvidence>& tags) {
+  double sum = 0.0, weight = 0.0;
+  for (const TagEvidence& tag : tags) {
+    sum += independent_samples(tag) * tag.correlation;
+    weight += independent_samples(tag);
+  }
+  return weight > 0.0 ? sum / weight : 0.0;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,60 @@
+#include "tag_pixels.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace apriltrack {
+namespace {
+
+constexpr float kMinPresence = 0.25F;
+constexpr float kSaturatedLight = 0.985F;
+
+/// The pixels of level 0 that the printed square passes; empty when a corner cannot be projected.
+Eigen::AlignedBox2d swept_box(const CameraModel& model, const TagPrediction& prediction, const PhotometricTag& tag) {
+  Eigen::AlignedBox2d box;
+  const double half = tag.half_size_m() * tag.textures.pattern().half_extent();
+  for (const Pose& T_camera_tag : {prediction.path()[0], prediction.T_camera_tag(), prediction.path()[1]}) {
+    for (const Eigen::Vector3d& corner : tag_corners(2.0 * half)) {
+      const auto pixel = model.project(T_camera_tag * corner);
+      if (!pixel) return {};
+      box.extend(*pixel);
+    }
+  }
+  return box;
+}
+
+}  // namespace
+
+TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light, const TagPrediction& prediction,
+                        const PhotometricTag& tag, int level, int max_pixels) {
+  TagPixels result;
+  const Image<float>& image = light[static_cast<std::size_t>(level)];
+  const auto rays = world.rays.level(level);
+  const Eigen::AlignedBox2d box = swept_box(world.model, prediction, tag);
+  if (box.isEmpty()) return result;
+  const int x0 = std::max(0, static_cast<int>(std::floor(level_pixel(box.min().x(), level))));
+  const int y0 = std::max(0, static_cast<int>(std::floor(level_pixel(box.min().y(), level))));
+  const int x1 = std::min(image.width() - 1, static_cast<int>(std::ceil(level_pixel(box.max().x(), level))));
+  const int y1 = std::min(image.height() - 1, static_cast<int>(std::ceil(level_pixel(box.max().y(), level))));
+  if (x1 < x0 || y1 < y0) return result;
+
+  // Tags fill about half of their box.
+  const double candidates = 0.5 * (x1 - x0 + 1.0) * (y1 - y0 + 1.0);
+  result.stride = std::max(1, static_cast<int>(std::lround(std::sqrt(candidates / max_pixels))));
+  for (int y = y0; y <= y1; y += result.stride) {
+    // Every other row is shifted, so that edges along a column are met at more than one phase.
+    const int shift = ((y - y0) / result.stride % 2) * (result.stride / 2);
+    for (int x = x0 + shift; x <= x1; x += result.stride) {
+      const Eigen::Vector2f& ray = rays(x, y);
+      const float value = image(x, y);
+      if (std::isnan(ray.x()) || value > kSaturatedLight) continue;
+      if (prediction.predict(ray).presence >= kMinPresence) result.pixels.push_back({ray, value});
+    }
+  }
+  const double pixel = result.stride * (1 << level);
+  result.area_px = static_cast<double>(result.pixels.size()) * pixel * pixel;
+  return result;
+}
+
+}  // namespace apriltrack

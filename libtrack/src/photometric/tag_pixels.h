@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "apriltrack/photometric/photometric_world.h"
+#include "apriltrack/tags/tag_corners.h"
+#include "tag_prediction.h"
+
+namespace apriltrack {
+
+struct TagPixel {
+  Eigen::Vector2f ray;
+  float light;
+};
+
+/// The pixels that a tag is judged by, on one level.
+struct TagPixels {
+  std::vector<TagPixel> pixels;
+  double area_px = 0.0;  ///< Of level 0 that they stand for.
+  int stride = 1;        ///< Every stride-th row and column.
+};
+
+/// Pixels of which the tag covers at least a quarter during the exposure, thinned out evenly to about
+/// max_pixels. Saturated pixels are left out: what light they stand for is not known.
+TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light, const TagPrediction& prediction,
+                        const PhotometricTag& tag, int level, int max_pixels);
+
+}  // namespace apriltrack

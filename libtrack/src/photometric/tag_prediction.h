@@ -1,0 +1,76 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "apriltrack/motion/motion_state.h"
+#include "apriltrack/photometric/photometric_world.h"
+#include "apriltrack/tags/tag_corners.h"
+
+namespace apriltrack {
+
+/// What a pixel shows of a tag during the exposure: the mean over its instants.
+struct PixelPrediction {
+  float light = 0.0F;
+  float presence = 0.0F;
+};
+
+/// The same with derivatives with respect to [translation; rotation] of a LEFT perturbation of the camera's
+/// view of the map, and to its rate.
+struct PixelJacobian {
+  std::array<float, 6> light_by_pose{}, presence_by_pose{}, light_by_rate{}, presence_by_rate{};
+};
+
+/// One tag seen along one path: the exposure integral of its pattern for any pixel.
+///
+/// A pixel's ray meets the tag's plane at another place at every instant; the pixel's light is the mean of the
+/// pattern there (docs/algorithms/blur_tracker.md, equation 2). Instants are at most 1.2 pixels of the level
+/// apart where the limit allows; what lies between them, the lens and the pixel's own area blur the pattern
+/// beforehand.
+class TagPrediction {
+ public:
+  /// extra_sigma_px: further blur, pixels of level 0, to see a tag from further off.
+  TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const MotionState& state, double exposure_s, int level,
+                double extra_sigma_px = 0.0);
+
+  /// Whether the tag faces the camera, in front of it, during the whole exposure.
+  bool is_visible() const { return is_visible_; }
+  int num_instants() const { return static_cast<int>(instants_.size()); }
+  /// T_camera_tag in the middle of the exposure.
+  const Pose& T_camera_tag() const { return T_camera_tag_; }
+  /// T_camera_tag of the first and last instant.
+  const std::vector<Pose>& path() const { return path_; }
+  double path_px() const { return path_px_; }
+
+  /// ray: (x / z, y / z).
+  PixelPrediction predict(const Eigen::Vector2f& ray) const;
+  PixelPrediction predict(const Eigen::Vector2f& ray, PixelJacobian& jacobian) const;
+
+ private:
+  /// Where a ray meets the tag's plane, in half tag sizes; depth in metres, not positive behind the camera.
+  struct PlanePoint {
+    float u, v, depth;
+  };
+  struct Instant {
+    std::array<float, 9> plane_from_ray{};  ///< To homogeneous (u, v, 1 / depth), row by row.
+    float time_s = 0.0F;
+
+    PlanePoint meet(const Eigen::Vector2f& ray) const {
+      const float* N = plane_from_ray.data();
+      const float depth = 1.0F / (N[6] * ray.x() + N[7] * ray.y() + N[8]);
+      return {depth * (N[0] * ray.x() + N[1] * ray.y() + N[2]), depth * (N[3] * ray.x() + N[4] * ray.y() + N[5]),
+              depth};
+    }
+  };
+
+  Pose T_camera_tag_;
+  std::vector<Pose> path_;
+  std::vector<Instant> instants_;
+  std::shared_ptr<const PatternTexture> texture_;
+  double path_px_ = 0.0;
+  bool is_visible_ = false;
+};
+
+}  // namespace apriltrack
