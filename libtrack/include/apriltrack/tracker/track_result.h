@@ -5,14 +5,9 @@
 
 #include "apriltrack/base/timestamp.h"
 #include "apriltrack/geometry/pose.h"
+#include "apriltrack/motion/track_mode.h"
 
 namespace apriltrack {
-
-/// What is tracked: the camera in a world of tags, or a rigid body of tags before the camera.
-enum class TrackMode {
-  kEgo,    ///< Poses are T_world_camera.
-  kJoint,  ///< Poses are T_camera_body.
-};
 
 enum class TrackStatus {
   kDetected,    ///< The pose rests on a detection in this frame.
