@@ -1,0 +1,119 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "apriltrack/base/parallel.h"
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/motion/motion_state.h"
+#include "apriltrack/photometric/patch.h"
+#include "apriltrack/photometric/photometric_world.h"
+#include "apriltrack/tags/tag_map.h"
+
+namespace apriltrack {
+
+class TagPrediction;
+
+/// How a tag's correlation c becomes a log-likelihood (docs/algorithms/paper_filter.md, section 3).
+enum class PatchError {
+  kLinear,    ///< -gamma (1/2 - c/2): the paper's (13) and (14).
+  kMinusLog,  ///< -gamma (-log c), c not below min_correlation: what the paper's author ran.
+  /// -(n/2) log((1 - c^2 + kappa) / (1 + kappa)), c not below 0: Gaussian noise of unknown size, gain and
+  /// offset unknown; n independent samples.
+  kGaussianProfile,
+};
+
+/// What a tag's patch is compared with.
+enum class TagTemplate {
+  kReference,  ///< A patch that the caller gives, such as the tag's last sharp view.
+  kPattern,    ///< The picture that its id stands for, integrated over the exposure along the hypothesis'
+               ///< motion.
+};
+
+struct JointLikelihoodOptions {
+  PatchGrid grid;
+  TagTemplate tag_template = TagTemplate::kPattern;
+  PatchError error = PatchError::kGaussianProfile;
+  double gamma = 10.0;  ///< Of kLinear and kMinusLog.
+  /// Of kMinusLog: what is worse counts as this, seen or not; in (0, 1).
+  double min_correlation = 1e-4;
+  double kappa = 0.02;  ///< Of kGaussianProfile: share of a patch's variance that no template explains.
+  /// Mean over the tags instead of the sum: the author's program. Evidence then does not grow with the tags.
+  bool average_over_tags = false;
+
+  /// Throws Error(kInvalidInput) that names the field, its value and its range.
+  void check() const;
+};
+
+/// What one hypothesis says of one tag.
+struct TagScore {
+  double log_likelihood = 0.0;
+  double correlation = 0.0;  ///< Over what is seen.
+  double seen_share = 0.0;   ///< Of the patch, 0 to 1.
+};
+
+struct JointScores {
+  std::vector<double> log_likelihoods;  ///< One for each hypothesis.
+  /// Hypothesis by hypothesis, each with num_tags entries in the order of the map.
+  std::vector<TagScore> tags;
+  std::size_t num_tags = 0;
+
+  const TagScore& tag(std::size_t hypothesis, std::size_t index) const {
+    return tags[hypothesis * num_tags + index];
+  }
+};
+
+/// Log-likelihood of pose and velocity hypotheses, joint over the tags of a map.
+///
+/// For every hypothesis alike the same tags take part: those that have a template. Of a patch that is partly
+/// out of the image, c is that of the samples seen, times their share if positive; of one that is not seen at
+/// all, 0. So what is not seen is worth what an unrelated picture is, never more, and leaving the image is
+/// not rewarded.
+///
+/// One frame at a time; give each thread its own.
+class JointLikelihood {
+ public:
+  /// Throws Error(kInvalidInput) for options out of range and, with kPattern, for unknown families or ids.
+  JointLikelihood(const Camera& camera, const TagMap& map, TrackMode mode,
+                  const JointLikelihoodOptions& options = {});
+
+  std::size_t num_tags() const { return tags_.size(); }
+  const JointLikelihoodOptions& options() const { return options_; }
+
+  /// A reference patch for tag `index` of the map: options().grid.num_samples() values, NaN where unknown.
+  void set_reference(std::size_t index, std::span<const double> samples);
+  /// The tag takes no part until it gets a new one.
+  void clear_reference(std::size_t index);
+  /// Empty when the tag has none.
+  std::span<const double> reference(std::size_t index) const { return references_[index]; }
+  bool takes_part(std::size_t index) const;
+
+  /// frame: level 0 of its light and, with kPattern, its exposure. hypotheses: T_world_camera (ego) or
+  /// T_camera_body (joint) at mid-exposure; velocities matter with kPattern only. scores: overwritten, its
+  /// memory reused. Same numbers with any `parallel`.
+  void evaluate(const PhotometricFrame& frame, std::span<const MotionState> hypotheses,
+                const ParallelFor& parallel, JointScores* scores);
+
+ private:
+  struct PatchPair;
+  struct Tag {
+    double size_m = 0.0;
+    Pose T_map_tag;
+  };
+  std::vector<TagPrediction> predict_tags(const PhotometricFrame& frame,
+                                          std::span<const MotionState> hypotheses);
+  TagScore score_tag(const PhotometricFrame& frame, std::size_t index, const Pose& T_camera_map,
+                     const TagPrediction* prediction, PatchPair& patches) const;
+  void score_range(const PhotometricFrame& frame, std::span<const MotionState> hypotheses,
+                   std::span<const TagPrediction> predictions, std::size_t first, JointScores* scores) const;
+
+  CameraModel model_;
+  TrackMode mode_;
+  JointLikelihoodOptions options_;
+  std::vector<Tag> tags_;
+  std::vector<std::vector<double>> references_;
+  std::optional<PhotometricWorld> world_;  ///< The tags' pictures; kPattern only.
+};
+
+}  // namespace apriltrack
