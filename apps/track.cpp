@@ -2,6 +2,8 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -9,6 +11,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/tracker/localizer.h"
+#include "apriltrack/tracker/paper_tracker.h"
 #include "command_help.h"
 #include "commands.h"
 #include "frame_loop.h"
@@ -38,18 +41,25 @@ struct Arguments {
   std::optional<double> rate_hz;
   int num_threads = 0;
   LocalizerOptions localizer;
+  std::string paper_variant = "program";
+  std::optional<std::size_t> num_particles;
+  std::uint64_t seed = 1;
   Console console;
+};
+
+/// A way to track: what it detects with, and what it makes of a frame.
+struct Method {
+  DetectorOptions detector;
+  std::function<TrackResult(const Frame&, const std::vector<Detection>&)> track;
 };
 
 void check_arguments(const Arguments& arguments) {
   if (arguments.input.empty() == arguments.detections.empty()) {
     throw invalid_input("track", "give either INPUT or --detections FILE");
   }
-  if (arguments.method != "pnp") {
-    throw invalid_input("--method",
-                        fmt::format("'{}' is not a method of this version; there is: pnp (detection plus "
-                                    "multi-tag PnP)",
-                                    arguments.method));
+  if (arguments.input.empty() && arguments.method != "pnp") {
+    throw invalid_input("--detections",
+                        fmt::format("is for --method pnp: '{}' looks at images", arguments.method));
   }
   const std::vector<std::string> read = {arguments.input, arguments.detections, arguments.camera,
                                          arguments.map};
@@ -87,14 +97,16 @@ std::vector<FrameDetections> load_detections(const std::string& path, const std:
 }
 
 /// Both return whether the user ended them early.
-bool track_detections(const Arguments& arguments, const Camera& camera, Localizer& localizer,
+bool track_detections(const Arguments& arguments, const Camera& camera, const Method& method,
                       TrackRecord& record) {
   const std::vector<FrameDetections> frames = load_detections(arguments.detections, camera.name);
   {
     Progress progress(arguments.console, "track", frames.size());
     for (const FrameDetections& frame : frames) {
       if (is_interrupted()) break;
-      const TrackResult result = localizer.localize(frame);
+      Frame without_image;
+      without_image.timestamp = frame.timestamp;
+      const TrackResult result = method.track(without_image, frame.detections);
       record.add(frame, result, result.latency_s);
       progress.advance();
     }
@@ -104,18 +116,49 @@ bool track_detections(const Arguments& arguments, const Camera& camera, Localize
   return was_interrupted;
 }
 
-bool track_images(const Arguments& arguments, const Camera& camera, Localizer& localizer,
+bool track_images(const Arguments& arguments, const Camera& camera, const Method& method,
                   TrackRecord& record) {
-  const FrameLoopOptions options{localizer.detector_options(), &camera, arguments.num_threads, "track"};
+  const FrameLoopOptions options{method.detector, &camera, arguments.num_threads, "track"};
   const std::unique_ptr<FrameSource> source = open_source(arguments.input, {.rate_hz = arguments.rate_hz});
-  const auto localize = [&](DetectedFrame detected) {
+  const auto track = [&](DetectedFrame detected) {
     const SourceFrame& image = detected.source;
     if (!image.is_readable()) return record.add_unreadable(image.timestamp);
     const FrameDetections frame{image.timestamp, camera.name, std::move(detected.detections)};
-    const TrackResult result = localizer.localize(frame, image.exposure_s);
+    const TrackResult result = method.track(image.frame(), frame.detections);
     record.add(frame, result, detected.latency_s + result.latency_s);
   };
-  return detect_frames(*source, options, arguments.console, localize).is_interrupted;
+  return detect_frames(*source, options, arguments.console, track).is_interrupted;
+}
+
+LocalizerOptions localizer_options(const Arguments& arguments) {
+  LocalizerOptions options = arguments.localizer;
+  options.mode = arguments.mode == "joint" ? TrackMode::kJoint : TrackMode::kEgo;
+  return options;
+}
+
+Method pnp_method(const Arguments& arguments, const Camera& camera, const TagMap& map) {
+  const auto localizer = std::make_shared<Localizer>(camera, map, localizer_options(arguments));
+  return {localizer->detector_options(), [=](const Frame& frame, const std::vector<Detection>& detections) {
+            return localizer->localize({frame.timestamp, "", detections}, frame.exposure_s);
+          }};
+}
+
+Method paper_method(const Arguments& arguments, const Camera& camera, const TagMap& map) {
+  const bool is_printed = arguments.paper_variant == "printed";
+  auto options = PaperTrackerOptions::published(is_printed ? PaperVariant::kPrinted : PaperVariant::kProgram);
+  options.localizer = localizer_options(arguments);
+  options.filter.num_particles = arguments.num_particles.value_or(options.filter.num_particles);
+  options.filter.seed = arguments.seed;
+  options.num_threads = arguments.num_threads;
+  const auto tracker = std::make_shared<PaperTracker>(camera, map, options);
+  return {tracker->detector_options(), [=](const Frame& frame, const std::vector<Detection>& detections) {
+            return tracker->track(frame, detections);
+          }};
+}
+
+Method make_method(const Arguments& arguments, const Camera& camera, const TagMap& map) {
+  if (arguments.method == "paper") return paper_method(arguments, camera, map);
+  return pnp_method(arguments, camera, map);
 }
 
 void finish(const Arguments& arguments, const TrackRecord& record, bool was_interrupted) {
@@ -138,14 +181,12 @@ void run(const Arguments& arguments) {
   check_arguments(arguments);
   const Camera camera = load_camera(arguments);
   const TagMap map = load_map(arguments);
-  LocalizerOptions options = arguments.localizer;
-  options.mode = arguments.mode == "joint" ? TrackMode::kJoint : TrackMode::kEgo;
-  Localizer localizer(camera, map, options);
+  const Method method = make_method(arguments, camera, map);
 
   TrackRecord record;
   const bool has_images = arguments.detections.empty();
-  const bool was_interrupted = has_images ? track_images(arguments, camera, localizer, record)
-                                          : track_detections(arguments, camera, localizer, record);
+  const bool was_interrupted = has_images ? track_images(arguments, camera, method, record)
+                                          : track_detections(arguments, camera, method, record);
   record.check_has_pose(has_images ? arguments.input : arguments.detections, map);
   write_tum(arguments.output, record.trajectory());
   if (!arguments.frames_csv.empty()) write_frame_log(arguments.frames_csv, record.rows());
@@ -167,7 +208,21 @@ void add_track_command(CLI::App& app) {
   command.add_option("--mode", arguments->mode, "ego: T_world_camera; joint: T_camera_body")
       ->check(CLI::IsMember({"ego", "joint"}))
       ->capture_default_str();
-  command.add_option("--method", arguments->method, "pnp: detection plus multi-tag PnP")
+  command
+      .add_option("--method", arguments->method,
+                  "pnp: detection plus multi-tag PnP; paper: the seed paper's particle filter, as a baseline")
+      ->check(CLI::IsMember({"pnp", "paper"}))
+      ->capture_default_str();
+  command
+      .add_option("--paper-variant", arguments->paper_variant,
+                  "Of --method paper: as printed, or as its author's program runs")
+      ->check(CLI::IsMember({"printed", "program"}))
+      ->capture_default_str();
+  command
+      .add_option("--particles", arguments->num_particles,
+                  "Of --method paper; default: 3000 (printed), 6000 (program)")
+      ->check(CLI::Range(1, 10'000'000));
+  command.add_option("--seed", arguments->seed, "The same seed gives the same trajectory")
       ->capture_default_str();
   command.add_option("--output", arguments->output, "Trajectory, TUM format: timestamp tx ty tz qx qy qz qw")
       ->required();
