@@ -11,6 +11,41 @@
 #include "apriltrack/base/error.h"
 
 namespace apriltrack {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// sample_bilinear, with NaN for "not seen".
+double bilinear_or_nan(const ImageView<const float>& image, double x, double y) {
+  if (!(x >= 0.0 && y >= 0.0 && x <= image.width() - 1.0 && y <= image.height() - 1.0)) return kNaN;
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  // On the last row or column the neighbour beyond has no weight.
+  const int x1 = std::min(x0 + 1, image.width() - 1);
+  const float* top = image.row(y0);
+  const float* bottom = image.row(std::min(y0 + 1, image.height() - 1));
+  const double fx = x - x0, fy = y - y0;
+  return (1.0 - fy) * ((1.0 - fx) * top[x0] + fx * top[x1]) +
+         fy * ((1.0 - fx) * bottom[x0] + fx * bottom[x1]);
+}
+
+/// project: pixel of matrix * (u, v, 1), NaN where there is none.
+template <class Project>
+int sample_grid(const ImageView<const float>& image, const Eigen::Matrix3d& matrix, const PatchGrid& grid,
+                std::span<double> samples, const Project& project) {
+  int num_seen = 0;
+  std::size_t index = 0;
+  for (int row = 0; row < grid.size; ++row) {
+    const Eigen::Vector3d row_start = matrix.col(1) * grid.coordinate(row) + matrix.col(2);
+    for (int column = 0; column < grid.size; ++column, ++index) {
+      const Eigen::Vector2d pixel = project(row_start + matrix.col(0) * grid.coordinate(column));
+      samples[index] = bilinear_or_nan(image, pixel.x(), pixel.y());
+      num_seen += std::isnan(samples[index]) ? 0 : 1;
+    }
+  }
+  return num_seen;
+}
+
+}  // namespace
 
 void PatchGrid::check() const {
   if (size < 3 || size > 1024) {
@@ -29,66 +64,61 @@ Eigen::Matrix3d camera_from_tag_plane(const Pose& T_camera_tag, double tag_size_
 }
 
 std::optional<double> sample_bilinear(const ImageView<const float>& image, const Eigen::Vector2d& pixel) {
-  const double x = pixel.x(), y = pixel.y();
-  if (!(x >= 0.0 && y >= 0.0 && x <= image.width() - 1.0 && y <= image.height() - 1.0)) return std::nullopt;
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  // On the last row or column the neighbour beyond has no weight.
-  const int x1 = std::min(x0 + 1, image.width() - 1);
-  const float* top = image.row(y0);
-  const float* bottom = image.row(std::min(y0 + 1, image.height() - 1));
-  const double fx = x - x0, fy = y - y0;
-  return (1.0 - fy) * ((1.0 - fx) * top[x0] + fx * top[x1]) +
-         fy * ((1.0 - fx) * bottom[x0] + fx * bottom[x1]);
+  const double value = bilinear_or_nan(image, pixel.x(), pixel.y());
+  if (std::isnan(value)) return std::nullopt;
+  return value;
 }
 
 int sample_patch(const ImageView<const float>& image, const CameraModel& model,
                  const Eigen::Matrix3d& camera_from_plane, const PatchGrid& grid, std::span<double> samples) {
   APRILTRACK_CHECK(samples.size() == grid.num_samples(), "samples must be as many as the grid's");
-  std::fill(samples.begin(), samples.end(), std::numeric_limits<double>::quiet_NaN());
   // The determinant is that of the plane's normal and centre: negative when the camera sees its back.
-  if (!(camera_from_plane.determinant() > 0.0)) return 0;
-  int num_seen = 0;
-  std::size_t index = 0;
-  for (int row = 0; row < grid.size; ++row) {
-    const Eigen::Vector3d row_start =
-        camera_from_plane.col(1) * grid.coordinate(row) + camera_from_plane.col(2);
-    for (int column = 0; column < grid.size; ++column, ++index) {
-      const Eigen::Vector3d point_camera = row_start + camera_from_plane.col(0) * grid.coordinate(column);
-      const auto pixel = model.project(point_camera);
-      if (!pixel) continue;
-      const auto value = sample_bilinear(image, *pixel);
-      if (!value) continue;
-      samples[index] = *value;
-      ++num_seen;
-    }
+  if (!(camera_from_plane.determinant() > 0.0)) {
+    std::fill(samples.begin(), samples.end(), kNaN);
+    return 0;
   }
-  return num_seen;
+  const Eigen::Vector2d nowhere(kNaN, kNaN);
+  if (std::holds_alternative<NoDistortion>(model.distortion())) {
+    // A plain pinhole is a homography: four times faster than the general way, which serves all lenses.
+    const Pinhole& pinhole = model.pinhole();
+    Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
+    K << pinhole.fx, 0.0, pinhole.cx, 0.0, pinhole.fy, pinhole.cy, 0.0, 0.0, 1.0;
+    return sample_grid(image, K * camera_from_plane, grid, samples, [&](const Eigen::Vector3d& pixel) {
+      return pixel.z() > 0.0 ? Eigen::Vector2d(pixel.head<2>() / pixel.z()) : nowhere;
+    });
+  }
+  return sample_grid(image, camera_from_plane, grid, samples, [&](const Eigen::Vector3d& point_camera) {
+    return model.project(point_camera).value_or(nowhere);
+  });
 }
 
 PatchMatch correlate(std::span<const double> patch, std::span<const double> reference) {
   APRILTRACK_CHECK(patch.size() == reference.size(), "patches must be of one size");
   PatchMatch match;
-  double sum_a = 0.0, sum_b = 0.0;
+  // Sums about the first common sample: in one pass, and without the cancellation of sums about zero.
+  double origin_a = 0.0, origin_b = 0.0;
+  double sum_a = 0.0, sum_b = 0.0, sum_aa = 0.0, sum_bb = 0.0, sum_ab = 0.0;
   for (std::size_t i = 0; i < patch.size(); ++i) {
     if (std::isnan(patch[i]) || std::isnan(reference[i])) continue;
-    sum_a += patch[i];
-    sum_b += reference[i];
-    ++match.num_samples;
+    if (match.num_samples++ == 0) {
+      origin_a = patch[i];
+      origin_b = reference[i];
+    }
+    const double a = patch[i] - origin_a, b = reference[i] - origin_b;
+    sum_a += a;
+    sum_b += b;
+    sum_aa += a * a;
+    sum_bb += b * b;
+    sum_ab += a * b;
   }
   if (match.num_samples < PatchMatch::kMinSamples) return match;
-  const double mean_a = sum_a / match.num_samples, mean_b = sum_b / match.num_samples;
-  double aa = 0.0, bb = 0.0, ab = 0.0;
-  for (std::size_t i = 0; i < patch.size(); ++i) {
-    if (std::isnan(patch[i]) || std::isnan(reference[i])) continue;
-    const double a = patch[i] - mean_a, b = reference[i] - mean_b;
-    aa += a * a;
-    bb += b * b;
-    ab += a * b;
-  }
+  const double n = match.num_samples;
+  const double aa = sum_aa - sum_a * sum_a / n;
+  const double bb = sum_bb - sum_b * sum_b / n;
+  const double ab = sum_ab - sum_a * sum_b / n;
   // What rounding leaves of a constant patch is no picture.
-  constexpr double kRounding = 1e-14;
-  const bool is_constant = aa <= kRounding * match.num_samples * mean_a * mean_a ||
-                           bb <= kRounding * match.num_samples * mean_b * mean_b;
+  constexpr double kRounding = 1e-12;
+  const bool is_constant = !(aa > kRounding * sum_aa && bb > kRounding * sum_bb);
   if (!is_constant) match.correlation = std::clamp(ab / std::sqrt(aa * bb), -1.0, 1.0);
   return match;
 }
