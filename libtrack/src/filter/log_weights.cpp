@@ -33,7 +33,8 @@ double log_sum_exp(std::span<const double> values) {
 
 std::vector<double> normalized_weights(std::span<const double> log_weights) {
   const double total = log_sum_exp(log_weights);
-  std::vector<double> weights(log_weights.size(), 1.0 / static_cast<double>(std::max<std::size_t>(1, log_weights.size())));
+  std::vector<double> weights(log_weights.size(),
+                              1.0 / static_cast<double>(std::max<std::size_t>(1, log_weights.size())));
   if (!std::isfinite(total)) return weights;
   std::transform(log_weights.begin(), log_weights.end(), weights.begin(),
                  [&](double value) { return std::isnan(value) ? 0.0 : std::exp(value - total); });

@@ -8,7 +8,8 @@ namespace apriltrack {
 namespace {
 
 /// points: ascending, in [0, 1).
-std::vector<std::size_t> invert_distribution(std::span<const double> weights, const std::vector<double>& points) {
+std::vector<std::size_t> invert_distribution(std::span<const double> weights,
+                                             const std::vector<double>& points) {
   APRILTRACK_CHECK(!weights.empty(), "there must be a particle to resample");
   std::vector<std::size_t> indices;
   indices.reserve(points.size());
@@ -30,7 +31,8 @@ std::vector<std::size_t> resample_systematic(std::span<const double> weights, st
                                              RandomStream& random) {
   const double offset = random.uniform();
   std::vector<double> points(count);
-  for (std::size_t i = 0; i < count; ++i) points[i] = (static_cast<double>(i) + offset) / static_cast<double>(count);
+  for (std::size_t i = 0; i < count; ++i)
+    points[i] = (static_cast<double>(i) + offset) / static_cast<double>(count);
   return invert_distribution(weights, points);
 }
 

@@ -12,7 +12,8 @@ Vector6d mean_velocity(const MotionState& state, double dt_s) {
 
 /// d next / d state, both in [right perturbation of the pose; change of the velocity].
 Matrix12d transition(const MotionState& state, const MotionState& next, double dt_s) {
-  const Eigen::Matrix3d turned = (next.pose.rotation().conjugate() * state.pose.rotation()).toRotationMatrix();
+  const Eigen::Matrix3d turned =
+      (next.pose.rotation().conjugate() * state.pose.rotation()).toRotationMatrix();
   // exp(phi + d) = exp(phi) exp(J d), the right Jacobian J.
   const Eigen::Matrix3d dphi = dt_s * rotation_left_jacobian(-dt_s * state.velocity.tail<3>());
   Matrix12d F = Matrix12d::Zero();
@@ -28,6 +29,19 @@ Matrix12d transition(const MotionState& state, const MotionState& next, double d
 }
 
 }  // namespace
+
+MotionState moved(const MotionState& state, const Vector12d& step) {
+  MotionState next = state;
+  next.pose = state.pose * Pose::exp(step.head<6>());
+  next.velocity += step.tail<6>();
+  return next;
+}
+
+Vector12d difference(const MotionState& from, const MotionState& to) {
+  Vector12d step;
+  step << (from.pose.inverse() * to.pose).log(), to.velocity - from.velocity;
+  return step;
+}
 
 Pose pose_after(const MotionState& state, double dt_s) {
   const Vector6d step = dt_s * mean_velocity(state, dt_s);

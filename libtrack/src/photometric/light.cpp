@@ -24,7 +24,8 @@ Eigen::Vector2f plane_ray(const CameraModel& model, const Eigen::Vector2d& pixel
   // Past 85 degrees off the axis, x / z loses its meaning as a measure.
   constexpr double kMinForward = 0.087;
   const std::optional<Eigen::Vector3d> ray = model.unproject(pixel);
-  if (!ray || ray->z() < kMinForward) return Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
+  if (!ray || ray->z() < kMinForward)
+    return Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
   return (ray->head<2>() / ray->z()).cast<float>();
 }
 

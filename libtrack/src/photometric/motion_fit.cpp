@@ -5,70 +5,22 @@
 #include <cmath>
 #include <limits>
 
-#include "tag_photometry.h"
-#include "tag_pixels.h"
-#include "tag_prediction.h"
+#include "active_tags.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr int kMinPixels = 12;
-/// What a perfect model would still miss: print, glare, a lens that is sharper here than there.
-constexpr double kModelErrorOfContrast = 0.03;
-constexpr double kMinScale = 2e-3;
 /// Neighbouring pixels err together (demosaicing, compression, the model): so many count as one.
 constexpr double kCorrelatedPixels = 4.0;
-constexpr double kMaxSamples = 340.0;  ///< Of one tag: a patch of 32 x 32, three samples counted as one.
-constexpr double kModelErrorOfVariance = 0.03;
 
-/// A tag as it takes part in the fit on one level.
-struct ActiveTag {
-  int index = 0;
-  TagPixels pixels;
-  double scale = 0.0;
-  double path_px = 0.0;
-
-  /// How much of the information of independent pixels these carry.
-  double information_share() const {
-    return std::min(1.0, pixels.stride * pixels.stride / kCorrelatedPixels);
-  }
-};
+/// How much of the information of independent pixels these carry.
+double information_share(const TagPixels& pixels) {
+  return std::min(1.0, pixels.stride * pixels.stride / kCorrelatedPixels);
+}
 
 TagPrediction prediction_of(PhotometricWorld& world, int index, const MotionState& state,
                             const PhotometricFrame& frame, int level) {
   return {world, world.tags[static_cast<std::size_t>(index)], state, frame.exposure_s, level};
-}
-
-std::vector<ActiveTag> active_tags(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& state,
-                                   int level, int max_pixels) {
-  std::vector<ActiveTag> active;
-  for (int k = 0; k < static_cast<int>(world.tags.size()); ++k) {
-    const TagPrediction prediction = prediction_of(world, k, state, frame, level);
-    if (!prediction.is_visible()) continue;
-    TagPixels pixels = select_pixels(world, frame.light, prediction, world.tags[static_cast<std::size_t>(k)], level,
-                                     max_pixels);
-    if (static_cast<int>(pixels.pixels.size()) < kMinPixels) continue;
-    active.push_back({k, std::move(pixels), 0.0, prediction.path_px()});
-  }
-  return active;
-}
-
-double scale_of(const TagMisfit& misfit) {
-  return std::max({misfit.residual_scale, kModelErrorOfContrast * std::abs(misfit.colours.gain), kMinScale});
-}
-
-MotionState moved(const MotionState& state, const Vector12d& step) {
-  MotionState next = state;
-  next.pose = state.pose * Pose::exp(step.head<6>());
-  next.velocity += step.tail<6>();
-  return next;
-}
-
-/// Where `state` lies from `mean`: [right perturbation of the pose; change of velocity].
-Vector12d difference(const MotionState& mean, const MotionState& state) {
-  Vector12d d;
-  d << (mean.pose.inverse() * state.pose).log(), state.velocity - mean.velocity;
-  return d;
 }
 
 /// The matrix from a right perturbation of the pose to a left one of the camera's view of the map.
@@ -93,6 +45,8 @@ class Fit {
   MotionState refine_on_level(MotionState state, int level, int max_steps, int max_pixels) {
     for (int round = 0; round < 2; ++round) {
       std::vector<ActiveTag> active = active_tags(world_, frame_, state, level, max_pixels);
+      // Too coarse for what is seen: the prior alone would pull the state off.
+      if (active.empty()) return state;
       set_scales(active, state, level);
       state = descend(active, state, level, max_steps / 2);
     }
@@ -108,7 +62,8 @@ class Fit {
  private:
   void set_scales(std::vector<ActiveTag>& active, const MotionState& state, int level) {
     for (ActiveTag& tag : active)
-      tag.scale = scale_of(measure_misfit(tag.pixels, prediction_of(world_, tag.index, state, frame_, level), 0.0));
+      tag.scale =
+          scale_of(measure_misfit(tag.pixels, prediction_of(world_, tag.index, state, frame_, level), 0.0));
   }
 
   MotionState descend(const std::vector<ActiveTag>& active, MotionState state, int level, int max_steps) {
@@ -152,7 +107,7 @@ class Fit {
       if (!prediction.is_visible()) return std::numeric_limits<double>::infinity();
       const TagMisfit misfit = measure_misfit(tag.pixels, prediction, tag.scale);
       if (misfit.colours.gain <= 0.0) sum += static_cast<double>(tag.pixels.pixels.size());
-      sum += tag.information_share() * misfit.cost;
+      sum += information_share(tag.pixels) * misfit.cost;
     }
     if (prior_) {
       const Vector12d d = difference(prior_->mean, state);
@@ -161,7 +116,8 @@ class Fit {
     const Pose view = camera_from_map(state.pose, world_.mode);
     for (const CornerObservation& corner : corners_) {
       const auto pixel = world_.model.project(view * corner.point_map);
-      const double r2 = pixel ? (*pixel - corner.pixel).squaredNorm() / (corner.sigma_px * corner.sigma_px) : 1e6;
+      const double r2 =
+          pixel ? (*pixel - corner.pixel).squaredNorm() / (corner.sigma_px * corner.sigma_px) : 1e6;
       sum += 0.5 * corner_penalty(r2);
     }
     return sum;
@@ -181,8 +137,8 @@ class Fit {
       const TagMisfit misfit = measure_misfit(tag.pixels, prediction, tag.scale);
       if (misfit.colours.gain <= 0.0) continue;
       const TagNormalEquations one = linearise(tag.pixels, prediction, misfit.colours, tag.scale);
-      left.H += tag.information_share() * one.H;
-      left.g += tag.information_share() * one.g;
+      left.H += information_share(tag.pixels) * one.H;
+      left.g += information_share(tag.pixels) * one.g;
     }
     add_corners(state, left);
     Matrix12d A = Matrix12d::Zero();
@@ -223,24 +179,7 @@ class Fit {
   Matrix12d prior_information_ = Matrix12d::Zero();
 };
 
-double independent_samples(const TagEvidence& tag) {
-  return std::min({kMaxSamples, tag.area_px / 3.0, static_cast<double>(tag.num_pixels)});
-}
-
 }  // namespace
-
-std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const PhotometricFrame& frame,
-                                        const MotionState& state, int level, int max_pixels_per_tag) {
-  std::vector<TagEvidence> evidence;
-  for (const ActiveTag& tag : active_tags(world, frame, state, level, max_pixels_per_tag)) {
-    const TagPrediction prediction = prediction_of(world, tag.index, state, frame, level);
-    TagMisfit misfit = measure_misfit(tag.pixels, prediction, 0.0);
-    misfit = measure_misfit(tag.pixels, prediction, scale_of(misfit));
-    evidence.push_back({tag.index, static_cast<int>(tag.pixels.pixels.size()), tag.pixels.area_px, misfit.correlation,
-                        misfit.colours.gain, tag.path_px});
-  }
-  return evidence;
-}
 
 MotionFit fit_motion(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& start,
                      const std::optional<MotionBelief>& prior, const std::vector<CornerObservation>& corners,
@@ -249,28 +188,12 @@ MotionFit fit_motion(PhotometricWorld& world, const PhotometricFrame& frame, con
   MotionFit result;
   result.state = start;
   for (int level = options.coarsest_level; level >= 0; --level)
-    result.state = fit.refine_on_level(result.state, level, options.max_steps_per_level, options.max_pixels_per_tag);
+    result.state =
+        fit.refine_on_level(result.state, level, options.max_steps_per_level, options.max_pixels_per_tag);
   result.information = fit.information(result.state, 0, options.max_pixels_per_tag);
-  result.tags = weigh_evidence(world, frame, result.state, 0, options.max_pixels_per_tag);
+  result.tags =
+      weigh_evidence(world, frame, result.state, {.max_pixels_per_tag = options.max_pixels_per_tag});
   return result;
-}
-
-double log_likelihood(const std::vector<TagEvidence>& tags) {
-  double sum = 0.0;
-  for (const TagEvidence& tag : tags) {
-    const double unexplained = 1.0 - tag.correlation * tag.correlation + kModelErrorOfVariance;
-    sum -= 0.5 * independent_samples(tag) * std::log(unexplained);
-  }
-  return sum;
-}
-
-double mean_correlation(const std::vector<TagEvidence>& tags) {
-  double sum = 0.0, weight = 0.0;
-  for (const TagEvidence& tag : tags) {
-    sum += independent_samples(tag) * tag.correlation;
-    weight += independent_samples(tag);
-  }
-  return weight > 0.0 ? sum / weight : 0.0;
 }
 
 }  // namespace apriltrack

@@ -7,27 +7,49 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kTexelsPerCell = 8.0;
+constexpr double kTexelsPerSigma = 4.0 / 3.0;
+constexpr double kMinTexelsPerCell = 8.0;
+constexpr double kMaxTexelsPerCell = 48.0;
+/// Linear interpolation blurs by about a sixth of a texel squared.
+constexpr double kInterpolationVariance = 1.0 / 6.0;
 /// Beyond so many sigmas a Gaussian weighs less than 0.2 %.
 constexpr double kReachInSigmas = 3.0;
+constexpr double kMinSigmaInCells = 0.5 / kMaxTexelsPerCell;
 constexpr double kMaxSigmaInCells = 3.0;
 constexpr double kStepsPerOctave = 4.0;
-constexpr std::size_t kMaxTextures = 64;
+constexpr std::size_t kMaxTextures = 24;
 
-double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
+double normal_cdf(double x) {
+  return 0.5 * std::erfc(-x / std::numbers::sqrt2);
+}
 
-/// Row i: how much of a Gaussian about texel i falls on each cell.
-Eigen::MatrixXd cell_shares(int num_texels, double half_width, double texel, double sigma, int num_cells, double cell) {
-  Eigen::MatrixXd shares(num_texels, num_cells);
-  const double first_edge = -0.5 * num_cells * cell;
-  for (int i = 0; i < num_texels; ++i) {
-    const double centre = i * texel - half_width;
+/// The texels along one axis of the plane.
+struct TexelAxis {
+  int count = 0;
+  double half_length = 0.0;
+  double texels_per_unit = 0.0;
+  Eigen::MatrixXd cell_shares;  ///< Row i: how much of a Gaussian about texel i falls on each cell.
+};
+
+TexelAxis texel_axis(const TagPattern& pattern, double sigma) {
+  const double cell = pattern.cell_size();
+  const double texels_per_cell =
+      std::ceil(std::clamp(kTexelsPerSigma * cell / sigma, kMinTexelsPerCell, kMaxTexelsPerCell));
+  const double texel = cell / texels_per_cell;
+  const double kernel =
+      std::sqrt(std::max(sigma * sigma - kInterpolationVariance * texel * texel, 0.01 * texel * texel));
+  const int half = static_cast<int>(std::ceil((pattern.half_extent() + kReachInSigmas * sigma) / texel));
+  const int num_cells = pattern.cells().width();
+  TexelAxis axis{2 * half + 1, half * texel, 1.0 / texel, {}};
+  axis.cell_shares.resize(axis.count, num_cells);
+  for (int i = 0; i < axis.count; ++i) {
+    const double centre = (i - half) * texel;
     for (int k = 0; k < num_cells; ++k) {
-      const double low = (first_edge + k * cell - centre) / sigma;
-      shares(i, k) = normal_cdf(low + cell / sigma) - normal_cdf(low);
+      const double low = ((k - 0.5 * num_cells) * cell - centre) / kernel;
+      axis.cell_shares(i, k) = normal_cdf(low + cell / kernel) - normal_cdf(low);
     }
   }
-  return shares;
+  return axis;
 }
 
 Eigen::MatrixXd brightness_of_cells(const TagPattern& pattern) {
@@ -42,31 +64,30 @@ Eigen::MatrixXd brightness_of_cells(const TagPattern& pattern) {
   return brightness;
 }
 
-int level_of(double sigma) { return static_cast<int>(std::lround(kStepsPerOctave * std::log2(sigma))); }
-double sigma_of(int level) { return std::exp2(level / kStepsPerOctave); }
+int level_of(double sigma) {
+  return static_cast<int>(std::lround(kStepsPerOctave * std::log2(sigma)));
+}
+double sigma_of(int level) {
+  return std::exp2(level / kStepsPerOctave);
+}
 
 }  // namespace
 
 PatternTexture::PatternTexture(const TagPattern& pattern, double sigma_u, double sigma_v) {
-  const double cell = pattern.cell_size();
-  const double texel = cell / kTexelsPerCell;
-  sigma_u = std::max(sigma_u, 0.5 * texel);
-  sigma_v = std::max(sigma_v, 0.5 * texel);
-  const double reach = kReachInSigmas * std::max(sigma_u, sigma_v);
-  const int half = static_cast<int>(std::ceil((pattern.half_extent() + reach) / texel));
-  width_ = 2 * half + 1;
-  half_width_ = static_cast<float>(half * texel);
-  scale_ = static_cast<float>(1.0 / texel);
-  limit_ = static_cast<float>(width_ - 1);
-
-  const int num_cells = pattern.cells().width();
-  const Eigen::MatrixXd across = cell_shares(width_, half * texel, texel, sigma_u, num_cells, cell);
-  const Eigen::MatrixXd down = cell_shares(width_, half * texel, texel, sigma_v, num_cells, cell);
-  const Eigen::MatrixXd light = down * brightness_of_cells(pattern) * across.transpose();
-  const Eigen::MatrixXd presence = down.rowwise().sum() * across.rowwise().sum().transpose();
-  texels_.reserve(static_cast<std::size_t>(width_) * static_cast<std::size_t>(width_));
-  for (int row = 0; row < width_; ++row) {
-    for (int column = 0; column < width_; ++column)
+  const TexelAxis u = texel_axis(pattern, sigma_u);
+  const TexelAxis v = texel_axis(pattern, sigma_v);
+  half_width_ = static_cast<float>(u.half_length);
+  half_height_ = static_cast<float>(v.half_length);
+  columns_per_unit_ = static_cast<float>(u.texels_per_unit);
+  rows_per_unit_ = static_cast<float>(v.texels_per_unit);
+  last_column_ = static_cast<float>(u.count - 1);
+  last_row_ = static_cast<float>(v.count - 1);
+  width_ = u.count;
+  const Eigen::MatrixXd light = v.cell_shares * brightness_of_cells(pattern) * u.cell_shares.transpose();
+  const Eigen::MatrixXd presence = v.cell_shares.rowwise().sum() * u.cell_shares.rowwise().sum().transpose();
+  texels_.reserve(static_cast<std::size_t>(light.size()));
+  for (int row = 0; row < v.count; ++row) {
+    for (int column = 0; column < u.count; ++column)
       texels_.emplace_back(static_cast<float>(light(row, column)), static_cast<float>(presence(row, column)));
   }
 }
@@ -74,7 +95,7 @@ PatternTexture::PatternTexture(const TagPattern& pattern, double sigma_u, double
 std::shared_ptr<const PatternTexture> PatternTextures::blurred(double sigma_u, double sigma_v) {
   const double cell = pattern_.cell_size();
   const auto level = [&](double sigma) {
-    return level_of(std::clamp(sigma, 0.5 * cell / kTexelsPerCell, kMaxSigmaInCells * cell));
+    return level_of(std::clamp(sigma, kMinSigmaInCells * cell, kMaxSigmaInCells * cell));
   };
   const int level_u = level(sigma_u), level_v = level(sigma_v);
   const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
@@ -85,8 +106,9 @@ std::shared_ptr<const PatternTexture> PatternTextures::blurred(double sigma_u, d
     return entries_.back().texture;
   }
   if (entries_.size() == kMaxTextures) entries_.erase(entries_.begin());
-  entries_.push_back({level_u, level_v,
-                      std::make_shared<const PatternTexture>(pattern_, sigma_of(level_u), sigma_of(level_v))});
+  entries_.push_back(
+      {level_u, level_v,
+       std::make_shared<const PatternTexture>(pattern_, sigma_of(level_u), sigma_of(level_v))});
   return entries_.back().texture;
 }
 

@@ -6,7 +6,8 @@
 
 namespace apriltrack {
 
-PhotometricWorld::PhotometricWorld(const Camera& camera, const TagMap& map, TrackMode track_mode, int width, int height)
+PhotometricWorld::PhotometricWorld(const Camera& camera, const TagMap& map, TrackMode track_mode, int width,
+                                   int height)
     : model(camera.model), mode(track_mode), rays(camera.model, width, height, kNumLevels) {
   tags.reserve(map.tags.size());
   for (const MapTag& tag : map.tags) {

@@ -13,7 +13,9 @@ constexpr double kReach2 = 2.5 * 2.5;
 /// Pull of the background towards the black of the tag, in pixels: settles it where no pixel shows any.
 constexpr double kBackgroundRidge = 0.5;
 
-double penalty(double r2) { return kReach2 * r2 / (kReach2 + r2); }
+double penalty(double r2) {
+  return kReach2 * r2 / (kReach2 + r2);
+}
 double penalty_weight(double r2) {
   const double share = kReach2 / (kReach2 + r2);
   return share * share;
@@ -80,12 +82,13 @@ TagMisfit measure_misfit(const TagPixels& pixels, const TagPrediction& predictio
     total += weights[i] * off * off;
   }
   misfit.residual_scale = 1.4826 * median(std::move(sizes));
-  if (misfit.colours.gain > 0.0 && total > 0.0) misfit.correlation = std::sqrt(std::max(0.0, 1.0 - left / total));
+  if (misfit.colours.gain > 0.0 && total > 0.0)
+    misfit.correlation = std::sqrt(std::max(0.0, 1.0 - left / total));
   return misfit;
 }
 
-TagNormalEquations linearise(const TagPixels& pixels, const TagPrediction& prediction, const TagColours& colours,
-                             double scale) {
+TagNormalEquations linearise(const TagPixels& pixels, const TagPrediction& prediction,
+                             const TagColours& colours, double scale) {
   using Row = Eigen::Matrix<double, 15, 1>;  // twelve of motion, three of colour
   Eigen::Matrix<double, 15, 15> H = Eigen::Matrix<double, 15, 15>::Zero();
   Row g = Row::Zero();

@@ -20,7 +20,7 @@ struct TagMisfit {
   TagColours colours;
   double correlation = 0.0;     ///< sqrt(1 - residual / total variance); 0 where the gain is negative.
   double residual_scale = 0.0;  ///< Robust standard deviation of the residuals.
-  double cost = 0.0;            ///< -log likelihood under bounded errors of the scale given, up to a constant.
+  double cost = 0.0;  ///< -log likelihood under bounded errors of the scale given, up to a constant.
 };
 
 /// The colours that fit best, and what is left. scale: of the residuals, beyond which they count less and
@@ -33,7 +33,7 @@ struct TagNormalEquations {
   Eigen::Matrix<double, 12, 12> H = Eigen::Matrix<double, 12, 12>::Zero();
   Eigen::Matrix<double, 12, 1> g = Eigen::Matrix<double, 12, 1>::Zero();
 };
-TagNormalEquations linearise(const TagPixels& pixels, const TagPrediction& prediction, const TagColours& colours,
-                             double scale);
+TagNormalEquations linearise(const TagPixels& pixels, const TagPrediction& prediction,
+                             const TagColours& colours, double scale);
 
 }  // namespace apriltrack

@@ -11,7 +11,8 @@ constexpr float kMinPresence = 0.25F;
 constexpr float kSaturatedLight = 0.985F;
 
 /// The pixels of level 0 that the printed square passes; empty when a corner cannot be projected.
-Eigen::AlignedBox2d swept_box(const CameraModel& model, const TagPrediction& prediction, const PhotometricTag& tag) {
+Eigen::AlignedBox2d swept_box(const CameraModel& model, const TagPrediction& prediction,
+                              const PhotometricTag& tag) {
   Eigen::AlignedBox2d box;
   const double half = tag.half_size_m() * tag.textures.pattern().half_extent();
   for (const Pose& T_camera_tag : {prediction.path()[0], prediction.T_camera_tag(), prediction.path()[1]}) {
@@ -26,17 +27,22 @@ Eigen::AlignedBox2d swept_box(const CameraModel& model, const TagPrediction& pre
 
 }  // namespace
 
-TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light, const TagPrediction& prediction,
-                        const PhotometricTag& tag, int level, int max_pixels) {
+TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light,
+                        const TagPrediction& prediction, const PhotometricTag& tag, int level,
+                        int max_pixels) {
   TagPixels result;
   const Image<float>& image = light[static_cast<std::size_t>(level)];
   const auto rays = world.rays.level(level);
   const Eigen::AlignedBox2d box = swept_box(world.model, prediction, tag);
   if (box.isEmpty()) return result;
-  const int x0 = std::max(0, static_cast<int>(std::floor(level_pixel(box.min().x(), level))));
-  const int y0 = std::max(0, static_cast<int>(std::floor(level_pixel(box.min().y(), level))));
-  const int x1 = std::min(image.width() - 1, static_cast<int>(std::ceil(level_pixel(box.max().x(), level))));
-  const int y1 = std::min(image.height() - 1, static_cast<int>(std::ceil(level_pixel(box.max().y(), level))));
+  // Clamped before it is an integer: what is nearly behind the camera may lie anywhere.
+  const auto clamped = [&](double pixel, int size) {
+    return static_cast<int>(std::clamp(level_pixel(pixel, level), -2.0, size + 1.0));
+  };
+  const int x0 = std::max(0, clamped(box.min().x(), image.width()));
+  const int y0 = std::max(0, clamped(box.min().y(), image.height()));
+  const int x1 = std::min(image.width() - 1, clamped(box.max().x(), image.width()) + 1);
+  const int y1 = std::min(image.height() - 1, clamped(box.max().y(), image.height()) + 1);
   if (x1 < x0 || y1 < y0) return result;
 
   // Tags fill about half of their box.

@@ -23,7 +23,8 @@ struct TagPixels {
 
 /// Pixels of which the tag covers at least a quarter during the exposure, thinned out evenly to about
 /// max_pixels. Saturated pixels are left out: what light they stand for is not known.
-TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light, const TagPrediction& prediction,
-                        const PhotometricTag& tag, int level, int max_pixels);
+TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light,
+                        const TagPrediction& prediction, const PhotometricTag& tag, int level,
+                        int max_pixels);
 
 }  // namespace apriltrack

@@ -31,8 +31,8 @@ Eigen::Vector2d pinhole(const Eigen::Vector3d& point, double focal_px) {
 
 }  // namespace
 
-TagPrediction::TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const MotionState& state, double exposure_s,
-                             int level, double extra_sigma_px) {
+TagPrediction::TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const MotionState& state,
+                             double exposure_s, int level, double extra_sigma_px) {
   const double focal_px = world.focal_px();
   const double half_size = tag.half_size_m();
   const auto view_at = [&](double time_s) {
@@ -46,14 +46,13 @@ TagPrediction::TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const
 
   Eigen::Vector2d streak = Eigen::Vector2d::Zero();  // the longest of the corners', pixels of level 0
   for (const Eigen::Vector3d& corner : tag_corners(tag.tag.size_m)) {
-    const Eigen::Vector2d move =
-        pinhole(path_[1] * corner, focal_px) - pinhole(path_[0] * corner, focal_px);
+    const Eigen::Vector2d move = pinhole(path_[1] * corner, focal_px) - pinhole(path_[0] * corner, focal_px);
     if (move.squaredNorm() > streak.squaredNorm()) streak = move;
   }
   path_px_ = streak.norm();
   const double level_pixel = 1 << level;
-  const int count = std::clamp(static_cast<int>(std::ceil(path_px_ / (kInstantSpacing * level_pixel))), 1,
-                               kMaxInstants);
+  const int count =
+      std::clamp(static_cast<int>(std::ceil(path_px_ / (kInstantSpacing * level_pixel))), 1, kMaxInstants);
   for (int m = 0; m < count; ++m) {
     const double time_s = exposure_s * ((m + 0.5) / count - 0.5);
     const Eigen::Matrix3d H = camera_from_plane(count == 1 ? T_camera_tag_ : view_at(time_s), half_size);

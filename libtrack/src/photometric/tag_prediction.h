@@ -25,15 +25,15 @@ struct PixelJacobian {
 
 /// One tag seen along one path: the exposure integral of its pattern for any pixel.
 ///
-/// A pixel's ray meets the tag's plane at another place at every instant; the pixel's light is the mean of the
-/// pattern there (docs/algorithms/blur_tracker.md, equation 2). Instants are at most 1.2 pixels of the level
-/// apart where the limit allows; what lies between them, the lens and the pixel's own area blur the pattern
-/// beforehand.
+/// A pixel's ray meets the tag's plane at another place at every instant; the pixel's light is the mean of
+/// the pattern there (docs/algorithms/blur_tracker.md, equation 2). Instants are at most 1.2 pixels of the
+/// level apart where the limit allows; what lies between them, the lens and the pixel's own area blur the
+/// pattern beforehand.
 class TagPrediction {
  public:
   /// extra_sigma_px: further blur, pixels of level 0, to see a tag from further off.
-  TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const MotionState& state, double exposure_s, int level,
-                double extra_sigma_px = 0.0);
+  TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const MotionState& state, double exposure_s,
+                int level, double extra_sigma_px = 0.0);
 
   /// Whether the tag faces the camera, in front of it, during the whole exposure.
   bool is_visible() const { return is_visible_; }
@@ -60,8 +60,8 @@ class TagPrediction {
     PlanePoint meet(const Eigen::Vector2f& ray) const {
       const float* N = plane_from_ray.data();
       const float depth = 1.0F / (N[6] * ray.x() + N[7] * ray.y() + N[8]);
-      return {depth * (N[0] * ray.x() + N[1] * ray.y() + N[2]), depth * (N[3] * ray.x() + N[4] * ray.y() + N[5]),
-              depth};
+      return {depth * (N[0] * ray.x() + N[1] * ray.y() + N[2]),
+              depth * (N[3] * ray.x() + N[4] * ray.y() + N[5]), depth};
     }
   };
 

@@ -1,7 +1,6 @@
 #include "apriltrack/tracker/localizer.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -11,8 +10,8 @@
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
-#include "apriltrack/tags/tag_family.h"
 #include "corner_noise.h"
+#include "mapped_detector.h"
 #include "pose_adjustment.h"
 #include "pose_candidate.h"
 #include "pose_memory.h"
@@ -24,30 +23,10 @@ constexpr double kUnknownExposure_s = 0.01;     // indoor webcams: 5 to 30 ms
 constexpr double kMinOdds = 1e-3;               // what is less likely than this is ruled out
 constexpr double kMinLogPriorOfSupport = -5.0;  // 3 sigma from the prediction
 
-/// Families in the map's order of first use.
-std::vector<std::string> families_of(const TagMap& map) {
-  std::vector<std::string> families;
-  for (const MapTag& tag : map.tags) {
-    if (std::find(families.begin(), families.end(), tag.key.family) == families.end()) {
-      families.push_back(tag.key.family);
-    }
-  }
-  return families;
-}
-
 DetectorOptions checked_detector_options(const Camera& camera, const TagMap& map,
                                          const LocalizerOptions& options) {
   options.check();
-  if (map.tags.empty()) throw invalid_input("map", "has no tags: nothing to localise by");
-  for (const MapTag& tag : map.tags) {
-    if (TagFamily::is_known(tag.key.family)) continue;
-    throw invalid_input("map", fmt::format("tag {}: unknown family; known are {}", to_string(tag.key),
-                                           fmt::join(TagFamily::names(), ", ")));
-  }
-  DetectorOptions detector = options.detector;
-  detector.families = families_of(map);
-  detector.response = camera.response;
-  return detector;
+  return detector_options_for(camera, map, options.detector);
 }
 
 struct Choice {

@@ -18,6 +18,12 @@ struct MotionState {
   Vector6d acceleration = Vector6d::Zero();
 };
 
+/// `state` with its pose perturbed on the right and its velocity changed by `step`: [pose; velocity].
+MotionState moved(const MotionState& state, const Vector12d& step);
+/// The step from `from` to `to`, so that moved(from, difference(from, to)) is `to` with the acceleration of
+/// `from`.
+Vector12d difference(const MotionState& from, const MotionState& to);
+
 /// The pose dt_s later: the origin moves on straight, the rotation about its own axis. A thrown body does so;
 /// the helix of a constant twist would curve the path of whatever spins.
 Pose pose_after(const MotionState& state, double dt_s);

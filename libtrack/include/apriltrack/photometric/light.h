@@ -17,8 +17,12 @@ using LightPyramid = std::vector<Image<float>>;
 LightPyramid light_pyramid(Image<float> light, int num_levels);
 
 /// Place on level 0 of the centre of pixel `x` of level `level`, and back.
-inline double base_pixel(double x, int level) { return (x + 0.5) * (1 << level) - 0.5; }
-inline double level_pixel(double x, int level) { return (x + 0.5) / (1 << level) - 0.5; }
+inline double base_pixel(double x, int level) {
+  return (x + 0.5) * (1 << level) - 0.5;
+}
+inline double level_pixel(double x, int level) {
+  return (x + 0.5) / (1 << level) - 0.5;
+}
 
 /// Rays of the pixels of one camera, as (x / z, y / z), level by level. NaN where the lens model ends or the
 /// ray does not point forward: such pixels take no part.
@@ -27,7 +31,9 @@ class PixelRays {
   PixelRays(const CameraModel& model, int width, int height, int num_levels);
 
   int num_levels() const { return static_cast<int>(levels_.size()); }
-  ImageView<const Eigen::Vector2f> level(int level) const { return levels_[static_cast<std::size_t>(level)].view(); }
+  ImageView<const Eigen::Vector2f> level(int level) const {
+    return levels_[static_cast<std::size_t>(level)].view();
+  }
 
  private:
   std::vector<Image<Eigen::Vector2f>> levels_;

@@ -24,23 +24,25 @@ struct PatternSample {
 /// cell is exact at the texture's points (error functions); between them it is interpolated bilinearly.
 class PatternTexture {
  public:
-  /// sigma_u, sigma_v: in half tag sizes; less than half a texel counts as that.
+  /// sigma_u, sigma_v: in half tag sizes. Texels are three quarters of a sigma wide, within an eighth and a
+  /// 48th of a cell; a sigma too small for its texels counts as large enough.
   PatternTexture(const TagPattern& pattern, double sigma_u, double sigma_v);
 
   PatternSample sample(float u, float v) const {
-    const float x = (u + half_width_) * scale_;
-    const float y = (v + half_width_) * scale_;
+    const float x = (u + half_width_) * columns_per_unit_;
+    const float y = (v + half_height_) * rows_per_unit_;
     PatternSample result;
-    if (!(x >= 0.0F && y >= 0.0F && x < limit_ && y < limit_)) return result;
+    if (!(x >= 0.0F && y >= 0.0F && x < last_column_ && y < last_row_)) return result;
     const int column = static_cast<int>(x), row = static_cast<int>(y);
     const float fx = x - static_cast<float>(column), fy = y - static_cast<float>(row);
     const Eigen::Vector2f* top = texels_.data() + row * width_ + column;
     const Eigen::Vector2f* bottom = top + width_;
     const Eigen::Vector2f left = top[0] + fy * (bottom[0] - top[0]);
     const Eigen::Vector2f right = top[1] + fy * (bottom[1] - top[1]);
-    const Eigen::Vector2f du = (right - left) * scale_;
+    const Eigen::Vector2f du = (right - left) * columns_per_unit_;
     const Eigen::Vector2f value = left + fx * (right - left);
-    const Eigen::Vector2f dv = ((bottom[0] - top[0]) * (1.0F - fx) + (bottom[1] - top[1]) * fx) * scale_;
+    const Eigen::Vector2f dv =
+        ((bottom[0] - top[0]) * (1.0F - fx) + (bottom[1] - top[1]) * fx) * rows_per_unit_;
     result.light = value[0];
     result.presence = value[1];
     result.light_gradient = {du[0], dv[0]};
@@ -48,13 +50,10 @@ class PatternTexture {
     return result;
   }
 
-  /// Beyond this, in |u| or |v|, there is nothing.
-  double half_width() const { return half_width_; }
-
  private:
-  float half_width_ = 0.0F;
-  float scale_ = 0.0F;  ///< Texels per half tag size.
-  float limit_ = 0.0F;
+  float half_width_ = 0.0F, half_height_ = 0.0F;
+  float columns_per_unit_ = 0.0F, rows_per_unit_ = 0.0F;  ///< Texels per half tag size.
+  float last_column_ = 0.0F, last_row_ = 0.0F;
   int width_ = 0;
   std::vector<Eigen::Vector2f> texels_;  ///< (light, presence), row by row.
 };

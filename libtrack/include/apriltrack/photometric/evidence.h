@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include "apriltrack/motion/motion_state.h"
+#include "apriltrack/photometric/photometric_world.h"
+
+namespace apriltrack {
+
+/// How well one tag's picture explains the pixels that it should cover.
+struct TagEvidence {
+  int tag_index = 0;  ///< Into PhotometricWorld::tags.
+  int num_pixels = 0;
+  double area_px = 0.0;  ///< Of the image that these pixels stand for.
+  double correlation =
+      0.0;  ///< sqrt of the share of the pixels' variance that the tag explains; 0 for a negative tag.
+  double contrast = 0.0;  ///< Light between black and white.
+  double path_px = 0.0;   ///< Of the tag's fastest corner during the exposure.
+
+  /// How many independent pixels they are worth: neighbours err together, and a tag is never all there is.
+  double independent_samples() const;
+};
+
+/// Where and how finely evidence is looked for.
+struct EvidenceOptions {
+  int level = 0;
+  int max_pixels_per_tag = 700;
+  double extra_sigma_px = 0.0;  ///< Further blur of the tags' pictures, pixels of level 0.
+  bool is_robust = true;        ///< Errors beyond the usual count less (hands, glare).
+};
+
+/// The evidence for a state as it stands: of every tag that shows enough of itself.
+std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const PhotometricFrame& frame,
+                                        const MotionState& state, const EvidenceOptions& options = {});
+
+/// Log-likelihood of the evidence against "no tag here": sum over tags of -(n / 2) log(1 - c^2 + kappa)
+/// (docs/algorithms/blur_tracker.md, equation 9).
+double log_likelihood(const std::vector<TagEvidence>& tags);
+/// Mean correlation, each tag weighed by its independent samples; 0 without tags.
+double mean_correlation(const std::vector<TagEvidence>& tags);
+
+}  // namespace apriltrack

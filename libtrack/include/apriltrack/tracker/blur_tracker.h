@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/detect/detector.h"
+#include "apriltrack/image/frame.h"
+#include "apriltrack/motion/motion_state.h"
+#include "apriltrack/tags/tag_map.h"
+#include "apriltrack/tracker/track_result.h"
+
+namespace apriltrack {
+
+struct BlurTrackerOptions {
+  TrackMode mode = TrackMode::kEgo;
+  /// families and response are taken from the map and the camera.
+  DetectorOptions detector;
+  /// How fast the motion changes, for prediction.
+  MotionNoise motion_noise;
+  /// Expected corner error per axis, from the detector's own tests: sharp frames, linear light.
+  double corner_sigma_px = 0.1;
+  /// Where a frame is not explained at once: how many states are tried around the prediction, in each of five
+  /// rounds.
+  int num_particles = 240;
+  std::uint64_t seed = 0;
+  /// How long a pose is predicted without evidence before it is lost.
+  double max_prediction_s = 0.5;
+  /// Exposure where neither the frame nor the camera tells one.
+  double default_exposure_s = 0.01;
+
+  /// Throws Error(kInvalidInput) that names the option, its value and its range.
+  void check() const;
+};
+
+/// Tracks through motion blur (`--method blur`): the tags' pictures, blurred along the path that they take
+/// during the exposure, are fitted to the pixels of all visible tags together with pose and velocity,
+/// detected corners and the motion so far (docs/algorithms/blur_tracker.md).
+///
+/// Needs no detection in a frame, as long as one in the last half second told where to look. The covariance
+/// is that of the fit and of what the model is known to leave out; the map and the camera are taken as exact.
+///
+/// One recording at a time, frames in the order of time; a frame that is not later than the one before starts
+/// anew. Memory is bounded. No frame throws, whatever it shows: a pose is finite, or there is none and the
+/// result says why.
+class BlurTracker {
+ public:
+  /// Throws Error(kInvalidInput) when the map is empty, names an unknown family or id, or an option is out of
+  /// its range.
+  BlurTracker(const Camera& camera, const TagMap& map, const BlurTrackerOptions& options = {});
+  ~BlurTracker();
+  BlurTracker(BlurTracker&&) noexcept;
+  BlurTracker& operator=(BlurTracker&&) noexcept;
+
+  /// Builds the detector's tables now: up to seconds, and memory, for families with many codes. Without it
+  /// the first image does; its latency_s does not count them. Those who bring detections need none.
+  void prepare();
+
+  /// Requires an image of the camera's resolution; all images are of one size.
+  TrackResult track(const Frame& frame);
+  /// The same with detections made elsewhere, for instance several frames at a time.
+  TrackResult track(const Frame& frame, const FrameDetections& detections);
+
+  /// What track(Frame) detects with: the options given, with the map's families and the camera's response.
+  const DetectorOptions& detector_options() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace apriltrack

@@ -1,0 +1,54 @@
+#include "apriltrack/photometric/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "active_tags.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kMaxSamples = 340.0;  // of one tag: a patch of 32 x 32, three samples counted as one
+constexpr double kPixelsPerSample = 3.0;
+constexpr double kModelErrorOfVariance = 0.03;
+
+}  // namespace
+
+double TagEvidence::independent_samples() const {
+  return std::min({kMaxSamples, area_px / kPixelsPerSample, static_cast<double>(num_pixels)});
+}
+
+std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const PhotometricFrame& frame,
+                                        const MotionState& state, const EvidenceOptions& options) {
+  std::vector<TagEvidence> evidence;
+  for (const ActiveTag& active :
+       active_tags(world, frame, state, options.level, options.max_pixels_per_tag, options.extra_sigma_px)) {
+    const TagPrediction prediction(world, world.tags[static_cast<std::size_t>(active.index)], state,
+                                   frame.exposure_s, options.level, options.extra_sigma_px);
+    TagMisfit misfit = measure_misfit(active.pixels, prediction, 0.0);
+    if (options.is_robust) misfit = measure_misfit(active.pixels, prediction, scale_of(misfit));
+    evidence.push_back({active.index, static_cast<int>(active.pixels.pixels.size()), active.pixels.area_px,
+                        misfit.correlation, misfit.colours.gain, active.path_px});
+  }
+  return evidence;
+}
+
+double log_likelihood(const std::vector<TagEvidence>& tags) {
+  double sum = 0.0;
+  for (const TagEvidence& tag : tags) {
+    const double unexplained = 1.0 - tag.correlation * tag.correlation + kModelErrorOfVariance;
+    sum -= 0.5 * tag.independent_samples() * std::log(unexplained);
+  }
+  return sum;
+}
+
+double mean_correlation(const std::vector<TagEvidence>& tags) {
+  double sum = 0.0, weight = 0.0;
+  for (const TagEvidence& tag : tags) {
+    sum += tag.independent_samples() * tag.correlation;
+    weight += tag.independent_samples();
+  }
+  return weight > 0.0 ? sum / weight : 0.0;
+}
+
+}  // namespace apriltrack

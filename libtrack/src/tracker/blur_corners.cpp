@@ -1,0 +1,64 @@
+#include "blur_corners.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace apriltrack {
+namespace {
+
+// Twice and more of what the detector's corners show against exact truth (0.08 px, 0.02 of the blur, heavy
+// tails): the same pixels speak for themselves in the fit.
+constexpr double kSharpFactor = 2.0;
+constexpr double kSigmaPerBlur = 0.06;
+constexpr double kUnseenSigma_px = 1.0;
+
+double corner_sigma_px(const PhotometricWorld& world, const Eigen::Vector3d& point, const MotionState& state,
+                       double exposure_s, double sharp_sigma_px) {
+  const auto at = [&](double time_s) {
+    return world.model.project(camera_from_map(pose_after(state, time_s), world.mode) * point);
+  };
+  const auto first = at(-0.5 * exposure_s), last = at(0.5 * exposure_s);
+  if (!first || !last) return kUnseenSigma_px;
+  return std::hypot(kSharpFactor * sharp_sigma_px, kSigmaPerBlur * (*last - *first).norm());
+}
+
+}  // namespace
+
+std::vector<CornerObservation> corner_observations(const PhotometricWorld& world,
+                                                   const std::vector<TagObservation>& observations,
+                                                   const MotionState& state, double exposure_s,
+                                                   double sharp_sigma_px) {
+  std::vector<CornerObservation> corners;
+  for (const TagObservation& observation : observations) {
+    if (observation.corrected_bits > 0 || observation.is_repeated) continue;
+    for (std::size_t i = 0; i < kNumCorners; ++i) {
+      const Eigen::Vector3d& point = observation.corners_map[i];
+      corners.push_back({point, observation.corners_px[i],
+                         corner_sigma_px(world, point, state, exposure_s, sharp_sigma_px)});
+    }
+  }
+  return corners;
+}
+
+int count_agreeing_tags(const PhotometricWorld& world, const std::vector<TagObservation>& observations,
+                        const MotionState& state, double exposure_s, double sharp_sigma_px) {
+  constexpr double kMaxSigmas = 4.0;
+  constexpr double kSlack_px = 1.0;
+  const Pose view = camera_from_map(state.pose, world.mode);
+  std::set<const MapTag*> agreeing;
+  for (const TagObservation& observation : observations) {
+    bool is_near = true;
+    for (std::size_t i = 0; i < kNumCorners; ++i) {
+      const Eigen::Vector3d& point = observation.corners_map[i];
+      const auto pixel = world.model.project(view * point);
+      const double limit_px =
+          kSlack_px + kMaxSigmas * corner_sigma_px(world, point, state, exposure_s, sharp_sigma_px);
+      is_near = is_near && pixel && (*pixel - observation.corners_px[i]).norm() < limit_px;
+    }
+    if (is_near) agreeing.insert(observation.tag);
+  }
+  return static_cast<int>(agreeing.size());
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,145 @@
+#include "blur_explanation.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "blur_cloud.h"
+#include "blur_corners.h"
+#include "pose_adjustment.h"
+#include "pose_candidate.h"
+
+namespace apriltrack {
+namespace {
+
+/// Explained well enough to look no further: what a right state reaches where nothing hides the tags.
+constexpr double kGoodCorrelation = 0.94;
+constexpr double kMaxPriorCost = 30.0;  // -log of the prior, beyond which its Gaussian is not to be trusted
+constexpr double kMaxPriorDistance = 6.0;  // standard deviations of the pose
+constexpr double kAccelerationShare = 0.7;
+constexpr double kColdCornerSigma_px = 3.0;
+constexpr double kColdLinear_m_per_s = 1.5;
+constexpr double kColdAngular_rad_per_s = 6.0;
+constexpr std::size_t kMaxColdSearches = 2;
+
+/// What a detection alone says of the motion: about where, and nothing of the velocity but that it is usual.
+std::optional<MotionBelief> cold_belief(const PhotometricWorld& world, const PoseCandidate& candidate) {
+  const Matrix6d information = corner_information(world.model, candidate.inliers, candidate.T_camera_map);
+  const Eigen::LLT<Matrix6d> factor(information);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  Matrix6d covariance = kColdCornerSigma_px * kColdCornerSigma_px * factor.solve(Matrix6d::Identity());
+  if (!covariance.allFinite()) return std::nullopt;
+  if (world.mode == TrackMode::kEgo) {
+    const Matrix6d adjoint = candidate.T_camera_map.adjoint();
+    covariance = adjoint * covariance * adjoint.transpose();
+  }
+  MotionBelief belief;
+  belief.mean.pose = pose_from_camera(candidate.T_camera_map, world.mode);
+  belief.covariance.topLeftCorner<6, 6>() = 0.5 * (covariance + covariance.transpose());
+  belief.covariance.diagonal().segment<3>(6).setConstant(kColdLinear_m_per_s * kColdLinear_m_per_s);
+  belief.covariance.diagonal().segment<3>(9).setConstant(kColdAngular_rad_per_s * kColdAngular_rad_per_s);
+  return belief;
+}
+
+/// The velocity that the belief expects where the pose is known; nullopt when the pose is beyond belief.
+std::optional<MotionState> conditioned(const MotionBelief& belief, const Pose& pose) {
+  const Vector6d off = (belief.mean.pose.inverse() * pose).log();
+  const Vector6d weighted = Matrix6d(belief.covariance.topLeftCorner<6, 6>()).ldlt().solve(off);
+  if (!(off.dot(weighted) < kMaxPriorDistance * kMaxPriorDistance)) return std::nullopt;
+  MotionState state = belief.mean;
+  state.pose = pose;
+  state.velocity += belief.covariance.bottomLeftCorner<6, 6>() * weighted;
+  return state;
+}
+
+double prior_cost(const MotionBelief& prior, const MotionState& state) {
+  const Vector12d d = difference(prior.mean, state);
+  return 0.5 * d.dot(prior.covariance.ldlt().solve(d));
+}
+
+void sort_by_score(std::vector<Explanation>& found) {
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.score > b.score; });
+}
+
+}  // namespace
+
+std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
+                                                const std::optional<MotionBelief>& belief) {
+  std::vector<Explanation> found;
+  for (const Start& start : starts(frame, belief))
+    found.push_back(explained(frame, start, belief.has_value(), {}));
+  sort_by_score(found);
+  if (found.empty()) return found;
+  if (found.front().correlation < kGoodCorrelation) search(frame, belief, found);
+  sort_by_score(found);
+  if (frame.interval_s && !found.front().is_cold) accelerate(frame, found.front());
+  return found;
+}
+
+std::vector<BlurExplainer::Start> BlurExplainer::starts(const BlurFrame& frame,
+                                                        const std::optional<MotionBelief>& belief) const {
+  std::vector<Start> result;
+  std::vector<Pose> predictions;
+  if (belief) {
+    result.push_back({belief->mean, *belief, false});
+    predictions.push_back(camera_from_map(belief->mean.pose, world_.mode));
+  }
+  if (frame.observations.empty()) return result;
+  const CandidateOptions options{.expected_sigma_px = options_.corner_sigma_px};
+  for (const PoseCandidate& candidate :
+       find_pose_candidates(world_.model, frame.observations, predictions, options)) {
+    const Pose pose = pose_from_camera(candidate.T_camera_map, world_.mode);
+    if (belief) {
+      if (const auto state = conditioned(*belief, pose)) {
+        result.push_back({*state, *belief, false});
+        continue;
+      }
+    }
+    if (const auto cold = cold_belief(world_, candidate)) result.push_back({cold->mean, *cold, true});
+  }
+  return result;
+}
+
+Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start, bool has_belief,
+                                     const MotionFitOptions& options) {
+  const auto corners = corner_observations(world_, frame.observations, start.state,
+                                           frame.photometric.exposure_s, options_.corner_sigma_px);
+  Explanation explanation;
+  explanation.fit = fit_motion(world_, frame.photometric, start.state, start.prior, corners, options);
+  explanation.prior = start.prior;
+  explanation.is_cold = start.is_cold;
+  explanation.correlation = mean_correlation(explanation.fit.tags);
+  // A detection that the motion so far did not expect pays as much as any surprise may cost.
+  const double surprise = start.is_cold
+                              ? (has_belief ? kMaxPriorCost : 0.0)
+                              : std::min(kMaxPriorCost, prior_cost(start.prior, explanation.fit.state));
+  explanation.score = log_likelihood(explanation.fit.tags) - surprise;
+  return explanation;
+}
+
+void BlurExplainer::search(const BlurFrame& frame, const std::optional<MotionBelief>& belief,
+                           std::vector<Explanation>& found) {
+  std::vector<Start> bases;
+  if (belief) bases.push_back({belief->mean, *belief, false});
+  for (const Explanation& explanation : found) {
+    if (!belief && bases.size() < kMaxColdSearches)
+      bases.push_back({explanation.prior.mean, explanation.prior, true});
+  }
+  std::vector<MotionState> seeds;
+  for (const Explanation& explanation : found) seeds.push_back(explanation.fit.state);
+  for (const Start& base : bases) {
+    const CloudOptions options{options_.num_particles, options_.seed, frame.index};
+    for (const MotionState& state : search_cloud(world_, frame.photometric, base.prior, seeds, options))
+      found.push_back(explained(frame, {state, base.prior, base.is_cold}, belief.has_value(), {}));
+  }
+}
+
+void BlurExplainer::accelerate(const BlurFrame& frame, Explanation& best) {
+  MotionState state = best.fit.state;
+  state.acceleration = kAccelerationShare / *frame.interval_s * (state.velocity - best.prior.mean.velocity);
+  Explanation curved = explained(frame, {state, best.prior, best.is_cold}, true, {.coarsest_level = 0});
+  if (curved.score > best.score) best = std::move(curved);
+}
+
+}  // namespace apriltrack

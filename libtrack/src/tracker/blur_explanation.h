@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "apriltrack/photometric/motion_fit.h"
+#include "apriltrack/tracker/blur_tracker.h"
+#include "tag_observation.h"
+
+namespace apriltrack {
+
+/// One frame, ready to be explained.
+struct BlurFrame {
+  PhotometricFrame photometric;
+  std::vector<TagObservation> observations;
+  std::uint64_t index = 0;           ///< In the recording: the key of its random numbers.
+  std::optional<double> interval_s;  ///< Since the frame before that was explained.
+};
+
+/// A state that explains a frame, and why.
+struct Explanation {
+  MotionFit fit;
+  MotionBelief prior;
+  bool is_cold = false;  ///< The prior is that of a detection alone, not of the motion so far.
+  double correlation = 0.0;
+  /// Log-likelihood of the pixels and, within limits, of the prior.
+  double score = 0.0;
+};
+
+/// Finds the states that explain frames: from the motion so far, from detections, and from a cloud of
+/// particles where neither does.
+class BlurExplainer {
+ public:
+  BlurExplainer(PhotometricWorld& world, const BlurTrackerOptions& options)
+      : world_(world), options_(options) {}
+
+  /// Best first; empty when there is neither a belief nor a detection. belief: of this frame's time.
+  std::vector<Explanation> explain(const BlurFrame& frame, const std::optional<MotionBelief>& belief);
+
+ private:
+  struct Start {
+    MotionState state;
+    MotionBelief prior;
+    bool is_cold;
+  };
+
+  std::vector<Start> starts(const BlurFrame& frame, const std::optional<MotionBelief>& belief) const;
+  void search(const BlurFrame& frame, const std::optional<MotionBelief>& belief,
+              std::vector<Explanation>& found);
+  void accelerate(const BlurFrame& frame, Explanation& best);
+  Explanation explained(const BlurFrame& frame, const Start& start, bool has_belief,
+                        const MotionFitOptions& options);
+
+  PhotometricWorld& world_;
+  const BlurTrackerOptions& options_;
+};
+
+}  // namespace apriltrack

@@ -1,0 +1,183 @@
+#include "apriltrack/tracker/blur_tracker.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include "apriltrack/base/check.h"
+#include "apriltrack/base/error.h"
+#include "blur_corners.h"
+#include "blur_covariance.h"
+#include "blur_explanation.h"
+#include "mapped_detector.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kMinCorrelation = 0.8;
+constexpr double kMinCorrelationWithDetection = 0.5;
+constexpr double kMinOdds = 1e-3;  // what is less likely than this is ruled out
+
+}  // namespace
+
+void BlurTrackerOptions::check() const {
+  if (!(corner_sigma_px > 0.0 && std::isfinite(corner_sigma_px)))
+    throw invalid_input("corner_sigma_px", fmt::format("must be > 0 (is {})", corner_sigma_px));
+  if (num_particles < 16)
+    throw invalid_input("num_particles", fmt::format("must be at least 16 (is {})", num_particles));
+  if (!(max_prediction_s >= 0.0 && max_prediction_s <= 0.5))
+    throw invalid_input("max_prediction_s", fmt::format("must be 0 to 0.5 (is {})", max_prediction_s));
+  if (!(default_exposure_s >= 0.0 && default_exposure_s <= 1.0))
+    throw invalid_input("default_exposure_s", fmt::format("must be 0 to 1 (is {})", default_exposure_s));
+  detector.check();
+}
+
+class BlurTracker::Implementation {
+ public:
+  Implementation(const Camera& camera, const TagMap& map, const BlurTrackerOptions& options)
+      : camera_(camera), map_(map), options_(options) {
+    options.check();
+    detector_options_ = detector_options_for(camera, map, options.detector);
+    // The tags' ids are checked now; without a size in the camera file, rays wait for the first image.
+    world_.emplace(camera_, map_, options_.mode, camera_.width, camera_.height);
+    explainer_.emplace(*world_, options_);
+  }
+
+  void prepare() {
+    if (!detector_) detector_.emplace(detector_options_);
+  }
+
+  TrackResult track(const Frame& frame) {
+    prepare();  // the tables are no part of a frame's latency
+    const auto start = std::chrono::steady_clock::now();
+    return track(frame, detector_->detect(frame.image), start);
+  }
+
+  TrackResult track(const Frame& frame, const std::vector<Detection>& detections,
+                    std::chrono::steady_clock::time_point start) {
+    fit_size(frame.image);
+    TrackResult result;
+    result.timestamp = frame.timestamp;
+    const BlurFrame blur_frame = prepared(frame, detections);
+    std::set<const MapTag*> tags;
+    for (const TagObservation& observation : blur_frame.observations) tags.insert(observation.tag);
+    result.tags_detected = static_cast<int>(tags.size());
+
+    const std::optional<MotionBelief> belief = predicted(frame.timestamp);
+    const std::vector<Explanation> found = explainer_->explain(blur_frame, belief);
+    if (!found.empty() && is_convincing(blur_frame, found.front())) {
+      report_evidence(blur_frame, found, result);
+    } else if (belief) {
+      result.status = TrackStatus::kPredicted;
+      result.pose = belief->mean.pose;
+      result.covariance = belief->covariance.topLeftCorner<6, 6>();
+    } else {
+      belief_.reset();
+      result.reason = detections.empty() ? "no tag seen, and no recent pose to look from"
+                      : blur_frame.observations.empty()
+                          ? "no tag of the map seen, and no recent pose to look from"
+                          : "the tags seen fit no pose";
+    }
+    result.latency_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return result;
+  }
+
+  const DetectorOptions& detector_options() const { return detector_options_; }
+
+ private:
+  void fit_size(const GrayView& image) {
+    const auto rays = world_->rays.level(0);
+    if (rays.width() == image.width() && rays.height() == image.height()) return;
+    APRILTRACK_CHECK(rays.is_empty(), "all images must have one resolution, the camera's");
+    world_->rays = PixelRays(camera_.model, image.width(), image.height(), PhotometricWorld::kNumLevels);
+  }
+
+  BlurFrame prepared(const Frame& frame, const std::vector<Detection>& detections) {
+    BlurFrame result;
+    result.photometric.light =
+        light_pyramid(to_linear_light(frame.image, camera_.response), PhotometricWorld::kNumLevels);
+    result.photometric.exposure_s =
+        frame.exposure_s.value_or(camera_.exposure_s.value_or(options_.default_exposure_s));
+    result.observations = observe_mapped_tags(map_, camera_.model, detections);
+    result.index = num_frames_++;
+    if (belief_) result.interval_s = seconds_between(evidence_time_, frame.timestamp);
+    return result;
+  }
+
+  /// The belief at `time`; none when the last evidence is too old, or time does not run forward.
+  std::optional<MotionBelief> predicted(Timestamp time) const {
+    if (!belief_) return std::nullopt;
+    const double age_s = seconds_between(evidence_time_, time);
+    if (!(age_s > 0.0 && age_s <= options_.max_prediction_s)) return std::nullopt;
+    return predict(*belief_, options_.motion_noise, age_s);
+  }
+
+  bool is_convincing(const BlurFrame& frame, const Explanation& best) const {
+    if (best.correlation >= kMinCorrelation) return true;
+    return best.correlation >= kMinCorrelationWithDetection && num_agreeing(frame, best) > 0;
+  }
+
+  int num_agreeing(const BlurFrame& frame, const Explanation& explanation) const {
+    return count_agreeing_tags(*world_, frame.observations, explanation.fit.state,
+                               frame.photometric.exposure_s, options_.corner_sigma_px);
+  }
+
+  void report_evidence(const BlurFrame& frame, const std::vector<Explanation>& found, TrackResult& result) {
+    const Explanation& best = found.front();
+    MotionBelief belief{best.fit.state, fit_covariance(*world_, best.fit)};
+    belief.mean.acceleration.setZero();
+    result.status = num_agreeing(frame, best) > 0 ? TrackStatus::kDetected : TrackStatus::kTracked;
+    result.pose = belief.mean.pose;
+    result.covariance = belief.covariance.topLeftCorner<6, 6>();
+    result.tags_tracked = static_cast<int>(best.fit.tags.size());
+    for (const Explanation& other : found) {
+      const double odds = std::exp(other.score - best.score);
+      if (odds < kMinOdds || result.second_pose || !is_distinct(belief, other.fit.state.pose)) continue;
+      result.second_pose = other.fit.state.pose;
+      result.second_mode_odds = odds;
+    }
+    belief_ = belief;
+    evidence_time_ = result.timestamp;
+  }
+
+  /// Beyond five standard deviations.
+  static bool is_distinct(const MotionBelief& belief, const Pose& pose) {
+    const Vector6d off = (belief.mean.pose.inverse() * pose).log();
+    return off.dot(Matrix6d(belief.covariance.topLeftCorner<6, 6>()).ldlt().solve(off)) > 25.0;
+  }
+
+  Camera camera_;
+  TagMap map_;
+  BlurTrackerOptions options_;
+  DetectorOptions detector_options_;
+  std::optional<Detector> detector_;  ///< Made by prepare(): detections from a file need none.
+  std::optional<PhotometricWorld> world_;
+  std::optional<BlurExplainer> explainer_;
+  std::optional<MotionBelief> belief_;  ///< At evidence_time_.
+  Timestamp evidence_time_;
+  std::uint64_t num_frames_ = 0;
+};
+
+BlurTracker::BlurTracker(const Camera& camera, const TagMap& map, const BlurTrackerOptions& options)
+    : implementation_(std::make_unique<Implementation>(camera, map, options)) {}
+BlurTracker::~BlurTracker() = default;
+BlurTracker::BlurTracker(BlurTracker&&) noexcept = default;
+BlurTracker& BlurTracker::operator=(BlurTracker&&) noexcept = default;
+
+void BlurTracker::prepare() {
+  implementation_->prepare();
+}
+TrackResult BlurTracker::track(const Frame& frame) {
+  return implementation_->track(frame);
+}
+TrackResult BlurTracker::track(const Frame& frame, const FrameDetections& detections) {
+  return implementation_->track(frame, detections.detections, std::chrono::steady_clock::now());
+}
+const DetectorOptions& BlurTracker::detector_options() const {
+  return implementation_->detector_options();
+}
+
+}  // namespace apriltrack
