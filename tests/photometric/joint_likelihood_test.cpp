@@ -240,6 +240,39 @@ TEST(JointLikelihood, SameBitsOnAnyNumberOfThreads) {
   }
 }
 
+TEST(JointLikelihood, MissesNoPartOfATagThatIsInTheImage) {
+  const PhotometricFrame frame = noise_frame(8);
+  const JointLikelihoodOptions options = with_references(PatchError::kLinear, 8);
+  for (const Distortion& lens :
+       {Distortion(NoDistortion{}), Distortion(RadtanDistortion({-0.3, 0.1, 2e-3, -1e-3})),
+        Distortion(EquidistantDistortion({0.02, 0.0, 0.0, 0.0}))}) {
+    Camera camera = camera_320();
+    camera.model = CameraModel({200.0, 200.0, 150.0, 130.0}, lens);
+    JointLikelihood likelihood(camera, one_tag(), TrackMode::kJoint, options);
+    std::vector<double> patch = patch_of(frame, options, facing(0, 0, 0.5));
+    likelihood.set_reference(0, patch);
+    RandomStream random(8);
+    std::vector<MotionState> hypotheses;
+    for (int i = 0; i < 3000; ++i) {
+      Eigen::Vector3d place(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-0.3, 1.0));
+      hypotheses.push_back(at_rest({rotation_exp(random.normal() * place), place}));
+    }
+    JointScores scores;
+    likelihood.evaluate(frame, hypotheses, kSerial, &scores);
+    int num_partly = 0, num_unseen = 0;
+    for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+      const int seen =
+          sample_patch(frame.light[0].view(), camera.model,
+                       camera_from_tag_plane(hypotheses[i].pose, kTagSize_m), options.grid, patch);
+      EXPECT_EQ(scores.tag(i, 0).seen_share, seen < PatchMatch::kMinSamples ? 0.0 : seen / 64.0);
+      num_partly += seen > 0 && seen < 64 ? 1 : 0;
+      num_unseen += seen == 0 ? 1 : 0;
+    }
+    EXPECT_GT(num_partly, 100);
+    EXPECT_GT(num_unseen, 500);
+  }
+}
+
 TEST(JointLikelihood, RefusesOptionsOutOfRange) {
   JointLikelihoodOptions options;
   options.gamma = -1.0;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
@@ -21,6 +22,32 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 void require(bool holds, const char* field, double value, const char* range) {
   if (!holds) throw invalid_input(field, fmt::format("must lie in {} (is {})", range, value));
+}
+
+double angle_off_axis_rad(const Eigen::Vector3d& direction) {
+  return std::atan2(direction.head<2>().norm(), direction.z());
+}
+
+/// The image's corners look farthest off the axis, but for what tangential distortion adds: hence the margin.
+double max_view_angle_rad(const CameraModel& model, int width, int height) {
+  constexpr double kMargin_rad = 0.05;
+  double angle_rad = 0.0;
+  for (const Eigen::Vector2d& corner :
+       {Eigen::Vector2d(0, 0), Eigen::Vector2d(width - 1, 0), Eigen::Vector2d(0, height - 1),
+        Eigen::Vector2d(width - 1, height - 1)}) {
+    const auto ray = model.unproject(corner);
+    if (!ray) return std::numbers::pi;  // beyond the lens model: anything may be seen
+    angle_rad = std::max(angle_rad, angle_off_axis_rad(*ray));
+  }
+  return angle_rad + kMargin_rad;
+}
+
+/// Whether no point of the patch can be in the image: most tags of a room, at no cost.
+bool is_out_of_view(const Eigen::Matrix3d& camera_from_plane, const PatchGrid& grid, double max_angle_rad) {
+  const Eigen::Vector3d centre = camera_from_plane.col(2);
+  const double radius = std::numbers::sqrt2 * grid.half_extent * camera_from_plane.col(0).norm();
+  const double distance = centre.norm();
+  return distance > radius && angle_off_axis_rad(centre) - std::asin(radius / distance) > max_angle_rad;
 }
 
 /// Independent samples in a patch: neighbours share the light of a pixel and of the lens blur, about three
@@ -113,6 +140,7 @@ void JointLikelihood::evaluate(const PhotometricFrame& frame, std::span<const Mo
                                const ParallelFor& parallel, JointScores* scores) {
   APRILTRACK_CHECK(!frame.light.empty() && !frame.light[0].is_empty(),
                    "a frame has a level of light at least");
+  max_view_angle_rad_ = max_view_angle_rad(model_, frame.light[0].width(), frame.light[0].height());
   scores->num_tags = num_tags();
   scores->log_likelihoods.resize(hypotheses.size());
   scores->tags.resize(hypotheses.size() * num_tags());
@@ -172,7 +200,8 @@ TagScore JointLikelihood::score_tag(const PhotometricFrame& frame, std::size_t i
   TagScore score;
   const Tag& tag = tags_[index];
   const Eigen::Matrix3d M = camera_from_tag_plane(T_camera_map * tag.T_map_tag, tag.size_m);
-  const bool is_hidden = prediction != nullptr && !prediction->is_visible();
+  const bool is_hidden = (prediction != nullptr && !prediction->is_visible()) ||
+                         is_out_of_view(M, options_.grid, max_view_angle_rad_);
   const int num_seen =
       is_hidden ? 0 : sample_patch(frame.light[0].view(), model_, M, options_.grid, patches.seen);
   if (num_seen >= PatchMatch::kMinSamples) {

@@ -110,6 +110,7 @@ class JointLikelihood {
 
   CameraModel model_;
   TrackMode mode_;
+  double max_view_angle_rad_ = 0.0;  ///< Off the optical axis, of this frame's farthest pixel.
   JointLikelihoodOptions options_;
   std::vector<Tag> tags_;
   std::vector<std::vector<double>> references_;
