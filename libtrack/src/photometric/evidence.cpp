@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "active_tags.h"
 
@@ -49,6 +50,22 @@ double mean_correlation(const std::vector<TagEvidence>& tags) {
     weight += tag.independent_samples();
   }
   return weight > 0.0 ? sum / weight : 0.0;
+}
+
+double typical_correlation(const std::vector<TagEvidence>& tags) {
+  std::vector<std::pair<double, double>> weighed;  // correlation, samples
+  double total = 0.0;
+  for (const TagEvidence& tag : tags) {
+    weighed.emplace_back(tag.correlation, tag.independent_samples());
+    total += tag.independent_samples();
+  }
+  std::sort(weighed.rbegin(), weighed.rend());
+  double reached = 0.0;
+  for (const auto& [correlation, samples] : weighed) {
+    reached += samples;
+    if (reached >= 0.5 * total) return correlation;
+  }
+  return 0.0;
 }
 
 }  // namespace apriltrack

@@ -1,5 +1,6 @@
 #include "apriltrack/photometric/pattern_texture.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -88,7 +89,7 @@ PatternTexture::PatternTexture(const TagPattern& pattern, double sigma_u, double
   texels_.reserve(static_cast<std::size_t>(light.size()));
   for (int row = 0; row < v.count; ++row) {
     for (int column = 0; column < u.count; ++column)
-      texels_.emplace_back(static_cast<float>(light(row, column)), static_cast<float>(presence(row, column)));
+      texels_.push_back({static_cast<float>(light(row, column)), static_cast<float>(presence(row, column))});
   }
 }
 

@@ -46,6 +46,10 @@ double residual(const TagColours& colours, const PixelPrediction& prediction, fl
          colours.background * (1.0 - prediction.presence) - light;
 }
 
+double prior_weight(const TagPixel& pixel) {
+  return 1.0 / static_cast<double>(pixel.relative_sigma * pixel.relative_sigma);
+}
+
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -60,20 +64,24 @@ TagMisfit measure_misfit(const TagPixels& pixels, const TagPrediction& predictio
   std::vector<PixelPrediction> predictions(n);
   for (std::size_t i = 0; i < n; ++i) predictions[i] = prediction.predict(pixels.pixels[i].ray);
   TagMisfit misfit;
-  std::vector<double> weights(n, 1.0), sizes(n);
+  std::vector<double> weights(n), sizes(n);
+  for (std::size_t i = 0; i < n; ++i) weights[i] = prior_weight(pixels.pixels[i]);
   const int rounds = scale > 0.0 ? 3 : 1;
   for (int round = 0; round < rounds; ++round) {
     misfit.colours = solve_colours(pixels, predictions, weights);
     for (std::size_t i = 0; i < n; ++i) {
-      sizes[i] = std::abs(residual(misfit.colours, predictions[i], pixels.pixels[i].light));
-      if (scale > 0.0) weights[i] = penalty_weight(sizes[i] * sizes[i] / (scale * scale));
+      const TagPixel& pixel = pixels.pixels[i];
+      sizes[i] = std::abs(residual(misfit.colours, predictions[i], pixel.light)) / pixel.relative_sigma;
+      if (scale > 0.0)
+        weights[i] = prior_weight(pixel) * penalty_weight(sizes[i] * sizes[i] / (scale * scale));
     }
   }
   double sum_w = 0.0, mean = 0.0, left = 0.0, total = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
     sum_w += weights[i];
     mean += weights[i] * pixels.pixels[i].light;
-    left += weights[i] * sizes[i] * sizes[i];
+    const double sigma = pixels.pixels[i].relative_sigma;
+    left += weights[i] * sigma * sigma * sizes[i] * sizes[i];
     if (scale > 0.0) misfit.cost += 0.5 * penalty(sizes[i] * sizes[i] / (scale * scale));
   }
   mean /= std::max(1e-12, sum_w);
@@ -97,7 +105,8 @@ TagNormalEquations linearise(const TagPixels& pixels, const TagPrediction& predi
   const auto by_presence = static_cast<float>(colours.black - colours.background);
   for (const TagPixel& pixel : pixels.pixels) {
     const PixelPrediction predicted = prediction.predict(pixel.ray, jacobian);
-    const double r = residual(colours, predicted, pixel.light) / scale;
+    const double sigma = scale * pixel.relative_sigma;
+    const double r = residual(colours, predicted, pixel.light) / sigma;
     const double w = penalty_weight(r * r);
     Row row;
     for (std::size_t k = 0; k < 6; ++k) {
@@ -106,7 +115,7 @@ TagNormalEquations linearise(const TagPixels& pixels, const TagPrediction& predi
       row[index + 6] = by_light * jacobian.light_by_rate[k] + by_presence * jacobian.presence_by_rate[k];
     }
     row.segment<3>(12) = basis(predicted);
-    row /= scale;
+    row /= sigma;
     H.selfadjointView<Eigen::Lower>().rankUpdate(row, w);
     g += w * r * row;
   }

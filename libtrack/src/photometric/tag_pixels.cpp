@@ -8,6 +8,8 @@ namespace apriltrack {
 namespace {
 
 constexpr float kMinPresence = 0.25F;
+/// Standard deviation of the surroundings over that of the tag's own pixels.
+constexpr float kBackgroundSigma = 6.0F;
 constexpr float kSaturatedLight = 0.985F;
 
 /// The pixels of level 0 that the printed square passes; empty when a corner cannot be projected.
@@ -55,7 +57,9 @@ TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light
       const Eigen::Vector2f& ray = rays(x, y);
       const float value = image(x, y);
       if (std::isnan(ray.x()) || value > kSaturatedLight) continue;
-      if (prediction.predict(ray).presence >= kMinPresence) result.pixels.push_back({ray, value});
+      const float presence = prediction.predict(ray).presence;
+      if (presence < kMinPresence) continue;
+      result.pixels.push_back({ray, value, std::hypot(1.0F, kBackgroundSigma * (1.0F - presence))});
     }
   }
   const double pixel = result.stride * (1 << level);

@@ -12,6 +12,9 @@ namespace apriltrack {
 struct TagPixel {
   Eigen::Vector2f ray;
   float light;
+  /// Its expected error, 1 where nothing but the tag is seen: what lies behind the tag is not as even as one
+  /// background colour.
+  float relative_sigma;
 };
 
 /// The pixels that a tag is judged by, on one level.

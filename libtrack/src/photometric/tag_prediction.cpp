@@ -99,7 +99,8 @@ PixelPrediction TagPrediction::predict(const Eigen::Vector2f& ray, PixelJacobian
   for (const Instant& instant : instants_) {
     const PlanePoint point = instant.meet(ray);
     if (!(point.depth > 0.0F)) continue;
-    const PatternSample sample = texture_->sample(point.u, point.v);
+    PatternGradient gradient;
+    const PatternSample sample = texture_->sample(point.u, point.v, gradient);
     sum.light += sample.light * share;
     sum.presence += sample.presence * share;
     // Moving the plane by dp where the ray meets it moves the place met by -(N_u - u N_w) dp.
@@ -110,10 +111,10 @@ PixelPrediction TagPrediction::predict(const Eigen::Vector2f& ray, PixelJacobian
       dv[k] = share * (point.v * N[6 + k] - N[3 + k]);
     }
     const float at[3] = {point.depth * ray.x(), point.depth * ray.y(), point.depth};
-    const auto add = [&](const Eigen::Vector2f& gradient, std::array<float, 6>& by_pose,
+    const auto add = [&](float by_u, float by_v, std::array<float, 6>& by_pose,
                          std::array<float, 6>& by_rate) {
       float step[6];
-      for (int k = 0; k < 3; ++k) step[k] = gradient[0] * du[k] + gradient[1] * dv[k];
+      for (int k = 0; k < 3; ++k) step[k] = by_u * du[k] + by_v * dv[k];
       step[3] = at[1] * step[2] - at[2] * step[1];
       step[4] = at[2] * step[0] - at[0] * step[2];
       step[5] = at[0] * step[1] - at[1] * step[0];
@@ -122,8 +123,8 @@ PixelPrediction TagPrediction::predict(const Eigen::Vector2f& ray, PixelJacobian
         by_rate[k] += instant.time_s * step[k];
       }
     };
-    add(sample.light_gradient, jacobian.light_by_pose, jacobian.light_by_rate);
-    add(sample.presence_gradient, jacobian.presence_by_pose, jacobian.presence_by_rate);
+    add(gradient.light_u, gradient.light_v, jacobian.light_by_pose, jacobian.light_by_rate);
+    add(gradient.presence_u, gradient.presence_v, jacobian.presence_by_pose, jacobian.presence_by_rate);
   }
   return sum;
 }

@@ -71,7 +71,7 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
     found.push_back(explained(frame, start, belief.has_value(), {}));
   sort_by_score(found);
   if (found.empty()) return found;
-  if (found.front().correlation < kGoodCorrelation) search(frame, belief, found);
+  if (found.front().mean_correlation < kGoodCorrelation) search(frame, belief, found);
   sort_by_score(found);
   if (frame.interval_s && !found.front().is_cold) accelerate(frame, found.front());
   return found;
@@ -109,7 +109,8 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
   explanation.fit = fit_motion(world_, frame.photometric, start.state, start.prior, corners, options);
   explanation.prior = start.prior;
   explanation.is_cold = start.is_cold;
-  explanation.correlation = mean_correlation(explanation.fit.tags);
+  explanation.mean_correlation = mean_correlation(explanation.fit.tags);
+  explanation.typical_correlation = typical_correlation(explanation.fit.tags);
   // A detection that the motion so far did not expect pays as much as any surprise may cost.
   const double surprise = start.is_cold
                               ? (has_belief ? kMaxPriorCost : 0.0)

@@ -23,7 +23,8 @@ struct Explanation {
   MotionFit fit;
   MotionBelief prior;
   bool is_cold = false;  ///< The prior is that of a detection alone, not of the motion so far.
-  double correlation = 0.0;
+  double mean_correlation = 0.0;
+  double typical_correlation = 0.0;
   /// Log-likelihood of the pixels and, within limits, of the prior.
   double score = 0.0;
 };

@@ -116,8 +116,8 @@ class BlurTracker::Implementation {
   }
 
   bool is_convincing(const BlurFrame& frame, const Explanation& best) const {
-    if (best.correlation >= kMinCorrelation) return true;
-    return best.correlation >= kMinCorrelationWithDetection && num_agreeing(frame, best) > 0;
+    if (best.typical_correlation >= kMinCorrelation) return true;
+    return best.typical_correlation >= kMinCorrelationWithDetection && num_agreeing(frame, best) > 0;
   }
 
   int num_agreeing(const BlurFrame& frame, const Explanation& explanation) const {

@@ -39,4 +39,8 @@ double log_likelihood(const std::vector<TagEvidence>& tags);
 /// Mean correlation, each tag weighed by its independent samples; 0 without tags.
 double mean_correlation(const std::vector<TagEvidence>& tags);
 
+/// The correlation that half of the independent samples or more reach: one hidden tag among others does not
+/// change it. 0 without tags.
+double typical_correlation(const std::vector<TagEvidence>& tags);
+
 }  // namespace apriltrack
