@@ -2,20 +2,17 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdint>
-#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/detections_csv.h"
-#include "apriltrack/tracker/localizer.h"
-#include "apriltrack/tracker/paper_tracker.h"
 #include "command_help.h"
 #include "commands.h"
 #include "frame_loop.h"
 #include "inputs.h"
+#include "track_methods.h"
 #include "track_record.h"
 
 namespace apriltrack::app {
@@ -35,31 +32,26 @@ struct Arguments {
   std::string camera_name;
   std::string map;
   std::string mode = "ego";
-  std::string method = "pnp";
   std::string output;
   std::string frames_csv;
   std::optional<double> rate_hz;
-  int num_threads = 0;
-  LocalizerOptions localizer;
-  std::string paper_variant = "program";
-  std::optional<std::size_t> num_particles;
-  std::uint64_t seed = 1;
+  MethodOptions options;
   Console console;
-};
 
-/// A way to track: what it detects with, and what it makes of a frame.
-struct Method {
-  DetectorOptions detector;
-  std::function<TrackResult(const Frame&, const std::vector<Detection>&)> track;
+  /// Corners alone leave nothing but PnP.
+  std::string method() const {
+    if (!options.name.empty()) return options.name;
+    return detections.empty() ? "blur" : "pnp";
+  }
 };
 
 void check_arguments(const Arguments& arguments) {
   if (arguments.input.empty() == arguments.detections.empty()) {
     throw invalid_input("track", "give either INPUT or --detections FILE");
   }
-  if (arguments.input.empty() && arguments.method != "pnp") {
+  if (arguments.input.empty() && arguments.method() != "pnp") {
     throw invalid_input("--detections",
-                        fmt::format("is for --method pnp: '{}' looks at images", arguments.method));
+                        fmt::format("is for --method pnp: '{}' looks at images", arguments.method()));
   }
   const std::vector<std::string> read = {arguments.input, arguments.detections, arguments.camera,
                                          arguments.map};
@@ -118,11 +110,16 @@ bool track_detections(const Arguments& arguments, const Camera& camera, const Me
 
 bool track_images(const Arguments& arguments, const Camera& camera, const Method& method,
                   TrackRecord& record) {
-  const FrameLoopOptions options{method.detector, &camera, arguments.num_threads, "track"};
+  const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
   const std::unique_ptr<FrameSource> source = open_source(arguments.input, {.rate_hz = arguments.rate_hz});
+  std::optional<Timestamp> previous;
+  std::size_t num_readable = 0;
   const auto track = [&](DetectedFrame detected) {
     const SourceFrame& image = detected.source;
     if (!image.is_readable()) return record.add_unreadable(image.timestamp);
+    const auto exposure_s = image.exposure_s ? image.exposure_s : camera.exposure_s;
+    if (exposure_s && ++num_readable == 2) check_exposure(*exposure_s, *previous, image.timestamp);
+    previous = image.timestamp;
     const FrameDetections frame{image.timestamp, camera.name, std::move(detected.detections)};
     const TrackResult result = method.track(image.frame(), frame.detections);
     record.add(frame, result, detected.latency_s + result.latency_s);
@@ -130,41 +127,17 @@ bool track_images(const Arguments& arguments, const Camera& camera, const Method
   return detect_frames(*source, options, arguments.console, track).is_interrupted;
 }
 
-LocalizerOptions localizer_options(const Arguments& arguments) {
-  LocalizerOptions options = arguments.localizer;
-  options.mode = arguments.mode == "joint" ? TrackMode::kJoint : TrackMode::kEgo;
+MethodOptions method_options(const Arguments& arguments) {
+  MethodOptions options = arguments.options;
+  options.name = arguments.method();
+  options.localizer.mode = arguments.mode == "joint" ? TrackMode::kJoint : TrackMode::kEgo;
   return options;
-}
-
-Method pnp_method(const Arguments& arguments, const Camera& camera, const TagMap& map) {
-  const auto localizer = std::make_shared<Localizer>(camera, map, localizer_options(arguments));
-  return {localizer->detector_options(), [=](const Frame& frame, const std::vector<Detection>& detections) {
-            return localizer->localize({frame.timestamp, "", detections}, frame.exposure_s);
-          }};
-}
-
-Method paper_method(const Arguments& arguments, const Camera& camera, const TagMap& map) {
-  const bool is_printed = arguments.paper_variant == "printed";
-  auto options = PaperTrackerOptions::published(is_printed ? PaperVariant::kPrinted : PaperVariant::kProgram);
-  options.localizer = localizer_options(arguments);
-  options.filter.num_particles = arguments.num_particles.value_or(options.filter.num_particles);
-  options.filter.seed = arguments.seed;
-  options.num_threads = arguments.num_threads;
-  const auto tracker = std::make_shared<PaperTracker>(camera, map, options);
-  return {tracker->detector_options(), [=](const Frame& frame, const std::vector<Detection>& detections) {
-            return tracker->track(frame, detections);
-          }};
-}
-
-Method make_method(const Arguments& arguments, const Camera& camera, const TagMap& map) {
-  if (arguments.method == "paper") return paper_method(arguments, camera, map);
-  return pnp_method(arguments, camera, map);
 }
 
 void finish(const Arguments& arguments, const TrackRecord& record, bool was_interrupted) {
   nlohmann::json summary = record.summary();
   summary["mode"] = arguments.mode;
-  summary["method"] = arguments.method;
+  summary["method"] = arguments.method();
   summary["interrupted"] = was_interrupted;
   summary["output"] = arguments.output;
   std::string text =
@@ -181,7 +154,7 @@ void run(const Arguments& arguments) {
   check_arguments(arguments);
   const Camera camera = load_camera(arguments);
   const TagMap map = load_map(arguments);
-  const Method method = make_method(arguments, camera, map);
+  const Method method = make_method(method_options(arguments), camera, map, arguments.console);
 
   TrackRecord record;
   const bool has_images = arguments.detections.empty();
@@ -209,20 +182,21 @@ void add_track_command(CLI::App& app) {
       ->check(CLI::IsMember({"ego", "joint"}))
       ->capture_default_str();
   command
-      .add_option("--method", arguments->method,
-                  "pnp: detection plus multi-tag PnP; paper: the seed paper's particle filter, as a baseline")
-      ->check(CLI::IsMember({"pnp", "paper"}))
-      ->capture_default_str();
+      .add_option(
+          "--method", arguments->options.name,
+          "blur: tracks through motion blur, the default; paper: the seed paper's particle filter, as a "
+          "baseline; pnp: detection plus multi-tag PnP, the default of --detections")
+      ->check(CLI::IsMember({"blur", "paper", "pnp"}));
   command
-      .add_option("--paper-variant", arguments->paper_variant,
+      .add_option("--paper-variant", arguments->options.paper_variant,
                   "Of --method paper: as printed, or as its author's program runs")
       ->check(CLI::IsMember({"printed", "program"}))
       ->capture_default_str();
   command
-      .add_option("--particles", arguments->num_particles,
-                  "Of --method paper; default: 3000 (printed), 6000 (program)")
+      .add_option("--particles", arguments->options.num_particles,
+                  "Default: 240 in each of five rounds (blur), 3000 (paper, printed), 6000 (paper, program)")
       ->check(CLI::Range(1, 10'000'000));
-  command.add_option("--seed", arguments->seed, "The same seed gives the same trajectory")
+  command.add_option("--seed", arguments->options.seed, "The same seed gives the same trajectory")
       ->capture_default_str();
   command.add_option("--output", arguments->output, "Trajectory, TUM format: timestamp tx ty tz qx qy qz qw")
       ->required();
@@ -231,20 +205,21 @@ void add_track_command(CLI::App& app) {
   command.add_option("--rate", arguments->rate_hz, "Frames a second, for images whose names are no times")
       ->check(CLI::PositiveNumber);
   command
-      .add_option("--threads", arguments->num_threads,
+      .add_option("--threads", arguments->options.num_threads,
                   "Frames looked at side by side; 0: one per core, 8 at most. Changes no pose, but latencies "
                   "are those of a frame on its own only with 1")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
   command
-      .add_option("--min-margin", arguments->localizer.detector.min_decision_margin,
+      .add_option("--min-margin", arguments->options.localizer.detector.min_decision_margin,
                   "Least decision margin of a tag")
       ->capture_default_str();
   command
-      .add_option("--max-hamming", arguments->localizer.detector.max_hamming, "Most corrected bits of a tag")
+      .add_option("--max-hamming", arguments->options.localizer.detector.max_hamming,
+                  "Most corrected bits of a tag")
       ->capture_default_str();
   command
-      .add_option("--decimate", arguments->localizer.detector.decimate,
+      .add_option("--decimate", arguments->options.localizer.detector.decimate,
                   "Search in an image this many times smaller: faster, but small tags are missed")
       ->capture_default_str();
   arguments->console.add_options(command);

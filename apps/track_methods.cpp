@@ -1,0 +1,79 @@
+#include "track_methods.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/tracker/blur_tracker.h"
+#include "apriltrack/tracker/paper_tracker.h"
+
+namespace apriltrack::app {
+namespace {
+
+Method pnp_method(const MethodOptions& options, const Camera& camera, const TagMap& map) {
+  const auto localizer = std::make_shared<Localizer>(camera, map, options.localizer);
+  return {localizer->detector_options(), [=](const Frame& frame, const std::vector<Detection>& detections) {
+            return localizer->localize({frame.timestamp, "", detections}, frame.exposure_s);
+          }};
+}
+
+Method paper_method(const MethodOptions& given, const Camera& camera, const TagMap& map) {
+  const bool is_printed = given.paper_variant == "printed";
+  auto options = PaperTrackerOptions::published(is_printed ? PaperVariant::kPrinted : PaperVariant::kProgram);
+  options.localizer = given.localizer;
+  options.filter.num_particles = given.num_particles.value_or(options.filter.num_particles);
+  options.filter.seed = given.seed;
+  options.num_threads = given.num_threads;
+  const auto tracker = std::make_shared<PaperTracker>(camera, map, options);
+  return {tracker->detector_options(), [=](const Frame& frame, const std::vector<Detection>& detections) {
+            return tracker->track(frame, detections);
+          }};
+}
+
+Method blur_method(const MethodOptions& given, const Camera& camera, const TagMap& map,
+                   const Console& console) {
+  BlurTrackerOptions options;
+  options.mode = given.localizer.mode;
+  options.detector = given.localizer.detector;
+  options.num_particles =
+      static_cast<int>(given.num_particles.value_or(static_cast<std::size_t>(options.num_particles)));
+  options.seed = given.seed;
+  const auto tracker = std::make_shared<BlurTracker>(camera, map, options);
+  // Frames of a recording may bring an exposure each: told once, by the first that does not.
+  const auto has_warned = std::make_shared<bool>(camera.exposure_s.has_value());
+  return {tracker->detector_options(),
+          [=, &console](const Frame& frame, const std::vector<Detection>& detections) {
+            if (!frame.exposure_s && !*has_warned) {
+              console.warning(fmt::format(
+                  "no exposure is known: {} s is assumed, and blur fits the worse the more it is off; give "
+                  "exposure_time in the camera file",
+                  options.default_exposure_s));
+              *has_warned = true;
+            }
+            return tracker->track(frame, {frame.timestamp, "", detections});
+          }};
+}
+
+}  // namespace
+
+Method make_method(const MethodOptions& options, const Camera& camera, const TagMap& map,
+                   const Console& console) {
+  if (options.name == "paper") return paper_method(options, camera, map);
+  if (options.name == "pnp") return pnp_method(options, camera, map);
+  return blur_method(options, camera, map, console);
+}
+
+void check_exposure(double exposure_s, Timestamp earlier, Timestamp later) {
+  // Video containers round times to a millisecond.
+  constexpr double kRounding_s = 1e-3;
+  const double interval_s = seconds_between(earlier, later);
+  if (exposure_s <= interval_s + kRounding_s) return;
+  throw invalid_input(
+      "exposure_time",
+      fmt::format("{} s is longer than the {:.6f} s from the first frame to the next; it is in seconds, "
+                  "at most the time between frames (camera file, or exposure_s in frames.csv)",
+                  exposure_s, interval_s));
+}
+
+}  // namespace apriltrack::app

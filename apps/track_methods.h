@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apriltrack/detect/detection.h"
+#include "apriltrack/image/frame.h"
+#include "apriltrack/tracker/localizer.h"
+#include "console.h"
+
+namespace apriltrack::app {
+
+struct MethodOptions {
+  std::string name;            ///< blur, paper or pnp.
+  LocalizerOptions localizer;  ///< mode and detector hold for every method.
+  std::string paper_variant = "program";
+  std::optional<std::size_t> num_particles;
+  std::uint64_t seed = 1;
+  int num_threads = 0;
+};
+
+/// A way to track: what it detects with, and what it makes of a frame.
+struct Method {
+  DetectorOptions detector;
+  std::function<TrackResult(const Frame&, const std::vector<Detection>&)> track;
+};
+
+/// Warns of what the method misses in the camera's file.
+Method make_method(const MethodOptions& options, const Camera& camera, const TagMap& map,
+                   const Console& console);
+
+/// Throws Error(kInvalidInput) when the exposure is longer than the time from one frame to the next.
+void check_exposure(double exposure_s, Timestamp earlier, Timestamp later);
+
+}  // namespace apriltrack::app
