@@ -104,7 +104,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
   const nlohmann::json summary = {{"tags", names(result.map)},
                                   {"held_tag", to_string(result.held_tag)},
                                   {"frames", sightings.counts.readable},
-                                  {"frames_unreadable", sightings.counts.unreadable},
+                                  {"unreadable", sightings.counts.unreadable},
                                   {"frames_used", result.frames_used},
                                   {"observations_used", result.observations_used},
                                   {"observations_rejected", result.observations_rejected},

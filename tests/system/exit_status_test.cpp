@@ -73,10 +73,13 @@ class ExitStatus : public ::testing::Test {
 // ---- 1: it ran, and no usable result came
 
 TEST_F(ExitStatus, NoTagSeenIs1AndSaysWhatToDo) {
-  EXPECT_THAT(track(), EndsWith(1, "no "));
-  EXPECT_THAT(calibrate(), EndsWith(1, "no "));
+  EXPECT_THAT(track(), EndsWith(1, "no tag of family tag36h11 in any of 1 frames"));
+  EXPECT_THAT(track(), EndsWith(1, "is this the family that is printed"));
+  EXPECT_THAT(calibrate(), EndsWith(1, "no tags were seen in 1 frames; check the tag family"));
+  EXPECT_THAT(detect(), EndsWith(1, "no tag of family tag36h11 in any of 1 frames; try"));
   EXPECT_FALSE(fs::exists(path("out.tum")));
   EXPECT_FALSE(fs::exists(path("new_map.yaml")));
+  EXPECT_FALSE(fs::exists(path("corners.csv")));
 }
 
 // ---- 2: the command line, a configuration or the contents of a file
@@ -121,19 +124,19 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(BadFile{"DuplicateId", "map.yaml", "  - id: 0\n",
                               "  - {id: 0, size: 0.1, pose: {position: {x: 1, y: 0, z: 0}, orientation: {x: "
                               "0, y: 0, z: 0, w: 1}}}\n  - id: 0\n",
-                              "0"},
+                              "tag36h11/0 is already defined at"},
                       BadFile{"NegativeSize", "map.yaml", "0.16", "-0.16", "-0.16"},
-                      BadFile{"NanSize", "map.yaml", "0.16", ".nan", "size"},
+                      BadFile{"NanSize", "map.yaml", "0.16", ".nan", "size: must be"},
                       BadFile{"UnknownFamily", "map.yaml", "tag36h11", "tag37h11", "tag37h11"},
                       BadFile{"UnknownKey", "map.yaml", "    size", "    colour: red\n    size", "colour"},
-                      BadFile{"MissingSize", "map.yaml", "    size: 0.16\n", "", "size"},
+                      BadFile{"MissingSize", "map.yaml", "    size: 0.16\n", "", "'size' is missing"},
                       BadFile{"NotYaml", "map.yaml", "tags:", "tags: [", "map.yaml"}),
     [](const auto& bad) { return std::string(bad.param.name); });
 
 INSTANTIATE_TEST_SUITE_P(
     Camera, BadContents,
     ::testing::Values(BadFile{"MissingIntrinsics", "camera.yaml",
-                              "  intrinsics: [500.0, 500.0, 79.5, 59.5]\n", "", "intrinsics"},
+                              "  intrinsics: [500.0, 500.0, 79.5, 59.5]\n", "", "'intrinsics' is missing"},
                       BadFile{"NanIntrinsics", "camera.yaml", "79.5", ".nan", "intrinsics"},
                       BadFile{"NegativeFocalLength", "camera.yaml", "[500.0", "[-500.0", "-500"},
                       BadFile{"UnknownModel", "camera.yaml", "pinhole", "omni", "omni"},
@@ -154,7 +157,7 @@ TEST_F(ExitStatus, WithoutAResolutionTheFirstImageSetsIt) {
              R"({"camera_matrix": [[500, 0, 79.5], [0, 500, 59.5], [0, 0, 1]], "distortion_coefficients": )"
              R"([0, 0, 0, 0, 0]})");
   for (const ProgramRun& run : {track(), calibrate(), detect()})
-    EXPECT_THAT(run, EndsWith(1, "no "));  // the image fits; it shows no tag
+    EXPECT_THAT(run, EndsWith(1, "no tag"));  // the image fits; it shows none
   write_image(path("frames/2000000000.pgm"), 64, 48);
   for (const ProgramRun& run : {track(), calibrate(), detect()}) {
     EXPECT_THAT(run, EndsWith(2, "64 x 48"));
@@ -189,10 +192,27 @@ TEST_F(ExitStatus, UnknownSceneIs2AndListsTheKnown) {
               EndsWith(2, "room-gentle"));
 }
 
+TEST_F(ExitStatus, AWrongConfigurationFileIs2AndNamesLineAndKey) {
+  const auto calibrate_with = [&](const std::string& text) {
+    write_text(path("options.yaml"), text);
+    return calibrate({"--config", path("options.yaml")});
+  };
+  const ProgramRun unknown = calibrate_with("decimate: 2\ncolour: red\n");
+  EXPECT_THAT(unknown, EndsWith(2, "options.yaml:2: colour: "));
+  EXPECT_THAT(unknown, EndsWith(2, "map-frame"));  // the keys there are
+  EXPECT_THAT(calibrate_with("decimate: 2\nmin-views: many\n"), EndsWith(2, "options.yaml:2: min-views: "));
+  EXPECT_THAT(calibrate_with("min-views: [2, 3]\n"), EndsWith(2, "options.yaml:1: min-views: "));
+  EXPECT_THAT(calibrate_with("quiet: perhaps\n"), EndsWith(2, "options.yaml:1: quiet: "));
+  EXPECT_THAT(calibrate_with("decimate: [2\n"), EndsWith(2, "options.yaml:"));
+  EXPECT_THAT(calibrate({"--config", path("nowhere.yaml")}), EndsWith(3, "nowhere.yaml"));
+  // The same file with good keys is taken: what is wrong next is that there is no tag.
+  EXPECT_THAT(calibrate_with("decimate: 2\nmin-views: 3\nquiet: true\n"), EndsWith(1, "no tags were seen"));
+}
+
 TEST_F(ExitStatus, ImagesWithoutTimesNeedARate) {
   fs::rename(path("frames/1000000000.pgm"), path("frames/photo.pgm"));
   EXPECT_THAT(track(), EndsWith(2, "--rate"));
-  EXPECT_THAT(track({"--rate", "10"}), EndsWith(1, "no "));
+  EXPECT_THAT(track({"--rate", "10"}), EndsWith(1, "no tag of family"));
 }
 
 TEST_F(ExitStatus, BadDetectionsNameLineAndColumn) {

@@ -150,6 +150,27 @@ TEST(Pipeline, ResultsDoNotDependOnTheNumberOfThreads) {
   EXPECT_TRUE(outputs[0] == outputs[1]) << "bytes differ";
 }
 
+TEST(Pipeline, ACorruptImageIsLeftOutCountedAndNoFailure) {
+  const fs::path folder = temporary_folder();
+  const std::string room = folder / "room";
+  simulate("room-gentle", 12, room);
+  const fs::path image = fs::directory_iterator(room + "/frames")->path();
+  write_text(image, "no image");
+  const std::vector<std::vector<std::string>> commands = {
+      {"detect", room, "--output", folder / "corners.csv"},
+      {"calibrate", room, "--tag-size", "0.16", "--output", folder / "map.yaml"},
+      {"track", room, "--output", folder / "camera.tum", "--frames-csv", folder / "frames.csv"}};
+  for (std::vector<std::string> words : commands) {
+    words.emplace_back("--json");
+    const ProgramRun run = run_program(words);
+    EXPECT_THAT(run, EndsWith(0, "warning: 1 of 12 frames")) << words[0];
+    EXPECT_THAT(run, EndsWith(0, image.string())) << words[0];
+    EXPECT_EQ(json::parse(run.out)["unreadable"], 1) << words[0];
+  }
+  EXPECT_EQ(num_lines(folder / "frames.csv"), 13U);
+  EXPECT_THAT(read_text(folder / "frames.csv"), ::testing::HasSubstr(image.stem().string() + ",unreadable,"));
+}
+
 TEST(Pipeline, AFullDiskIsStatus3AndKeepsTheOldFile) {
   const fs::path folder = temporary_folder();
   const std::string room = folder / "room";
