@@ -37,6 +37,10 @@ struct Case {
   Distortion distortion;
 };
 
+void PrintTo(const Case& parameters, std::ostream* out) {
+  *out << parameters.name;
+}
+
 class EveryModeAndLens : public testing::TestWithParam<Case> {};
 
 INSTANTIATE_TEST_SUITE_P(
