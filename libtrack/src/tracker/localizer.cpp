@@ -13,6 +13,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/tags/tag_family.h"
 #include "corner_noise.h"
+#include "map_uncertainty.h"
 #include "pose_adjustment.h"
 #include "pose_candidate.h"
 #include "pose_memory.h"
@@ -52,7 +53,7 @@ DetectorOptions checked_detector_options(const Camera& camera, const TagMap& map
 
 struct Choice {
   PoseCandidate candidate;
-  double sigma_px = 0.0;
+  double expected_sigma_px = 0.0;          ///< Of a corner, before the fit.
   std::optional<PoseMemory::Mode> second;  ///< T_camera_map, and its odds.
 };
 
@@ -138,18 +139,21 @@ class Localizer::Implementation {
           return std::pair(-a.num_corners(), a.squared_error_px2) <
                  std::pair(-b.num_corners(), b.squared_error_px2);
         });
-    const double sigma_px = corner_sigma_px(time, *best_fit, exposure_s);
+    const double sigma_px = fitted_corner_sigma_px(options_.corner_sigma_px,
+                                                   expected_sigma_px(time, *best_fit, exposure_s), *best_fit);
     std::vector<double> cost;
     for (const PoseCandidate& candidate : candidates) {
       cost.push_back(misfit(camera_.model, observations, sigma_px, candidate.T_camera_map) -
                      memory_.log_prior(time, swapped(candidate.T_camera_map)));
     }
     const auto best = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
-    Choice choice{candidates[best], corner_sigma_px(time, candidates[best], exposure_s), std::nullopt};
+    Choice choice{candidates[best], expected_sigma_px(time, candidates[best], exposure_s), std::nullopt};
+    const double best_sigma_px =
+        fitted_corner_sigma_px(options_.corner_sigma_px, choice.expected_sigma_px, choice.candidate);
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       const double odds = std::exp(cost[best] - cost[i]);
       if (i == best || odds < kMinOdds || (choice.second && odds <= choice.second->weight)) continue;
-      if (is_same_explanation(camera_.model, choice.candidate, choice.sigma_px, candidates[i].T_camera_map))
+      if (is_same_explanation(camera_.model, choice.candidate, best_sigma_px, candidates[i].T_camera_map))
         continue;
       choice.second = PoseMemory::Mode{candidates[i].T_camera_map, odds};
     }
@@ -173,29 +177,26 @@ class Localizer::Implementation {
            memory_.log_prior(time, swapped(candidate.T_camera_map)) > kMinLogPriorOfSupport;
   }
 
-  double corner_sigma_px(Timestamp time, const PoseCandidate& candidate, double exposure_s) const {
+  double expected_sigma_px(Timestamp time, const PoseCandidate& candidate, double exposure_s) const {
     std::optional<double> blur_px;
     if (exposure_s == 0.0) {
       blur_px = 0.0;
     } else if (const auto last = memory_.last(time)) {
       blur_px = corner_blur_px(camera_.model, candidate, swapped(last->pose), last->age_s, exposure_s);
     }
-    const double expected_px = expected_corner_sigma_px(options_.corner_sigma_px, blur_px, candidate);
-    return fitted_corner_sigma_px(options_.corner_sigma_px, expected_px, candidate);
+    return expected_corner_sigma_px(options_.corner_sigma_px, blur_px, candidate);
   }
 
   void report(Timestamp time, const Choice& choice, TrackResult* result) {
     const Pose& T_camera_map = choice.candidate.T_camera_map;
-    const Matrix6d information = corner_information(camera_.model, choice.candidate.inliers, T_camera_map);
-    const Eigen::LLT<Matrix6d> factor(information);
-    const Matrix6d cov_T_camera_map = choice.sigma_px * choice.sigma_px * factor.solve(Matrix6d::Identity());
-    if (factor.info() != Eigen::Success || !cov_T_camera_map.allFinite()) {
+    const auto cov_T_camera_map = covariance(choice);
+    if (!cov_T_camera_map) {
       result->reason = "the corners seen do not determine the pose";
       return;
     }
     result->status = TrackStatus::kDetected;
     result->pose = swapped(T_camera_map);
-    result->covariance = covariance_of_swapped(T_camera_map, cov_T_camera_map);
+    result->covariance = covariance_of_swapped(T_camera_map, *cov_T_camera_map);
     result->tags_tracked = count_tags(choice.candidate.inliers);
     std::optional<PoseMemory::Mode> second;
     if (choice.second) {
@@ -204,6 +205,21 @@ class Localizer::Implementation {
       result->second_mode_odds = second->weight;
     }
     memory_.remember(time, *result->pose, second);
+  }
+
+  /// Of T_camera_map, by the noise of the corners and the covariances of the map's tags; nullopt where the
+  /// corners do not determine it.
+  std::optional<Matrix6d> covariance(const Choice& choice) const {
+    const std::vector<const TagObservation*>& inliers = choice.candidate.inliers;
+    const Pose& T_camera_map = choice.candidate.T_camera_map;
+    const Eigen::LLT<Matrix6d> information(corner_information(camera_.model, inliers, T_camera_map));
+    const Matrix6d inverse_information = information.solve(Matrix6d::Identity());
+    const MapUncertainty map = map_uncertainty(camera_.model, inliers, T_camera_map, inverse_information);
+    const double sigma_px = fitted_corner_sigma_px(options_.corner_sigma_px, choice.expected_sigma_px,
+                                                   choice.candidate, map.squared_error_px2);
+    const Matrix6d covariance = sigma_px * sigma_px * inverse_information + map.covariance;
+    if (information.info() != Eigen::Success || !covariance.allFinite()) return std::nullopt;
+    return covariance;
   }
 
   /// T_camera_map to the pose that is reported and back: T_camera_body is itself, T_world_camera the inverse.
