@@ -67,6 +67,40 @@ TEST(Pipeline, AnEstimateThatIsOffByOneCentimetreSaysSo) {
   EXPECT_NEAR(score["position_rmse_mm"].get<double>(), 10.0, 1e-3);
 }
 
+TEST(Pipeline, TheOtherModeIsProposedWhereTheTruthSpeaksForIt) {
+  const fs::path folder = temporary_folder();
+  const std::string body = folder / "single";
+  simulate("single", 4, body);
+  const std::vector<std::string> words = {"evaluate", "--truth", body, "--estimate", body + "/truth.tum"};
+  EXPECT_THAT(run_program(words), EndsWith(1, "in 4: try --mode joint"));
+  const std::string room = folder / "room";
+  simulate("room-gentle", 4, room);
+  const ProgramRun right = run_program({"evaluate", "--truth", room, "--estimate", room + "/truth.tum"});
+  EXPECT_EQ(right.status, 0);
+  EXPECT_THAT(right.err, ::testing::Not(::testing::HasSubstr("--mode")));
+}
+
+TEST(Pipeline, RecordingsThatDoNotMeetAreNamedWithTheirTimes) {
+  const fs::path folder = temporary_folder();
+  const std::string truth = folder / "truth.tum";
+  const std::string later = folder / "later.tum";
+  write_text(truth, "100.0 0 0 0 0 0 0 1\n101.0 0 0 0 0 0 0 1\n");
+  write_text(later, "200.25 0 0 0 0 0 0 1\n203.5 0 0 0 0 0 0 1\n");
+  const ProgramRun apart = run_program({"evaluate", "--truth", truth, "--estimate", later});
+  for (const std::string& part : {truth, later, std::string("from 100.000000000 to 101.000000000 s"),
+                                  std::string("from 200.250000000 to 203.500000000 s")})
+    EXPECT_THAT(apart, EndsWith(1, part));
+  const std::string log = folder / "frames.csv";
+  write_text(log,
+             "timestamp_ns,status,tx,ty,tz,qx,qy,qz,qw,tags_detected,tags_tracked,sigma_position_m,"
+             "sigma_rotation_rad,latency_ms,second_mode_odds\n200250000000,lost,,,,,,,,0,0,,,1.0,0\n");
+  const ProgramRun other_log =
+      run_program({"evaluate", "--truth", truth, "--estimate", truth, "--frames-csv", log});
+  for (const std::string& part : {truth, log, std::string("from 200250000000 to 200250000000 ns"),
+                                  std::string("from 100000000000 to 101000000000 ns")})
+    EXPECT_THAT(other_log, EndsWith(1, part));
+}
+
 TEST(Pipeline, ACameraWithoutResolutionTakesThatOfTheImages) {
   const fs::path folder = temporary_folder();
   const std::string room = folder / "room";
