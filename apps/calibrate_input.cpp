@@ -61,6 +61,10 @@ std::vector<Recording> parse_recordings(const std::vector<std::string>& inputs, 
     const bool is_named = equals != std::string::npos &&
                           input.substr(0, equals).find('/') == std::string::npos &&
                           !std::filesystem::exists(input);
+    if (is_named && !camera_name.empty())
+      throw invalid_input(
+          "--camera-name",
+          fmt::format("is '{}', but the input {} names its camera: leave one out", camera_name, input));
     if (is_named) {
       recordings.push_back({rig.find(input.substr(0, equals)).name, input.substr(equals + 1)});
     } else {

@@ -33,7 +33,7 @@ struct CalibrateOptions {
 void add_calibrate_options(CLI::App& command, CalibrateOptions& options);
 
 /// Throws Error(kInvalidInput) that names the option, Error(kIo) when the output has no folder to go to.
-void check(const CalibrateOptions& options);
+void check(const CLI::App& command, const CalibrateOptions& options);
 
 /// --camera, else the first sequence folder's own; throws Error(kInvalidInput) where there is neither.
 std::filesystem::path camera_file(const CalibrateOptions& options);

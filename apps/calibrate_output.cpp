@@ -38,21 +38,46 @@ std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptio
           {"observations", observations.filename().string()}};
 }
 
-/// A side file that is itself an input stays as it is: it may hold more than was used.
-bool is_input(const CalibrateOptions& a, const fs::path& path) {
-  return std::any_of(a.detections.begin(), a.detections.end(), [&](const std::string& input) {
+/// The new observations, written aside until the map is there too: a run that fails in between must not leave
+/// an old map beside new observations, nor a new map beside old ones.
+class ObservationsAside {
+ public:
+  explicit ObservationsAside(fs::path path) : path_(std::move(path)), aside_(path_.string() + ".new") {}
+  ~ObservationsAside() {
     std::error_code ignored;
-    return fs::equivalent(input, path, ignored);
-  });
-}
+    fs::remove(aside_, ignored);
+  }
+  ObservationsAside(const ObservationsAside&) = delete;
+  ObservationsAside& operator=(const ObservationsAside&) = delete;
 
-void write_observations(const CalibrateOptions& a, const Sightings& sightings, const fs::path& path) {
-  if (is_input(a, path)) return;
+  const fs::path& file() const { return aside_; }
+  void put_in_place() {
+    std::error_code error;
+    fs::rename(aside_, path_, error);
+    if (error) throw io_error(path_.string(), fmt::format("cannot be written: {}", error.message()));
+  }
+
+ private:
+  fs::path path_;
+  fs::path aside_;
+};
+
+void write_observations(const Sightings& sightings, const fs::path& path) {
   std::vector<FrameDetections> frames = sightings.frames;
   std::stable_sort(frames.begin(), frames.end(), [](const FrameDetections& x, const FrameDetections& y) {
     return std::tie(x.timestamp, x.camera) < std::tie(y.timestamp, y.camera);
   });
   write_detections_csv(path, frames);
+}
+
+fs::path part_file(const CalibrateOptions& a, std::size_t number) {
+  return fs::path(a.parts) / fmt::format("part_{}.yaml", number);
+}
+
+void warn_of_older_parts(const CalibrateOptions& a, std::size_t num_parts) {
+  for (std::size_t number = num_parts + 1; fs::exists(part_file(a, number)); ++number)
+    a.console.warning(fmt::format("{} is of an earlier run: this one has {} parts",
+                                  part_file(a, number).string(), num_parts));
 }
 
 std::vector<std::string> write_parts(const CalibrateOptions& a, const CalibrationResult& result) {
@@ -64,9 +89,10 @@ std::vector<std::string> write_parts(const CalibrateOptions& a, const Calibratio
   std::vector<const TagMap*> maps = {&result.map};
   for (const TagMap& part : result.other_parts) maps.push_back(&part);
   for (std::size_t i = 0; i < maps.size(); ++i) {
-    written.push_back((fs::path(a.parts) / fmt::format("part_{}.yaml", i + 1)).string());
+    written.push_back(part_file(a, i + 1).string());
     write_tag_map(written.back(), *maps[i]);
   }
+  warn_of_older_parts(a, maps.size());
   return written;
 }
 
@@ -84,16 +110,30 @@ nlohmann::json names(const TagMap& map) {
 
 }  // namespace
 
+fs::path observations_file(const CalibrateOptions& a) {
+  return fs::path(a.output).replace_extension(".detections.csv");
+}
+
+bool is_detections_input(const CalibrateOptions& a, const fs::path& path) {
+  return std::any_of(a.detections.begin(), a.detections.end(), [&](const std::string& input) {
+    std::error_code ignored;
+    return fs::equivalent(input, path, ignored);
+  });
+}
+
 CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& camera,
                                    const Sightings& sightings, CalibrationResult& result) {
   CalibrationFiles files;
-  files.observations = fs::path(a.output).replace_extension(".detections.csv");
+  files.observations = observations_file(a);
   result.map.provenance = provenance(a, camera, result.held_tag, files.observations);
   for (TagMap& part : result.other_parts)
     part.provenance = provenance(a, camera, part.tags.front().key, files.observations);
-  write_observations(a, sightings, files.observations);
+  const bool has_them = is_detections_input(a, files.observations);  // it may hold more than was used
+  ObservationsAside aside(files.observations);
+  if (!has_them) write_observations(sightings, aside.file());
   files.parts = write_parts(a, result);
   write_tag_map(a.output, result.map);
+  if (!has_them) aside.put_in_place();
   return files;
 }
 

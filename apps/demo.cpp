@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "console.h"
 #include "demo_picture.h"
+#include "option_checks.h"
 
 namespace apriltrack::app {
 namespace {
@@ -94,10 +95,12 @@ void add_demo_command(CLI::App& app) {
   command
       .add_option("--output", options->output, "Folder for recordings, maps, trajectories and the picture")
       ->required();
-  command.add_option("--seed", options->seed, "Of the rendered recordings")->capture_default_str();
+  command.add_option("--seed", options->seed, "Of the rendered recordings")
+      ->check(whole_number(0))
+      ->capture_default_str();
   command.add_option("--threads", options->threads, "0 = all cores; results do not depend on it")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(threads());
   console->add_options(command);
   command.callback([options, console] { run_demo(*options, *console); });
 }

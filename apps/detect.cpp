@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "frame_loop.h"
 #include "inputs.h"
+#include "option_checks.h"
 
 namespace apriltrack::app {
 namespace {
@@ -120,7 +121,7 @@ void finish(const Arguments& arguments, const Record& record) {
 }
 
 void run(const Arguments& arguments) {
-  check_threads(arguments.num_threads);
+  check_families(arguments.detector.families);
   check_output(arguments.output, "--output", {arguments.input, arguments.camera});
   const Record record = detect(arguments);
   check_result(arguments, record);
@@ -143,22 +144,26 @@ void add_detect_command(CLI::App& app) {
                      "srgb, linear or gamma:G: what the grey levels stand for; wins over the camera file's");
   command.add_option("--output", arguments->output, "detections.csv")->required();
   command.add_option("--family", arguments->detector.families, "Tag family; may be given several times")
+      ->check(known_family())
       ->capture_default_str();
   command.add_option("--decimate", arguments->detector.decimate, "Search in an image so many times smaller")
+      ->check(decimation())
       ->capture_default_str();
   command
       .add_option("--min-margin", arguments->detector.min_decision_margin,
                   "Grey levels between bits and their threshold; lower finds more and errs more")
+      ->check(decision_margin())
       ->capture_default_str();
   command
       .add_option("--max-hamming", arguments->detector.max_hamming,
                   "Wrong bits that may be corrected, 0 to 2")
+      ->check(corrected_bits())
       ->capture_default_str();
   command.add_flag("--no-refine", arguments->no_refine, "Leave the corners where the library found them");
   command.add_option("--rate", arguments->rate_hz, "Frames per second, for images without times")
-      ->check(CLI::PositiveNumber);
+      ->check(rate());
   command.add_option("--threads", arguments->num_threads, "Threads; 0 = one per core, up to 8")
-      ->check(CLI::NonNegativeNumber);
+      ->check(threads());
   arguments->console.add_options(command);
   command.callback([arguments] { run(*arguments); });
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "apriltrack/base/error.h"
 #include "apriltrack/source/frame_source.h"
 
@@ -18,6 +20,22 @@ std::filesystem::path file_or_own(const std::string& given, const std::optional<
 Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console) {
   const CameraRig rig = read_cameras(path, console.log());
   return name.empty() ? rig.cameras.front() : rig.find(name);
+}
+
+std::optional<std::string> rolling_shutter_warning(const Camera& camera) {
+  if (camera.line_delay_s == 0.0) return std::nullopt;
+  std::string text = fmt::format(
+      "camera '{}' has a rolling shutter (line_delay {:g} us), which is not modelled yet: all rows "
+      "are taken for one moment's, so that in motion corners far from the middle row are wrong",
+      camera.name, 1e6 * camera.line_delay_s);
+  if (camera.height == 0) return text;
+  constexpr double kMotion_px = 10.0;  // between frames, for an example
+  constexpr double kRate_hz = 30.0;
+  const double half_readout_s = 0.5 * camera.height * std::abs(camera.line_delay_s);
+  return text +
+         fmt::format(
+             " by up to what the picture moves in {:.1f} ms (at {:g} px a frame and {:g} Hz: {:.1f} px)",
+             1e3 * half_readout_s, kMotion_px, kRate_hz, kMotion_px * kRate_hz * half_readout_s);
 }
 
 Camera with_resolution_of_images(Camera camera, const std::string& input) {
@@ -52,13 +70,6 @@ void check_output(const std::string& output, std::string_view option,
         throw invalid_input(option, fmt::format("'{}' is an input of this run: name another file", output));
     }
   }
-}
-
-void check_threads(int num_threads) {
-  constexpr int kMaxThreads = 256;
-  if (num_threads < 0 || num_threads > kMaxThreads)
-    throw invalid_input(
-        "--threads", fmt::format("must be in [0, {}]; 0 = one per core (is {})", kMaxThreads, num_threads));
 }
 
 }  // namespace apriltrack::app

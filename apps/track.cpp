@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "frame_loop.h"
 #include "inputs.h"
+#include "option_checks.h"
 #include "track_record.h"
 
 namespace apriltrack::app {
@@ -41,10 +42,12 @@ struct Arguments {
   Console console;
 };
 
-void check_arguments(const Arguments& arguments) {
+void check_arguments(const CLI::App& command, const Arguments& arguments) {
   if (arguments.input.empty() == arguments.detections.empty()) {
     throw invalid_input("track", "give either INPUT or --detections FILE");
   }
+  if (!arguments.detections.empty())
+    refuse_beside_detections(command, {"--rate", "--decimate", "--min-margin", "--max-hamming"});
   if (arguments.method != "pnp") {
     throw invalid_input("--method",
                         fmt::format("'{}' is not a method of this version; there is: pnp (detection plus "
@@ -118,11 +121,13 @@ bool track_images(const Arguments& arguments, const Camera& camera, Localizer& l
   return detect_frames(*source, options, arguments.console, localize).is_interrupted;
 }
 
-void finish(const Arguments& arguments, const TrackRecord& record, bool was_interrupted) {
+void finish(const Arguments& arguments, const TrackRecord& record, bool was_interrupted,
+            const std::vector<std::string>& warnings) {
   nlohmann::json summary = record.summary();
   summary["mode"] = arguments.mode;
   summary["method"] = arguments.method;
   summary["interrupted"] = was_interrupted;
+  summary["warnings"] = warnings;
   summary["output"] = arguments.output;
   std::string text =
       fmt::format("{}\n{}: {}", record.text(), arguments.mode == "ego" ? "T_world_camera" : "T_camera_body",
@@ -134,10 +139,13 @@ void finish(const Arguments& arguments, const TrackRecord& record, bool was_inte
   arguments.console.finish(summary, text);
 }
 
-void run(const Arguments& arguments) {
-  check_arguments(arguments);
+void run(const CLI::App& command, const Arguments& arguments) {
+  check_arguments(command, arguments);
   const Camera camera = load_camera(arguments);
   const TagMap map = load_map(arguments);
+  std::vector<std::string> warnings;
+  if (const auto warning = rolling_shutter_warning(camera)) warnings.push_back(*warning);
+  for (const std::string& warning : warnings) arguments.console.warning(warning);
   LocalizerOptions options = arguments.localizer;
   options.mode = arguments.mode == "joint" ? TrackMode::kJoint : TrackMode::kEgo;
   Localizer localizer(camera, map, options);
@@ -149,7 +157,7 @@ void run(const Arguments& arguments) {
   record.check_has_pose(has_images ? arguments.input : arguments.detections, map);
   write_tum(arguments.output, record.trajectory());
   if (!arguments.frames_csv.empty()) write_frame_log(arguments.frames_csv, record.rows());
-  finish(arguments, record, was_interrupted);
+  finish(arguments, record, was_interrupted, warnings);
 }
 
 }  // namespace
@@ -174,26 +182,29 @@ void add_track_command(CLI::App& app) {
   command.add_option("--frames-csv", arguments->frames_csv,
                      "Log with a line for every frame: status, pose, covariance");
   command.add_option("--rate", arguments->rate_hz, "Frames a second, for images whose names are no times")
-      ->check(CLI::PositiveNumber);
+      ->check(rate());
   command
       .add_option("--threads", arguments->num_threads,
                   "Frames looked at side by side; 0: one per core, 8 at most. Changes no pose, but latencies "
                   "are those of a frame on its own only with 1")
-      ->check(CLI::Range(0, 256))
+      ->check(threads())
       ->capture_default_str();
   command
       .add_option("--min-margin", arguments->localizer.detector.min_decision_margin,
                   "Least decision margin of a tag")
+      ->check(decision_margin())
       ->capture_default_str();
   command
       .add_option("--max-hamming", arguments->localizer.detector.max_hamming, "Most corrected bits of a tag")
+      ->check(corrected_bits())
       ->capture_default_str();
   command
       .add_option("--decimate", arguments->localizer.detector.decimate,
                   "Search in an image this many times smaller: faster, but small tags are missed")
+      ->check(decimation())
       ->capture_default_str();
   arguments->console.add_options(command);
-  command.callback([arguments] { run(*arguments); });
+  command.callback([&command, arguments] { run(command, *arguments); });
 }
 
 }  // namespace apriltrack::app

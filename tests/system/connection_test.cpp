@@ -126,6 +126,90 @@ TEST_F(Connection, TheLargestPartIsTheMapAndAllOthersAreNamed) {
   expect_true_distances(map);
 }
 
+TEST_F(Connection, ObservationsOfAnEarlierRunAreReplaced) {
+  film({{0, 1, 2}});
+  write_text(path("map.detections.csv"), "of an earlier run\n");
+  EXPECT_EQ(run_program(words({})).status, 0);
+  const std::string observations = read_text(path("map.detections.csv"));
+  std::string last = csv_row(1'000'000'000, camera_from_wall(9), 2);
+  last.pop_back();
+  EXPECT_THAT(observations, ::testing::HasSubstr(last));
+  EXPECT_THAT(observations, ::testing::Not(::testing::HasSubstr("earlier")));
+}
+
+TEST_F(Connection, AFailedRunKeepsTheOldMapWithItsObservations) {
+  film({{0, 1, 2}});
+  write_text(path("map.detections.csv"), "old\n");
+  write_text(path("map.yaml"), "old\n");
+  write_text(path("parts"), "a file in place of the folder\n");
+  EXPECT_THAT(run_program(words({"--parts", path("parts")})), EndsWith(3, "parts"));
+  EXPECT_EQ(read_text(path("map.detections.csv")), "old\n");
+  EXPECT_EQ(read_text(path("map.yaml")), "old\n");
+  EXPECT_FALSE(fs::exists(path("map.detections.csv.new")));
+}
+
+TEST_F(Connection, ObservationsThatAreTheInputStayAsTheyAre) {
+  film({{0, 1, 2}});
+  fs::rename(path("d.csv"), path("map.detections.csv"));
+  const std::string before = read_text(path("map.detections.csv"));
+  auto again = words({});
+  again[2] = path("map.detections.csv");
+  EXPECT_EQ(run_program(again).status, 0);
+  EXPECT_EQ(read_text(path("map.detections.csv")), before);
+}
+
+TEST_F(Connection, ObservationsNeverGoToOneOfSeveralInputs) {
+  film({{0, 1, 2}});
+  fs::copy(path("d.csv"), path("map.detections.csv"));
+  EXPECT_THAT(run_program(words({"--detections", path("map.detections.csv")})),
+              EndsWith(2, "map.detections.csv', which is one of several --detections"));
+  EXPECT_FALSE(fs::exists(path("map.yaml")));
+}
+
+TEST_F(Connection, PartsOfAnEarlierRunAreTold) {
+  film({{0, 1, 2}});
+  write_text(path("parts/part_2.yaml"), "of an earlier run\n");
+  EXPECT_THAT(run_program(words({"--parts", path("parts")})),
+              EndsWith(0, "part_2.yaml is of an earlier run"));
+}
+
+TEST_F(Connection, OptionsForImagesAreRefusedBesideDetections) {
+  film({{0, 1, 2}});
+  int checked = 0;
+  for (const auto& [option, value] : std::map<std::string, std::string>{{"--step", "2"},
+                                                                        {"--max-frames", "3"},
+                                                                        {"--rate", "30"},
+                                                                        {"--family", "tag25h9"},
+                                                                        {"--decimate", "2"}}) {
+    EXPECT_THAT(run_program(words({option, value})),
+                EndsWith(2, option + ": is for images and would change nothing with --detections"));
+    ++checked;
+  }
+  EXPECT_EQ(checked, 5);
+  write_text(path("options.yaml"), "step: 2\n");
+  EXPECT_THAT(run_program(words({"--config", path("options.yaml")})), EndsWith(2, "--step: is for images"));
+  const std::vector<std::string> track = {"track",          "--detections",      path("d.csv"),
+                                          "--camera",       path("camera.yaml"), "--map",
+                                          path("map.yaml"), "--output",          path("out.tum")};
+  for (const std::string option : {"--rate", "--decimate", "--min-margin", "--max-hamming"}) {
+    auto all = track;
+    all.insert(all.end(), {option, "1"});
+    EXPECT_THAT(run_program(all), EndsWith(2, option + ": is for images"));
+  }
+}
+
+TEST_F(Connection, ARollingShutterIsWarnedOfWithItsCost) {
+  film({{0, 1, 2}});
+  write_text(path("camera.yaml"), std::string(kCamera) + "  line_delay: 2.0e-5\n");
+  const auto all = words({"--json"});
+  const ProgramRun run = run_program(all);
+  // 480 rows of 20 us are 9.6 ms, half of which is 1.44 px at 300 px/s.
+  EXPECT_THAT(run, EndsWith(0, "warning: camera 'cam0' has a rolling shutter (line_delay 20 us)"));
+  EXPECT_THAT(run, EndsWith(0, "moves in 4.8 ms (at 10 px a frame and 30 Hz: 1.4 px)"));
+  EXPECT_THAT(nlohmann::json::parse(run.out)["warnings"].dump(), ::testing::HasSubstr("rolling shutter"));
+  EXPECT_EQ(run.err.find("rolling shutter"), run.err.rfind("rolling shutter")) << "told more than once";
+}
+
 TEST_F(Connection, TheHeldTagChoosesThePart) {
   film({{10, 11}, {0, 1, 2}});
   const ProgramRun run = run_program(words({"--held-tag", "11"}));

@@ -180,6 +180,14 @@ TEST_F(ExitStatus, AnOddCameraIsWarnedOfByEveryCommand) {
     EXPECT_THAT(run, EndsWith(1, "warning: " + path("camera.yaml")));
 }
 
+TEST_F(ExitStatus, ARollingShutterIsWarnedOfOnce) {
+  write_text(path("camera.yaml"), std::string(kCamera) + "  line_delay: 3.0e-5\n");
+  for (const ProgramRun& run : {track(), calibrate()}) {
+    EXPECT_THAT(run, EndsWith(1, "warning: camera 'cam0' has a rolling shutter"));
+    EXPECT_EQ(run.err.find("rolling shutter"), run.err.rfind("rolling shutter"));
+  }
+}
+
 TEST_F(ExitStatus, WrongTagSizeIs2) {
   EXPECT_THAT(calibrate({"--tag-size", "-0.16"}), EndsWith(2, "-0.16"));
   EXPECT_THAT(run_program({"calibrate", path("frames"), "--camera", path("camera.yaml"), "--output",
@@ -239,6 +247,55 @@ TEST_F(ExitStatus, FrameNumbersAreNotTakenForNanoseconds) {
     EXPECT_THAT(run_program(words(command)), EndsWith(2, "--rate HZ"));
     EXPECT_THAT(run_with(words(command), {"--rate", "30"}), EndsWith(1, "no tag")) << command;
   }
+}
+
+TEST_F(ExitStatus, ANumberOutOfRangeIs2WithTheOptionsOwnName) {
+  const auto detect_with = [&](const char* option, const char* value) { return detect({option, value}); };
+  EXPECT_THAT(calibrate({"--step", "-1"}),
+              EndsWith(2, "--step: must be a whole number of at least 1 (is '-1')"));
+  EXPECT_THAT(calibrate({"--step", "0"}),
+              EndsWith(2, "--step: must be a whole number of at least 1 (is '0')"));
+  EXPECT_THAT(calibrate({"--max-frames", "-2"}),
+              EndsWith(2, "--max-frames: must be a whole number of at least 1"));
+  EXPECT_THAT(calibrate({"--min-views", "0"}), EndsWith(2, "--min-views: must be a whole number from 1"));
+  EXPECT_THAT(calibrate({"--decimate", "0.3"}), EndsWith(2, "--decimate: must be 1, 1.5"));
+  EXPECT_THAT(calibrate({"--map-frame", ""}), EndsWith(2, "--map-frame: must not be empty"));
+  EXPECT_THAT(calibrate({"--rate", "-1"}), EndsWith(2, "--rate: must be in [0.001, 1000000]"));
+  EXPECT_THAT(detect_with("--rate", "nan"), EndsWith(2, "--rate: must be in [0.001, 1000000]"));
+  EXPECT_THAT(detect_with("--threads", "-1"),
+              EndsWith(2, "--threads: must be a whole number from 0 to 256 (is '-1')"));
+  EXPECT_THAT(detect_with("--max-hamming", "3"),
+              EndsWith(2, "--max-hamming: must be a whole number from 0 to 2"));
+  EXPECT_THAT(track({"--min-margin", "-1"}), EndsWith(2, "--min-margin: must be in [0, 255]"));
+  EXPECT_THAT(run_program({"simulate", "--scene", "single", "--seed", "-1", "--output", path("s")}),
+              EndsWith(2, "--seed: must be a whole number of at least 0 (is '-1')"));
+  EXPECT_THAT(run_program({"demo", "--seed", "-1", "--output", path("s")}), EndsWith(2, "--seed: must be"));
+  EXPECT_THAT(run_program({"map", "merge", path("map.yaml"), path("map.yaml"), "--conflict-mm", "-1",
+                           "--output", path("merged.yaml")}),
+              EndsWith(2, "--conflict-mm: must be at least 0 (is '-1')"));
+  write_text(path("options.yaml"), "step: -1\n");
+  EXPECT_THAT(calibrate({"--config", path("options.yaml")}),
+              EndsWith(2, "options.yaml:1: step: --step: must be"));
+}
+
+TEST_F(ExitStatus, TheLargestSeedIsTaken) {
+  EXPECT_EQ(run_program({"simulate", "--scene", "single", "--frames", "1", "--seed", "18446744073709551615",
+                         "--output", path("s")})
+                .status,
+            0);
+}
+
+TEST_F(ExitStatus, AFamilyGivenTwiceIs2) {
+  EXPECT_THAT(run_with({"detect", path("frames"), "--output", path("d.csv"), "--family", "tag25h9",
+                        "--family", "tag25h9"},
+                       {}),
+              EndsWith(2, "--family: 'tag25h9' is given more than once"));
+}
+
+TEST_F(ExitStatus, ACameraIsNamedOnce) {
+  EXPECT_THAT(run_program({"calibrate", "cam0=" + path("frames"), "--camera", path("camera.yaml"),
+                           "--camera-name", "cam0", "--tag-size", "0.16", "--output", path("new_map.yaml")}),
+              EndsWith(2, "--camera-name"));
 }
 
 TEST_F(ExitStatus, BadDetectionsNameLineAndColumn) {
@@ -308,6 +365,11 @@ TEST_F(ExitStatus, AnUnwritableOutputIs3BeforeTheWorkIsDone) {
   EXPECT_THAT(track({"--output", path("missing/out.tum")}), EndsWith(3, "missing/out.tum"));
   EXPECT_THAT(calibrate({"--output", path("missing/map.yaml")}), EndsWith(3, "missing/map.yaml"));
   EXPECT_THAT(detect({"--output", path("missing/corners.csv")}), EndsWith(3, "missing/corners.csv"));
+}
+
+TEST_F(ExitStatus, AFullFolderIs3AndTheWayOutIsForce) {
+  EXPECT_THAT(run_program({"simulate", "--scene", "single", "--frames", "1", "--output", path("frames")}),
+              EndsWith(3, "frames: is not empty: name a new folder, or give --force"));
 }
 
 TEST_F(ExitStatus, AFolderAsOutputIs3) {
