@@ -109,8 +109,6 @@ class BatchDetector {
       : check_resolution_(options.camera),
         parallel_for_(parallel_for(resolved_threads(options.num_threads))) {
     for (int i = 0; i < resolved_threads(options.num_threads); ++i) detectors_.emplace_back(options.detector);
-    // What is measured once about the library is no part of the first frame's latency.
-    detectors_.front().detect(GrayImage(kWarmUpSide_px, kWarmUpSide_px).view());
   }
 
   std::vector<SourceFrame> read(FrameSource& source) {
@@ -138,8 +136,6 @@ class BatchDetector {
   void check_some_fit() const { check_resolution_.check_some_fit(); }
 
  private:
-  static constexpr int kWarmUpSide_px = 16;
-
   static void detect(Detector& detector, DetectedFrame& frame) {
     const auto start = std::chrono::steady_clock::now();
     frame.detections = detector.detect(frame.source.pixels.view());
