@@ -1,8 +1,5 @@
 #include "apriltrack/tracker/localizer.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
@@ -10,9 +7,8 @@
 #include <set>
 
 #include "apriltrack/base/check.h"
-#include "apriltrack/base/error.h"
-#include "apriltrack/tags/tag_family.h"
 #include "corner_noise.h"
+#include "map_detection.h"
 #include "map_uncertainty.h"
 #include "pose_adjustment.h"
 #include "pose_candidate.h"
@@ -25,32 +21,6 @@ constexpr double kUnknownExposure_s = 0.01;     // indoor webcams: 5 to 30 ms
 constexpr double kMinOdds = 1e-3;               // what is less likely than this is ruled out
 constexpr double kMinLogPriorOfSupport = -5.0;  // 3 sigma from the prediction
 
-/// Families in the map's order of first use.
-std::vector<std::string> families_of(const TagMap& map) {
-  std::vector<std::string> families;
-  for (const MapTag& tag : map.tags) {
-    if (std::find(families.begin(), families.end(), tag.key.family) == families.end()) {
-      families.push_back(tag.key.family);
-    }
-  }
-  return families;
-}
-
-DetectorOptions checked_detector_options(const Camera& camera, const TagMap& map,
-                                         const LocalizerOptions& options) {
-  options.check();
-  if (map.tags.empty()) throw invalid_input("map", "has no tags: nothing to localise by");
-  for (const MapTag& tag : map.tags) {
-    if (TagFamily::is_known(tag.key.family)) continue;
-    throw invalid_input("map", fmt::format("tag {}: unknown family; known are {}", to_string(tag.key),
-                                           fmt::join(TagFamily::names(), ", ")));
-  }
-  DetectorOptions detector = options.detector;
-  detector.families = families_of(map);
-  detector.response = camera.response;
-  return detector;
-}
-
 struct Choice {
   PoseCandidate candidate;
   double expected_sigma_px = 0.0;          ///< Of a corner, before the fit.
@@ -59,24 +29,13 @@ struct Choice {
 
 }  // namespace
 
-void LocalizerOptions::check() const {
-  if (!(corner_sigma_px > 0.0 && std::isfinite(corner_sigma_px))) {
-    throw invalid_input("corner_sigma_px", fmt::format("must be > 0 (is {})", corner_sigma_px));
-  }
-  if (!(max_residual_rms_px >= corner_sigma_px && std::isfinite(max_residual_rms_px))) {
-    throw invalid_input("max_residual_rms_px", fmt::format("must be at least corner_sigma_px, {} (is {})",
-                                                           corner_sigma_px, max_residual_rms_px));
-  }
-  detector.check();
-}
-
 class Localizer::Implementation {
  public:
   Implementation(const Camera& camera, const TagMap& map, const LocalizerOptions& options)
       : camera_(camera),
         map_(map),
         options_(options),
-        detector_options_(checked_detector_options(camera, map, options)) {}
+        detector_options_((options.check(), detector_options_for(camera, map, options.detector))) {}
 
   TrackResult localize(const Frame& frame) {
     const bool has_size = camera_.width > 0 && camera_.height > 0;
