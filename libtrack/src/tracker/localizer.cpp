@@ -1,12 +1,13 @@
 #include "apriltrack/tracker/localizer.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <set>
 
-#include "apriltrack/base/check.h"
 #include "corner_noise.h"
 #include "map_detection.h"
 #include "map_uncertainty.h"
@@ -23,8 +24,8 @@ constexpr double kMinLogPriorOfSupport = -5.0;  // 3 sigma from the prediction
 
 struct Choice {
   PoseCandidate candidate;
-  double expected_sigma_px = 0.0;          ///< Of a corner, before the fit.
-  std::optional<PoseMemory::Mode> second;  ///< T_camera_map, and its odds.
+  std::optional<Matrix6d> cov_T_camera_map;  ///< nullopt where the corners do not determine the pose.
+  std::optional<PoseMemory::Mode> second;    ///< T_camera_map, and its odds.
 };
 
 }  // namespace
@@ -39,9 +40,8 @@ class Localizer::Implementation {
 
   TrackResult localize(const Frame& frame) {
     const bool has_size = camera_.width > 0 && camera_.height > 0;
-    APRILTRACK_CHECK(
-        !has_size || (frame.image.width() == camera_.width && frame.image.height() == camera_.height),
-        "the image must have the camera's resolution");
+    if (has_size && (frame.image.width() != camera_.width || frame.image.height() != camera_.height))
+      return of_another_size(frame);
     prepare();  // the tables are no part of a frame's latency
     const auto start = std::chrono::steady_clock::now();
     const std::vector<Detection> detections = detector_->detect(frame.image);
@@ -61,6 +61,14 @@ class Localizer::Implementation {
   const DetectorOptions& detector_options() const { return detector_options_; }
 
  private:
+  TrackResult of_another_size(const Frame& frame) const {
+    TrackResult result;
+    result.timestamp = frame.timestamp;
+    result.reason = fmt::format("the image is {} x {} pixels, but the camera is calibrated for {} x {}",
+                                frame.image.width(), frame.image.height(), camera_.width, camera_.height);
+    return result;
+  }
+
   TrackResult localize(Timestamp time, const std::vector<Detection>& detections,
                        std::optional<double> exposure_s, std::chrono::steady_clock::time_point start) {
     TrackResult result;
@@ -106,13 +114,14 @@ class Localizer::Implementation {
                      memory_.log_prior(time, swapped(candidate.T_camera_map)));
     }
     const auto best = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
-    Choice choice{candidates[best], expected_sigma_px(time, candidates[best], exposure_s), std::nullopt};
-    const double best_sigma_px =
-        fitted_corner_sigma_px(options_.corner_sigma_px, choice.expected_sigma_px, choice.candidate);
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
+    Choice choice{candidates[best],
+                  covariance(candidates[best], expected_sigma_px(time, candidates[best], exposure_s)),
+                  std::nullopt};
+    for (std::size_t i = 0; choice.cov_T_camera_map && i < candidates.size(); ++i) {
       const double odds = std::exp(cost[best] - cost[i]);
       if (i == best || odds < kMinOdds || (choice.second && odds <= choice.second->weight)) continue;
-      if (is_same_explanation(camera_.model, choice.candidate, best_sigma_px, candidates[i].T_camera_map))
+      if (is_same_explanation(choice.candidate.T_camera_map, *choice.cov_T_camera_map,
+                              candidates[i].T_camera_map))
         continue;
       choice.second = PoseMemory::Mode{candidates[i].T_camera_map, odds};
     }
@@ -148,14 +157,13 @@ class Localizer::Implementation {
 
   void report(Timestamp time, const Choice& choice, TrackResult* result) {
     const Pose& T_camera_map = choice.candidate.T_camera_map;
-    const auto cov_T_camera_map = covariance(choice);
-    if (!cov_T_camera_map) {
+    if (!choice.cov_T_camera_map) {
       result->reason = "the corners seen do not determine the pose";
       return;
     }
     result->status = TrackStatus::kDetected;
     result->pose = swapped(T_camera_map);
-    result->covariance = covariance_of_swapped(T_camera_map, *cov_T_camera_map);
+    result->covariance = covariance_of_swapped(T_camera_map, *choice.cov_T_camera_map);
     result->tags_tracked = count_tags(choice.candidate.inliers);
     std::optional<PoseMemory::Mode> second;
     if (choice.second) {
@@ -168,14 +176,14 @@ class Localizer::Implementation {
 
   /// Of T_camera_map, by the noise of the corners and the covariances of the map's tags; nullopt where the
   /// corners do not determine it.
-  std::optional<Matrix6d> covariance(const Choice& choice) const {
-    const std::vector<const TagObservation*>& inliers = choice.candidate.inliers;
-    const Pose& T_camera_map = choice.candidate.T_camera_map;
+  std::optional<Matrix6d> covariance(const PoseCandidate& candidate, double expected_sigma_px) const {
+    const std::vector<const TagObservation*>& inliers = candidate.inliers;
+    const Pose& T_camera_map = candidate.T_camera_map;
     const Eigen::LLT<Matrix6d> information(corner_information(camera_.model, inliers, T_camera_map));
     const Matrix6d inverse_information = information.solve(Matrix6d::Identity());
     const MapUncertainty map = map_uncertainty(camera_.model, inliers, T_camera_map, inverse_information);
-    const double sigma_px = fitted_corner_sigma_px(options_.corner_sigma_px, choice.expected_sigma_px,
-                                                   choice.candidate, map.squared_error_px2);
+    const double sigma_px =
+        fitted_corner_sigma_px(options_.corner_sigma_px, expected_sigma_px, candidate, map.squared_error_px2);
     const Matrix6d covariance = sigma_px * sigma_px * inverse_information + map.covariance;
     if (information.info() != Eigen::Success || !covariance.allFinite()) return std::nullopt;
     return covariance;

@@ -46,11 +46,12 @@ class Localizer {
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
 
-  /// Builds the detector's tables now: up to seconds, and memory, for families with many codes. Without it the
-  /// first image does; its latency_s does not count them. Those who bring detections need none.
+  /// Builds the detector's tables now: up to seconds, and memory, for families with many codes. Without it
+  /// the first image does; its latency_s does not count them. Those who bring detections need none.
   void prepare();
 
-  /// Requires an image of the camera's resolution. Frames come in the order of time.
+  /// Frames come in the order of time. An image of another resolution than the camera's is lost; its reason
+  /// names both.
   TrackResult localize(const Frame& frame);
   /// The same from detections made elsewhere, for instance several frames at a time.
   /// exposure_s: of this frame; else the camera's own value holds.
