@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "apriltrack/calib/calibrate_map.h"
+#include "calibrate_camera.h"
 #include "calibrate_input.h"
 #include "calibrate_options.h"
 #include "calibrate_output.h"

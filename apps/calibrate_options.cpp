@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <limits>
 #include <set>
 
 #include "apriltrack/base/error.h"
@@ -11,6 +12,7 @@
 #include "calibrate_output.h"
 #include "inputs.h"
 #include "option_checks.h"
+#include "outputs.h"
 
 namespace apriltrack::app {
 
@@ -94,30 +96,25 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
   check_families(a.detector.families);
   a.detector.check();
   a.calibration.check();
-  std::vector<std::string> read = a.inputs;
-  read.insert(read.end(), {a.camera, a.tag_sizes, a.config});
+  std::vector<std::string> read = {a.camera, a.tag_sizes, a.config};
+  for (const std::string& input : a.inputs) {
+    read.push_back(split_input(input).input);
+    check_input(read.back());
+  }
   std::vector<std::string> all_read = read;
   all_read.insert(all_read.end(), a.detections.begin(), a.detections.end());
   check_output(a.output, "--output", all_read);
   check_observations_file(a, read);
 }
 
-std::filesystem::path camera_file(const CalibrateOptions& a) {
-  if (!a.camera.empty()) return a.camera;
-  for (const std::string& input : a.inputs) {
-    const auto own = sequence_camera_file(input.substr(input.find('=') + 1));  // npos + 1 is 0
-    if (own) return *own;
-  }
-  throw invalid_input("--camera",
-                      "is required: the input is no sequence folder with a camera.yaml of its own");
-}
-
 TagKey parse_held_tag(const CalibrateOptions& a, const Sightings& sightings) {
   const std::string& text = a.held_tag;
   const std::size_t slash = text.find('/');
   const auto id = parse_integer(slash == std::string::npos ? text : text.substr(slash + 1));
-  if (!id || *id < 0)
-    throw invalid_input("--held-tag", fmt::format("must be ID or family/ID (is '{}')", text));
+  constexpr int kMaxId = std::numeric_limits<int>::max();
+  if (!id || *id < 0 || *id > kMaxId)
+    throw invalid_input("--held-tag",
+                        fmt::format("must be ID or family/ID, ID from 0 to {} (is '{}')", kMaxId, text));
   if (slash != std::string::npos) return {text.substr(0, slash), static_cast<int>(*id)};
   std::set<std::string> families;
   for (const FrameDetections& frame : sightings.frames) {

@@ -13,6 +13,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/io/numbers.h"
+#include "outputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -38,30 +39,6 @@ std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptio
           {"observations", observations.filename().string()}};
 }
 
-/// The new observations, written aside until the map is there too: a run that fails in between must not leave
-/// an old map beside new observations, nor a new map beside old ones.
-class ObservationsAside {
- public:
-  explicit ObservationsAside(fs::path path) : path_(std::move(path)), aside_(path_.string() + ".new") {}
-  ~ObservationsAside() {
-    std::error_code ignored;
-    fs::remove(aside_, ignored);
-  }
-  ObservationsAside(const ObservationsAside&) = delete;
-  ObservationsAside& operator=(const ObservationsAside&) = delete;
-
-  const fs::path& file() const { return aside_; }
-  void put_in_place() {
-    std::error_code error;
-    fs::rename(aside_, path_, error);
-    if (error) throw io_error(path_.string(), fmt::format("cannot be written: {}", error.message()));
-  }
-
- private:
-  fs::path path_;
-  fs::path aside_;
-};
-
 void write_observations(const Sightings& sightings, const fs::path& path) {
   std::vector<FrameDetections> frames = sightings.frames;
   std::stable_sort(frames.begin(), frames.end(), [](const FrameDetections& x, const FrameDetections& y) {
@@ -80,7 +57,8 @@ void warn_of_older_parts(const CalibrateOptions& a, std::size_t num_parts) {
                                   part_file(a, number).string(), num_parts));
 }
 
-std::vector<std::string> write_parts(const CalibrateOptions& a, const CalibrationResult& result) {
+std::vector<std::string> write_parts(const CalibrateOptions& a, const CalibrationResult& result,
+                                     OutputsTogether& outputs) {
   std::vector<std::string> written;
   if (a.parts.empty()) return written;
   std::error_code error;
@@ -90,7 +68,7 @@ std::vector<std::string> write_parts(const CalibrateOptions& a, const Calibratio
   for (const TagMap& part : result.other_parts) maps.push_back(&part);
   for (std::size_t i = 0; i < maps.size(); ++i) {
     written.push_back(part_file(a, i + 1).string());
-    write_tag_map(written.back(), *maps[i]);
+    write_tag_map(outputs.aside(written.back()), *maps[i]);
   }
   warn_of_older_parts(a, maps.size());
   return written;
@@ -129,11 +107,12 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
   for (TagMap& part : result.other_parts)
     part.provenance = provenance(a, camera, part.tags.front().key, files.observations);
   const bool has_them = is_detections_input(a, files.observations);  // it may hold more than was used
-  ObservationsAside aside(files.observations);
-  if (!has_them) write_observations(sightings, aside.file());
-  files.parts = write_parts(a, result);
-  write_tag_map(a.output, result.map);
-  if (!has_them) aside.put_in_place();
+  // A run that fails in between must not leave an old map beside new observations, nor any part replaced.
+  OutputsTogether outputs;
+  if (!has_them) write_observations(sightings, outputs.aside(files.observations));
+  files.parts = write_parts(a, result, outputs);
+  write_tag_map(outputs.aside(a.output), result.map);
+  outputs.put_in_place();
   return files;
 }
 

@@ -14,6 +14,7 @@
 #include "frame_loop.h"
 #include "inputs.h"
 #include "option_checks.h"
+#include "outputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -86,7 +87,8 @@ Record detect(const Arguments& arguments) {
   if (!arguments.camera_name.empty()) name = arguments.camera_name;
   const FrameLoopOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
                                     arguments.num_threads, "detect"};
-  const std::unique_ptr<FrameSource> source = open_source(arguments.input, {.rate_hz = arguments.rate_hz});
+  const std::unique_ptr<FrameSource> source =
+      open_source(arguments.input, {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name});
   Record record;
   record.counts = detect_frames(*source, options, arguments.console, [&](DetectedFrame frame) {
     record.add({frame.source.timestamp, name, std::move(frame.detections)});
@@ -139,7 +141,8 @@ void add_detect_command(CLI::App& app) {
       ->required();
   command.add_option("--camera", arguments->camera,
                      "Camera file, for its response and resolution; a sequence folder brings its own");
-  command.add_option("--camera-name", arguments->camera_name, "Which camera of the file; else its first");
+  command.add_option("--camera-name", arguments->camera_name,
+                     "Which camera of the file, and of a EuRoC recording; else the first");
   command.add_option("--response", arguments->response,
                      "srgb, linear or gamma:G: what the grey levels stand for; wins over the camera file's");
   command.add_option("--output", arguments->output, "detections.csv")->required();

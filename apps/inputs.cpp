@@ -52,24 +52,12 @@ Camera with_resolution_of_images(Camera camera, const std::string& input) {
   return camera;
 }
 
-void check_output(const std::string& output, std::string_view option,
-                  const std::vector<std::string>& inputs) {
+void check_input(const std::string& input) {
   namespace fs = std::filesystem;
-  if (output.empty()) throw invalid_input(option, "is empty: name the file to write");
-  const fs::path path = output;
-  const fs::path folder = path.parent_path();
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) throw io_error(output, "is a folder: name a file in it");
-  if (!folder.empty() && !fs::is_directory(folder, ignored))
-    throw io_error(output, "cannot be written: there is no such folder");
-  for (const std::string& input : inputs) {
-    if (input.empty()) continue;
-    for (const fs::path& file :
-         {fs::path(input), fs::path(input) / "camera.yaml", fs::path(input) / "map.yaml"}) {
-      if (fs::equivalent(path, file, ignored))
-        throw invalid_input(option, fmt::format("'{}' is an input of this run: name another file", output));
-    }
-  }
+  std::error_code error;
+  const bool is_pattern = input.find_first_of("*?[") != std::string::npos;
+  if (is_pattern || input.starts_with("camera:") || fs::exists(input, error)) return;
+  throw io_error(input, error ? error.message() : "no such file or folder");
 }
 
 }  // namespace apriltrack::app

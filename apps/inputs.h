@@ -27,10 +27,8 @@ std::optional<std::string> rolling_shutter_warning(const Camera& camera);
 /// input: as for open_source; a camera whose resolution is known is not compared with it.
 Camera with_resolution_of_images(Camera camera, const std::string& input);
 
-/// What can be wrong with a file to write, said before the work and not after it. option: "--output".
-/// inputs: files that this run reads; empty names are passed over, and folders hold their camera.yaml and
-/// map.yaml. Throws Error(kInvalidInput) when the name is empty or is that of an input, Error(kIo) when it is
-/// a folder's or its folder is missing.
-void check_output(const std::string& output, std::string_view option, const std::vector<std::string>& inputs);
+/// Throws Error(kIo) when there is no such file or folder: before its camera is missed. Patterns and live
+/// cameras are left to open_source.
+void check_input(const std::string& input);
 
 }  // namespace apriltrack::app

@@ -4,16 +4,16 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "apriltrack/base/error.h"
-#include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/tracker/localizer.h"
 #include "command_help.h"
 #include "commands.h"
 #include "frame_loop.h"
 #include "inputs.h"
 #include "option_checks.h"
+#include "outputs.h"
+#include "rig_detections.h"
 #include "track_record.h"
 
 namespace apriltrack::app {
@@ -54,6 +54,7 @@ void check_arguments(const CLI::App& command, const Arguments& arguments) {
                                     "multi-tag PnP)",
                                     arguments.method));
   }
+  if (!arguments.input.empty()) check_input(arguments.input);
   const std::vector<std::string> read = {arguments.input, arguments.detections, arguments.camera,
                                          arguments.map};
   check_output(arguments.output, "--output", read);
@@ -64,35 +65,32 @@ void check_arguments(const CLI::App& command, const Arguments& arguments) {
     throw invalid_input("--frames-csv", "is the file of --output: name another");
 }
 
-Camera load_camera(const Arguments& arguments) {
-  return read_camera(
+CameraRig load_cameras(const Arguments& arguments) {
+  return read_cameras(
       file_or_own(arguments.camera, sequence_camera_file(arguments.input), "--camera", "camera.yaml"),
-      arguments.camera_name, arguments.console);
+      arguments.console.log());
 }
 
 TagMap load_map(const Arguments& arguments) {
   return read_tag_map(file_or_own(arguments.map, sequence_map_file(arguments.input), "--map", "map.yaml"));
 }
 
-/// Frames of one camera; a file with one camera only is taken whatever that is called.
-std::vector<FrameDetections> load_detections(const std::string& path, const std::string& camera) {
-  std::vector<FrameDetections> frames = read_detections_csv(path);
-  std::set<std::string> cameras;
-  for (const FrameDetections& frame : frames) cameras.insert(frame.camera);
-  if (cameras.size() <= 1) return frames;
-  if (!cameras.contains(camera)) {
+std::vector<FrameDetections> load_detections(const std::string& path, const CameraRig& rig,
+                                             const std::string& camera) {
+  std::vector<FrameDetections> frames = read_rig_detections(path, rig);
+  const std::vector<std::string> there = camera_names(frames);
+  std::erase_if(frames, [&](const FrameDetections& frame) { return frame.camera != camera; });
+  if (frames.empty() && !there.empty()) {
     throw invalid_input(
         path, fmt::format("has no detections of camera '{}'; it has: {}; choose with --camera-name", camera,
-                          fmt::join(cameras, ", ")));
+                          fmt::join(there, ", ")));
   }
-  std::erase_if(frames, [&](const FrameDetections& frame) { return frame.camera != camera; });
   return frames;
 }
 
 /// Both return whether the user ended them early.
-bool track_detections(const Arguments& arguments, const Camera& camera, Localizer& localizer,
-                      TrackRecord& record) {
-  const std::vector<FrameDetections> frames = load_detections(arguments.detections, camera.name);
+bool track_detections(const Arguments& arguments, const std::vector<FrameDetections>& frames,
+                      Localizer& localizer, TrackRecord& record) {
   {
     Progress progress(arguments.console, "track", frames.size());
     for (const FrameDetections& frame : frames) {
@@ -110,7 +108,8 @@ bool track_detections(const Arguments& arguments, const Camera& camera, Localize
 bool track_images(const Arguments& arguments, const Camera& camera, Localizer& localizer,
                   TrackRecord& record) {
   const FrameLoopOptions options{localizer.detector_options(), &camera, arguments.num_threads, "track"};
-  const std::unique_ptr<FrameSource> source = open_source(arguments.input, {.rate_hz = arguments.rate_hz});
+  const std::unique_ptr<FrameSource> source =
+      open_source(arguments.input, {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name});
   const auto localize = [&](DetectedFrame detected) {
     const SourceFrame& image = detected.source;
     if (!image.is_readable()) return record.add_unreadable(image.timestamp);
@@ -119,6 +118,17 @@ bool track_images(const Arguments& arguments, const Camera& camera, Localizer& l
     record.add(frame, result, detected.latency_s + result.latency_s);
   };
   return detect_frames(*source, options, arguments.console, localize).is_interrupted;
+}
+
+/// Single tags still give poses in the map of another place: who reads only these would not notice.
+void warn_of_contradictions(const TrackRecord& record, const Console& console) {
+  const auto [frames, without_pose] = record.frames_with_several_tags();
+  constexpr std::size_t kFew = 3;
+  if (without_pose < kFew || 5 * without_pose < frames) return;
+  console.warning(
+      fmt::format("in {} of {} frames with several tags these do not agree on a pose: is this the map of "
+                  "this place, with the right tag sizes? Poses from single tags cannot tell",
+                  without_pose, frames));
 }
 
 void finish(const Arguments& arguments, const TrackRecord& record, bool was_interrupted,
@@ -141,7 +151,9 @@ void finish(const Arguments& arguments, const TrackRecord& record, bool was_inte
 
 void run(const CLI::App& command, const Arguments& arguments) {
   check_arguments(command, arguments);
-  const Camera camera = load_camera(arguments);
+  const CameraRig rig = load_cameras(arguments);
+  const Camera& camera =
+      arguments.camera_name.empty() ? rig.cameras.front() : rig.find(arguments.camera_name);
   const TagMap map = load_map(arguments);
   std::vector<std::string> warnings;
   if (const auto warning = rolling_shutter_warning(camera)) warnings.push_back(*warning);
@@ -152,11 +164,16 @@ void run(const CLI::App& command, const Arguments& arguments) {
 
   TrackRecord record;
   const bool has_images = arguments.detections.empty();
+  std::vector<FrameDetections> detections;
+  if (!has_images) detections = load_detections(arguments.detections, rig, camera.name);
   const bool was_interrupted = has_images ? track_images(arguments, camera, localizer, record)
-                                          : track_detections(arguments, camera, localizer, record);
+                                          : track_detections(arguments, detections, localizer, record);
+  warn_of_contradictions(record, arguments.console);
   record.check_has_pose(has_images ? arguments.input : arguments.detections, map);
-  write_tum(arguments.output, record.trajectory());
-  if (!arguments.frames_csv.empty()) write_frame_log(arguments.frames_csv, record.rows());
+  OutputsTogether outputs;
+  write_tum(outputs.aside(arguments.output), record.trajectory());
+  if (!arguments.frames_csv.empty()) write_frame_log(outputs.aside(arguments.frames_csv), record.rows());
+  outputs.put_in_place();
   finish(arguments, record, was_interrupted, warnings);
 }
 
@@ -170,7 +187,7 @@ void add_track_command(CLI::App& app) {
   command.add_option("--detections", arguments->detections, "detections.csv in place of INPUT");
   command.add_option("--camera", arguments->camera, "Camera file; default: the sequence folder's own");
   command.add_option("--camera-name", arguments->camera_name,
-                     "Which camera of a file with several; default: the first");
+                     "Which camera of a file, or of a EuRoC recording, with several; default: the first");
   command.add_option("--map", arguments->map, "Tag map; default: the sequence folder's own");
   command.add_option("--mode", arguments->mode, "ego: T_world_camera; joint: T_camera_body")
       ->check(CLI::IsMember({"ego", "joint"}))

@@ -2,17 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <set>
 
-#include "apriltrack/geometry/pose.h"
-#include "apriltrack/tags/tag_corners.h"
 #include "apriltrack/tags/tag_map.h"
+#include "filmed_wall.h"
 #include "program.h"
 #include "support/shared_data.h"
 
@@ -20,55 +15,24 @@ namespace apriltrack::test {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr double kSize_m = 0.16;
-constexpr double kFocal_px = 500.0;
-constexpr const char* kCamera =
-    "cam0:\n  camera_model: pinhole\n  intrinsics: [500.0, 500.0, 319.5, 239.5]\n  distortion_model: none\n"
-    "  distortion_coeffs: []\n  resolution: [640, 480]\n";
-
-/// Where the tags truly are, on one wall: ids 0, 1, 2 are filmed together, 10 and 11 together, 20 alone.
-const std::map<int, Eigen::Vector3d> kPlaces_m = {
-    {0, {0.0, 0.0, 0.0}},    {1, {0.4, 0.0, 0.0}},    {2, {0.0, 0.3, 0.0}},
-    {10, {-0.25, 0.0, 0.0}}, {11, {0.25, 0.0, 0.05}}, {20, {0.0, 0.0, 0.0}},
-};
-
-Pose camera_from_wall(int view) {
-  const double angle = 0.9 * view;
-  Vector6d tilt = Vector6d::Zero();
-  tilt.tail<3>() = Eigen::Vector3d(0.4 * std::cos(angle), 0.4 * std::sin(angle), 0.1 * view);
-  return Pose(Eigen::Quaterniond::Identity(), Eigen::Vector3d(-0.1, -0.05, 1.5)) * Pose::exp(tilt);
-}
-
-/// Exact corners by the pinhole equation, which is all that the camera file says.
-std::string csv_row(long long time_ns, const Pose& T_camera_wall, int id) {
-  std::string row = std::to_string(time_ns) + ",cam0,tag36h11," + std::to_string(id);
-  for (const Eigen::Vector3d& corner_tag : tag_corners(kSize_m)) {
-    const Eigen::Vector3d p = T_camera_wall * (kPlaces_m.at(id) + corner_tag);
-    std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), ",%.6f,%.6f", kFocal_px * p.x() / p.z() + 319.5,
-                  kFocal_px * p.y() / p.z() + 239.5);
-    row += text.data();
-  }
-  return row + "\n";
-}
-
+// Ids 0, 1, 2 are filmed together, 10 and 11 together, 20 alone.
 class Connection : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = temporary_folder();
-    write_text(path("camera.yaml"), kCamera);
+    write_text(path("camera.yaml"), pinhole_entry("cam0"));
   }
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   /// Each group of tags is filmed by itself, ten frames long.
   void film(const std::vector<std::vector<int>>& groups) const {
-    std::string csv = "timestamp_ns,camera,family,id,c0x,c0y,c1x,c1y,c2x,c2y,c3x,c3y\n";
+    std::string csv = kDetectionsHeader;
     long long time_ns = 0;
     for (const auto& group : groups) {
       for (int view = 0; view < 10; ++view) {
         time_ns += 100'000'000;
-        for (const int id : group) csv += csv_row(time_ns, camera_from_wall(view), id);
+        for (const int id : group) csv += wall_row(time_ns, camera_from_wall(view), id);
       }
     }
     write_text(path("d.csv"), csv);
@@ -91,18 +55,6 @@ std::set<int> ids_of(const TagMap& map) {
   return ids;
 }
 
-/// The distances between all tags of a map are those of the wall.
-void expect_true_distances(const TagMap& map) {
-  constexpr double kMaxError_m = 1e-4;  // the corners are exact to 1e-6 px
-  for (const MapTag& a : map.tags) {
-    for (const MapTag& b : map.tags) {
-      EXPECT_NEAR((a.T_map_tag.translation() - b.T_map_tag.translation()).norm(),
-                  (kPlaces_m.at(a.key.id) - kPlaces_m.at(b.key.id)).norm(), kMaxError_m)
-          << a.key.id << " " << b.key.id;
-    }
-  }
-}
-
 TEST_F(Connection, NoTwoTagsTogetherIs1AndWritesNothing) {
   film({{0}, {1}, {20}});
   const ProgramRun run = run_program(words({}));
@@ -123,7 +75,7 @@ TEST_F(Connection, TheLargestPartIsTheMapAndAllOthersAreNamed) {
   EXPECT_THAT(run, EndsWith(0, "warning: left out: tag36h11/20: never seen together with another tag"));
   const TagMap map = read_tag_map(path("map.yaml"));
   EXPECT_EQ(ids_of(map), (std::set<int>{0, 1, 2}));
-  expect_true_distances(map);
+  expect_distances_of_wall(map);
 }
 
 TEST_F(Connection, ObservationsOfAnEarlierRunAreReplaced) {
@@ -131,7 +83,7 @@ TEST_F(Connection, ObservationsOfAnEarlierRunAreReplaced) {
   write_text(path("map.detections.csv"), "of an earlier run\n");
   EXPECT_EQ(run_program(words({})).status, 0);
   const std::string observations = read_text(path("map.detections.csv"));
-  std::string last = csv_row(1'000'000'000, camera_from_wall(9), 2);
+  std::string last = wall_row(1'000'000'000, camera_from_wall(9), 2);
   last.pop_back();
   EXPECT_THAT(observations, ::testing::HasSubstr(last));
   EXPECT_THAT(observations, ::testing::Not(::testing::HasSubstr("earlier")));
@@ -200,7 +152,7 @@ TEST_F(Connection, OptionsForImagesAreRefusedBesideDetections) {
 
 TEST_F(Connection, ARollingShutterIsWarnedOfWithItsCost) {
   film({{0, 1, 2}});
-  write_text(path("camera.yaml"), std::string(kCamera) + "  line_delay: 2.0e-5\n");
+  write_text(path("camera.yaml"), pinhole_entry("cam0") + "  line_delay: 2.0e-5\n");
   const auto all = words({"--json"});
   const ProgramRun run = run_program(all);
   // 480 rows of 20 us are 9.6 ms, half of which is 1.44 px at 300 px/s.
@@ -227,7 +179,7 @@ TEST_F(Connection, PartsAreWrittenAsMapsOfTheirOwn) {
   EXPECT_EQ(read_text(path("parts/part_1.yaml")), read_text(path("map.yaml")));
   const TagMap second = read_tag_map(path("parts/part_2.yaml"));
   EXPECT_EQ(ids_of(second), (std::set<int>{10, 11}));
-  expect_true_distances(second);
+  expect_distances_of_wall(second);
   EXPECT_FALSE(fs::exists(path("parts/part_3.yaml")));  // tag 20: no observation supports a place for it
 }
 

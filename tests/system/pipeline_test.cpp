@@ -33,18 +33,6 @@ std::size_t num_lines(const fs::path& file) {
   return static_cast<std::size_t>(std::count(std::istreambuf_iterator<char>(in), {}, '\n'));
 }
 
-TEST(Pipeline, TheTruthScoresZeroAgainstItself) {
-  const fs::path folder = temporary_folder() / "single";
-  simulate("single", 8, folder);
-  const json score =
-      run_for_json({"evaluate", "--truth", folder, "--estimate", folder / "truth.tum", "--mode", "joint"});
-  EXPECT_EQ(score["coverage"], 1.0);
-  EXPECT_EQ(score["median_px"], 0.0);
-  EXPECT_EQ(score["p95_px"], 0.0);
-  EXPECT_EQ(score["position_rmse_mm"], 0.0);
-  EXPECT_EQ(score["rotation_rmse_deg"], 0.0);
-}
-
 TEST(Pipeline, AnEstimateThatIsOffByOneCentimetreSaysSo) {
   const fs::path folder = temporary_folder() / "single";
   simulate("single", 4, folder);
