@@ -1,13 +1,16 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "apriltrack/calib/calibrate_map.h"
+#include "calibrate_camera.h"
 #include "calibrate_input.h"
 #include "calibrate_options.h"
 #include "calibrate_output.h"
 #include "command_help.h"
 #include "commands.h"
 #include "config_file.h"
+#include "inputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -28,24 +31,42 @@ TagSizes tag_sizes(const CalibrateOptions& a) {
   return a.tag_sizes.empty() ? TagSizes(a.tag_size_m) : read_tag_sizes(a.tag_sizes, a.tag_size_m);
 }
 
-Sightings gather(const CalibrateOptions& a, const CameraRig& rig) {
+Sightings gather(const CalibrateOptions& a, const CameraRig& rig, const std::vector<Recording>& recordings) {
   if (!a.detections.empty()) return read_sightings(a.detections, rig, a.camera_name);
-  return detect_in(parse_recordings(a.inputs, rig, a.camera_name), rig, a.detector, a.source, a.num_threads,
-                   a.console);
+  return detect_in(recordings, rig, a.detector, a.source, a.num_threads, a.console);
+}
+
+/// Of the cameras that may take part.
+std::vector<std::string> warnings_of(const CameraRig& rig, const std::string& camera_name,
+                                     const std::vector<Recording>& recordings) {
+  std::vector<std::string> warnings;
+  for (const Camera& camera : rig.cameras) {
+    const bool is_filmed = std::any_of(recordings.begin(), recordings.end(),
+                                       [&](const Recording& r) { return r.camera == camera.name; });
+    const bool takes_part =
+        recordings.empty() ? camera_name.empty() || camera_name == camera.name : is_filmed;
+    if (!takes_part) continue;
+    if (const auto warning = rolling_shutter_warning(camera)) warnings.push_back(*warning);
+  }
+  return warnings;
 }
 
 void run(CLI::App& command, CalibrateOptions& a) {
   if (!a.config.empty()) apply_config_file(command, a.config);
-  check(a);
+  check(command, a);
   const std::filesystem::path camera = camera_file(a);
   const CameraRig rig = read_cameras(camera, a.console.log());
   const TagSizes sizes = tag_sizes(a);
-  const Sightings sightings = gather(a, rig);
+  const std::vector<Recording> recordings = parse_recordings(a.inputs, rig, a.camera_name);
+  const std::vector<std::string> warnings = warnings_of(rig, a.camera_name, recordings);
+  for (const std::string& warning : warnings) a.console.warning(warning);
+  const Sightings sightings = gather(a, rig, recordings);
 
   a.calibration.num_threads = a.num_threads;
   if (!a.held_tag.empty()) a.calibration.held_tag = parse_held_tag(a, sightings);
   CalibrationResult result = calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
   for (const std::string& warning : result.warnings) a.console.warning(warning);
+  result.warnings.insert(result.warnings.begin(), warnings.begin(), warnings.end());
   const CalibrationFiles files = write_calibration(a, camera, sightings, result);
   tell_calibration(a, sightings, result, files);
 }

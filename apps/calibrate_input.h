@@ -16,15 +16,20 @@ namespace apriltrack::app {
 struct Recording {
   std::string camera;
   std::string input;
+  bool is_named = false;  ///< By the user: of a EuRoC recording with several, too, it is this camera.
 };
 
 /// Everything that was found in all inputs.
 struct Sightings {
-  std::vector<FrameDetections> frames;  ///< In the order of time per camera.
+  std::vector<FrameDetections> frames;  ///< In the order of time, by one clock (see Takes).
   FrameCounts counts;
 };
 
-/// `cam1=PATH` names the camera; a bare PATH is camera_name's, or the first camera's where that is empty.
+/// `cam1=PATH` names the camera. A path in which an = merely occurs has none: something of that very name is
+/// there, or the = is not in its first part.
+Recording split_input(const std::string& input);
+
+/// A PATH that names none is camera_name's, or the first camera's where that is empty.
 std::vector<Recording> parse_recordings(const std::vector<std::string>& inputs, const CameraRig& rig,
                                         const std::string& camera_name);
 
@@ -34,8 +39,7 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
                     const DetectorOptions& detector, const SourceOptions& source_options, int num_threads,
                     const Console& console);
 
-/// Reads detection files. camera_name: only this camera's rows; empty: all. A file that names one camera only
-/// is taken for the camera file's only one, whatever it is called.
+/// Reads detection files with read_rig_detections. camera_name: only this camera's rows; empty: all.
 Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig& rig,
                          const std::string& camera_name);
 

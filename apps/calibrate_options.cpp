@@ -4,11 +4,15 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <limits>
 #include <set>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/numbers.h"
+#include "calibrate_output.h"
 #include "inputs.h"
+#include "option_checks.h"
+#include "outputs.h"
 
 namespace apriltrack::app {
 
@@ -27,8 +31,10 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
   command.add_option("--tag-sizes", a.tag_sizes, "YAML file with sizes by id");
   command.add_option("--family", a.detector.families, "Tag family; may be given several times")
       ->allow_extra_args(false)
+      ->check(known_family())
       ->capture_default_str();
   command.add_option("--decimate", a.detector.decimate, "Search tags in an image this many times smaller")
+      ->check(decimation())
       ->capture_default_str();
   command.add_option(
       "--held-tag,--origin", a.held_tag,
@@ -36,23 +42,45 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
   command
       .add_option("--min-views", a.calibration.min_views,
                   "Leave out tags seen in fewer frames together with others")
+      ->check(whole_number(1, 1'000'000'000))
       ->capture_default_str();
   command.add_option("--map-frame", a.calibration.map_frame, "Name of the map's frame")
+      ->check(not_empty("name the map's frame, such as world"))
       ->capture_default_str();
-  command.add_option("--rate", a.source.rate_hz, "Frames a second, for images whose names are no times");
-  command.add_option("--step", a.source.step, "Use every STEP-th frame")->capture_default_str();
-  command.add_option("--max-frames", a.source.max_frames, "Use so many frames of each input at most");
+  command.add_option("--rate", a.source.rate_hz, "Frames a second, for images whose names are no times")
+      ->check(rate());
+  command.add_option("--step", a.source.step, "Use every STEP-th frame")
+      ->check(whole_number(1))
+      ->capture_default_str();
+  command.add_option("--max-frames", a.source.max_frames, "Use so many frames of each input at most")
+      ->check(whole_number(1));
   command.add_option("--parts", a.parts, "Folder for a map of each part: part_1.yaml is the map itself");
   command.add_option("--config", a.config,
                      "YAML file of options, keys = their long names; the command line wins");
   command.add_option("--output", a.output,
                      "The map; its observations go to <output>.detections.csv beside it");
   command.add_option("--threads", a.num_threads, "0 = as many as there are cores; changes no result")
+      ->check(threads())
       ->capture_default_str();
   a.console.add_options(command);
 }
 
-void check(const CalibrateOptions& a) {
+namespace {
+
+/// The observations that a map is made from lie beside it. Where they are the very file that it is made from,
+/// that stays as it is; one file of several would be told to be all of them.
+void check_observations_file(const CalibrateOptions& a, const std::vector<std::string>& read) {
+  const std::string file = observations_file(a).string();
+  if (!is_detections_input(a, file)) return check_output(file, "--output", read);
+  if (a.detections.size() == 1) return;
+  throw invalid_input("--output", fmt::format("the observations would go to '{}', which is one of several "
+                                              "--detections: name another file",
+                                              file));
+}
+
+}  // namespace
+
+void check(const CLI::App& command, const CalibrateOptions& a) {
   if (a.output.empty()) throw invalid_input("--output", "is required: where to write the map");
   if (a.inputs.empty() == a.detections.empty())
     throw invalid_input("calibrate", a.inputs.empty() ? "give an INPUT or --detections FILE"
@@ -63,35 +91,30 @@ void check(const CalibrateOptions& a) {
                         "corners are detected; for tag36h11 the outer edge of the black border");
   if (a.tag_size_m && !(*a.tag_size_m > 0.0 && *a.tag_size_m <= 100.0))
     throw invalid_input("--tag-size", fmt::format("must be in (0, 100] metres (is {})", *a.tag_size_m));
-  check_threads(a.num_threads);
-  if (a.source.step < 1) throw invalid_input("--step", "must be 1 or more (is 0)");
-  if (a.source.rate_hz && !(*a.source.rate_hz > 0.0 && *a.source.rate_hz <= 1e6))
-    throw invalid_input("--rate",
-                        fmt::format("must be in (0, 1e6] frames a second (is {})", *a.source.rate_hz));
+  if (!a.detections.empty())
+    refuse_beside_detections(command, {"--step", "--max-frames", "--rate", "--family", "--decimate"});
+  check_families(a.detector.families);
   a.detector.check();
   a.calibration.check();
-  std::vector<std::string> read = a.inputs;
-  read.insert(read.end(), a.detections.begin(), a.detections.end());
-  read.insert(read.end(), {a.camera, a.tag_sizes, a.config});
-  check_output(a.output, "--output", read);
-}
-
-std::filesystem::path camera_file(const CalibrateOptions& a) {
-  if (!a.camera.empty()) return a.camera;
+  std::vector<std::string> read = {a.camera, a.tag_sizes, a.config};
   for (const std::string& input : a.inputs) {
-    const auto own = sequence_camera_file(input.substr(input.find('=') + 1));  // npos + 1 is 0
-    if (own) return *own;
+    read.push_back(split_input(input).input);
+    check_input(read.back());
   }
-  throw invalid_input("--camera",
-                      "is required: the input is no sequence folder with a camera.yaml of its own");
+  std::vector<std::string> all_read = read;
+  all_read.insert(all_read.end(), a.detections.begin(), a.detections.end());
+  check_output(a.output, "--output", all_read);
+  check_observations_file(a, read);
 }
 
 TagKey parse_held_tag(const CalibrateOptions& a, const Sightings& sightings) {
   const std::string& text = a.held_tag;
   const std::size_t slash = text.find('/');
   const auto id = parse_integer(slash == std::string::npos ? text : text.substr(slash + 1));
-  if (!id || *id < 0)
-    throw invalid_input("--held-tag", fmt::format("must be ID or family/ID (is '{}')", text));
+  constexpr int kMaxId = std::numeric_limits<int>::max();
+  if (!id || *id < 0 || *id > kMaxId)
+    throw invalid_input("--held-tag",
+                        fmt::format("must be ID or family/ID, ID from 0 to {} (is '{}')", kMaxId, text));
   if (slash != std::string::npos) return {text.substr(0, slash), static_cast<int>(*id)};
   std::set<std::string> families;
   for (const FrameDetections& frame : sightings.frames) {

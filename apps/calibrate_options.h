@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,10 +32,7 @@ struct CalibrateOptions {
 void add_calibrate_options(CLI::App& command, CalibrateOptions& options);
 
 /// Throws Error(kInvalidInput) that names the option, Error(kIo) when the output has no folder to go to.
-void check(const CalibrateOptions& options);
-
-/// --camera, else the first sequence folder's own; throws Error(kInvalidInput) where there is neither.
-std::filesystem::path camera_file(const CalibrateOptions& options);
+void check(const CLI::App& command, const CalibrateOptions& options);
 
 /// ID or family/ID as a key; a bare ID is of the family that was seen with it.
 TagKey parse_held_tag(const CalibrateOptions& options, const Sightings& sightings);

@@ -13,6 +13,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/io/numbers.h"
+#include "outputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -38,16 +39,7 @@ std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptio
           {"observations", observations.filename().string()}};
 }
 
-/// A side file that is itself an input stays as it is: it may hold more than was used.
-bool is_input(const CalibrateOptions& a, const fs::path& path) {
-  return std::any_of(a.detections.begin(), a.detections.end(), [&](const std::string& input) {
-    std::error_code ignored;
-    return fs::equivalent(input, path, ignored);
-  });
-}
-
-void write_observations(const CalibrateOptions& a, const Sightings& sightings, const fs::path& path) {
-  if (is_input(a, path)) return;
+void write_observations(const Sightings& sightings, const fs::path& path) {
   std::vector<FrameDetections> frames = sightings.frames;
   std::stable_sort(frames.begin(), frames.end(), [](const FrameDetections& x, const FrameDetections& y) {
     return std::tie(x.timestamp, x.camera) < std::tie(y.timestamp, y.camera);
@@ -55,7 +47,18 @@ void write_observations(const CalibrateOptions& a, const Sightings& sightings, c
   write_detections_csv(path, frames);
 }
 
-std::vector<std::string> write_parts(const CalibrateOptions& a, const CalibrationResult& result) {
+fs::path part_file(const CalibrateOptions& a, std::size_t number) {
+  return fs::path(a.parts) / fmt::format("part_{}.yaml", number);
+}
+
+void warn_of_older_parts(const CalibrateOptions& a, std::size_t num_parts) {
+  for (std::size_t number = num_parts + 1; fs::exists(part_file(a, number)); ++number)
+    a.console.warning(fmt::format("{} is of an earlier run: this one has {} parts",
+                                  part_file(a, number).string(), num_parts));
+}
+
+std::vector<std::string> write_parts(const CalibrateOptions& a, const CalibrationResult& result,
+                                     OutputsTogether& outputs) {
   std::vector<std::string> written;
   if (a.parts.empty()) return written;
   std::error_code error;
@@ -64,9 +67,10 @@ std::vector<std::string> write_parts(const CalibrateOptions& a, const Calibratio
   std::vector<const TagMap*> maps = {&result.map};
   for (const TagMap& part : result.other_parts) maps.push_back(&part);
   for (std::size_t i = 0; i < maps.size(); ++i) {
-    written.push_back((fs::path(a.parts) / fmt::format("part_{}.yaml", i + 1)).string());
-    write_tag_map(written.back(), *maps[i]);
+    written.push_back(part_file(a, i + 1).string());
+    write_tag_map(outputs.aside(written.back()), *maps[i]);
   }
+  warn_of_older_parts(a, maps.size());
   return written;
 }
 
@@ -84,16 +88,31 @@ nlohmann::json names(const TagMap& map) {
 
 }  // namespace
 
+fs::path observations_file(const CalibrateOptions& a) {
+  return fs::path(a.output).replace_extension(".detections.csv");
+}
+
+bool is_detections_input(const CalibrateOptions& a, const fs::path& path) {
+  return std::any_of(a.detections.begin(), a.detections.end(), [&](const std::string& input) {
+    std::error_code ignored;
+    return fs::equivalent(input, path, ignored);
+  });
+}
+
 CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& camera,
                                    const Sightings& sightings, CalibrationResult& result) {
   CalibrationFiles files;
-  files.observations = fs::path(a.output).replace_extension(".detections.csv");
+  files.observations = observations_file(a);
   result.map.provenance = provenance(a, camera, result.held_tag, files.observations);
   for (TagMap& part : result.other_parts)
     part.provenance = provenance(a, camera, part.tags.front().key, files.observations);
-  write_observations(a, sightings, files.observations);
-  files.parts = write_parts(a, result);
-  write_tag_map(a.output, result.map);
+  const bool has_them = is_detections_input(a, files.observations);  // it may hold more than was used
+  // A run that fails in between must not leave an old map beside new observations, nor any part replaced.
+  OutputsTogether outputs;
+  if (!has_them) write_observations(sightings, outputs.aside(files.observations));
+  files.parts = write_parts(a, result, outputs);
+  write_tag_map(outputs.aside(a.output), result.map);
+  outputs.put_in_place();
   return files;
 }
 
@@ -104,7 +123,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
   const nlohmann::json summary = {{"tags", names(result.map)},
                                   {"held_tag", to_string(result.held_tag)},
                                   {"frames", sightings.counts.readable},
-                                  {"frames_unreadable", sightings.counts.unreadable},
+                                  {"unreadable", sightings.counts.unreadable},
                                   {"frames_used", result.frames_used},
                                   {"observations_used", result.observations_used},
                                   {"observations_rejected", result.observations_rejected},

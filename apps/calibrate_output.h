@@ -16,6 +16,11 @@ struct CalibrationFiles {
   std::vector<std::string> parts;
 };
 
+/// Where the observations go: beside the map.
+std::filesystem::path observations_file(const CalibrateOptions& options);
+/// Whether a file is one of --detections.
+bool is_detections_input(const CalibrateOptions& options, const std::filesystem::path& path);
+
 /// Notes in all maps of `result` where they come from, and writes them with the observations they rest on.
 /// camera: the file that was read.
 CalibrationFiles write_calibration(const CalibrateOptions& options, const std::filesystem::path& camera,

@@ -7,10 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/atomic_file.h"
 #include "command_help.h"
 #include "commands.h"
 #include "console.h"
 #include "demo_picture.h"
+#include "option_checks.h"
 
 namespace apriltrack::app {
 namespace {
@@ -61,11 +63,25 @@ void run_step(Step step, const Console& console) {
   if (is_interrupted()) throw no_result("demo", "interrupted; what was made until then is kept");
 }
 
+/// The demo renders into folders of names that people use as well: it replaces only what it made itself.
+void claim(const fs::path& folder) {
+  const fs::path mark = folder / "made_by_apriltrack_demo.txt";
+  for (const char* name : {"gentle", "blurred"}) {
+    if (fs::exists(folder / name) && !fs::exists(mark))
+      throw invalid_input("--output",
+                          fmt::format("'{}' is there already, and no demo made it: name a new folder",
+                                      (folder / name).string()));
+  }
+  write_file_atomically(mark,
+                        "What lies here was made by `apriltrack demo`, which replaces it when run again.\n");
+}
+
 void run_demo(const DemoOptions& options, const Console& console) {
   const fs::path folder = options.output;
   std::error_code failure;
   fs::create_directories(folder, failure);
   if (failure) throw io_error(folder.string(), fmt::format("cannot be made: {}", failure.message()));
+  claim(folder);
   for (const Step& step : steps(options)) run_step(step, console);
 
   const fs::path picture = folder / "blindness.png";
@@ -94,10 +110,12 @@ void add_demo_command(CLI::App& app) {
   command
       .add_option("--output", options->output, "Folder for recordings, maps, trajectories and the picture")
       ->required();
-  command.add_option("--seed", options->seed, "Of the rendered recordings")->capture_default_str();
+  command.add_option("--seed", options->seed, "Of the rendered recordings")
+      ->check(whole_number(0))
+      ->capture_default_str();
   command.add_option("--threads", options->threads, "0 = all cores; results do not depend on it")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(threads());
   console->add_options(command);
   command.callback([options, console] { run_demo(*options, *console); });
 }

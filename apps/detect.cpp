@@ -13,6 +13,8 @@
 #include "commands.h"
 #include "frame_loop.h"
 #include "inputs.h"
+#include "option_checks.h"
+#include "outputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -85,7 +87,8 @@ Record detect(const Arguments& arguments) {
   if (!arguments.camera_name.empty()) name = arguments.camera_name;
   const FrameLoopOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
                                     arguments.num_threads, "detect"};
-  const std::unique_ptr<FrameSource> source = open_source(arguments.input, {.rate_hz = arguments.rate_hz});
+  const std::unique_ptr<FrameSource> source =
+      open_source(arguments.input, {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name});
   Record record;
   record.counts = detect_frames(*source, options, arguments.console, [&](DetectedFrame frame) {
     record.add({frame.source.timestamp, name, std::move(frame.detections)});
@@ -120,7 +123,7 @@ void finish(const Arguments& arguments, const Record& record) {
 }
 
 void run(const Arguments& arguments) {
-  check_threads(arguments.num_threads);
+  check_families(arguments.detector.families);
   check_output(arguments.output, "--output", {arguments.input, arguments.camera});
   const Record record = detect(arguments);
   check_result(arguments, record);
@@ -138,27 +141,32 @@ void add_detect_command(CLI::App& app) {
       ->required();
   command.add_option("--camera", arguments->camera,
                      "Camera file, for its response and resolution; a sequence folder brings its own");
-  command.add_option("--camera-name", arguments->camera_name, "Which camera of the file; else its first");
+  command.add_option("--camera-name", arguments->camera_name,
+                     "Which camera of the file, and of a EuRoC recording; else the first");
   command.add_option("--response", arguments->response,
                      "srgb, linear or gamma:G: what the grey levels stand for; wins over the camera file's");
   command.add_option("--output", arguments->output, "detections.csv")->required();
   command.add_option("--family", arguments->detector.families, "Tag family; may be given several times")
+      ->check(known_family())
       ->capture_default_str();
   command.add_option("--decimate", arguments->detector.decimate, "Search in an image so many times smaller")
+      ->check(decimation())
       ->capture_default_str();
   command
       .add_option("--min-margin", arguments->detector.min_decision_margin,
                   "Grey levels between bits and their threshold; lower finds more and errs more")
+      ->check(decision_margin())
       ->capture_default_str();
   command
       .add_option("--max-hamming", arguments->detector.max_hamming,
                   "Wrong bits that may be corrected, 0 to 2")
+      ->check(corrected_bits())
       ->capture_default_str();
   command.add_flag("--no-refine", arguments->no_refine, "Leave the corners where the library found them");
   command.add_option("--rate", arguments->rate_hz, "Frames per second, for images without times")
-      ->check(CLI::PositiveNumber);
+      ->check(rate());
   command.add_option("--threads", arguments->num_threads, "Threads; 0 = one per core, up to 8")
-      ->check(CLI::NonNegativeNumber);
+      ->check(threads());
   arguments->console.add_options(command);
   command.callback([arguments] { run(*arguments); });
 }

@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -49,7 +52,7 @@ Inputs find_inputs(const EvaluateOptions& options) {
     if (inputs.camera.empty() && fs::exists(folder / "camera.yaml")) inputs.camera = folder / "camera.yaml";
     if (inputs.map.empty() && fs::exists(folder / "map.yaml")) inputs.map = folder / "map.yaml";
   }
-  const bool asked_for_one = !options.camera.empty() || !options.map.empty();
+  const bool asked_for_one = !options.camera.empty() || !options.camera_name.empty() || !options.map.empty();
   if (asked_for_one && (inputs.camera.empty() || inputs.map.empty())) {
     throw invalid_input(
         inputs.map.empty() ? "--map" : "--camera",
@@ -69,20 +72,69 @@ std::optional<CornerScene> read_scene(const Inputs& inputs, const EvaluateOption
                      read_tag_map(inputs.map)};
 }
 
-void run_evaluate(const EvaluateOptions& options) {
-  const Inputs inputs = find_inputs(options);
+std::ptrdiff_t count_frames_with_tags(const Trajectory& truth, const CornerScene& scene,
+                                      TrajectoryKind kind) {
+  return std::count_if(truth.begin(), truth.end(), [&](const TimedPose& frame) {
+    const bool is_joint = kind == TrajectoryKind::kJoint;
+    return !visible_tags(scene, is_joint ? frame.pose : frame.pose.inverse()).empty();
+  });
+}
+
+/// Read the wrong way round, a truth looks away from its tags in most frames. Empty where nothing speaks
+/// against the mode.
+std::string mode_hint(const Trajectory& truth, const CornerScene* scene, TrajectoryKind kind) {
+  if (!scene || scene->camera.width <= 0 || scene->camera.height <= 0) return "";
+  const bool is_ego = kind == TrajectoryKind::kEgo;
+  const auto with_tags = count_frames_with_tags(truth, *scene, kind);
+  const auto with_tags_otherwise =
+      count_frames_with_tags(truth, *scene, is_ego ? TrajectoryKind::kJoint : TrajectoryKind::kEgo);
+  if (2 * with_tags >= with_tags_otherwise) return "";
+  return fmt::format(
+      "as --mode {}, the truth shows tags in {} of {} frames, as --mode {} in {}: try --mode {}",
+      is_ego ? "ego" : "joint", with_tags, truth.size(), is_ego ? "joint" : "ego", with_tags_otherwise,
+      is_ego ? "joint" : "ego");
+}
+
+/// The library knows of no files: whoever mixed two recordings up wants to see which.
+Error naming_files(const Error& error, const std::string& scored, const fs::path& truth, std::string hint) {
+  if (!hint.empty()) hint = "; " + hint;
+  return Error(error.kind(), scored + " against " + truth.string(), error.what() + hint);
+}
+
+TrajectoryEvaluation evaluate(const EvaluateOptions& options, const Inputs& inputs) {
   const Trajectory truth = read_tum(inputs.truth);
   const Trajectory estimate = read_tum(options.estimate);
-  if (truth.empty()) throw no_result(inputs.truth.string(), "has no pose");
-  const std::optional<CornerScene> scene = read_scene(inputs, options);
+  const std::optional<CornerScene> known_scene = read_scene(inputs, options);
+  const CornerScene* scene = known_scene ? &*known_scene : nullptr;
   const TrajectoryKind kind = options.mode == "joint" ? TrajectoryKind::kJoint : TrajectoryKind::kEgo;
-  const TrajectoryEvaluation evaluation =
-      evaluate_trajectory(truth, estimate, scene ? &*scene : nullptr, {kind, options.align});
+  const std::string hint = mode_hint(truth, scene, kind);
+  try {
+    TrajectoryEvaluation evaluation = evaluate_trajectory(truth, estimate, scene, {kind, options.align});
+    if (!hint.empty()) options.console.warning(hint);
+    return evaluation;
+  } catch (const Error& error) {
+    throw naming_files(error, options.estimate, inputs.truth, hint);
+  }
+}
+
+FrameLogEvaluation evaluate_log(const EvaluateOptions& options, const Inputs& inputs,
+                                const TrajectoryEvaluation& evaluation) {
+  const std::vector<FrameLogRow> rows = read_frame_log(options.frames_csv);
+  try {
+    return evaluate_frame_log(evaluation, rows);
+  } catch (const Error& error) {
+    throw naming_files(error, options.frames_csv, inputs.truth, "");
+  }
+}
+
+void run_evaluate(const EvaluateOptions& options) {
+  const Inputs inputs = find_inputs(options);
+  const TrajectoryEvaluation evaluation = evaluate(options, inputs);
   nlohmann::json summary = to_json(evaluation);
   summary["sequence"] = fs::weakly_canonical(options.truth).filename().string();
   std::string text = to_text(evaluation);
   if (!options.frames_csv.empty()) {
-    const FrameLogEvaluation log = evaluate_frame_log(evaluation, read_frame_log(options.frames_csv));
+    const FrameLogEvaluation log = evaluate_log(options, inputs, evaluation);
     add_log(summary, log);
     text += to_text(log);
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <filesystem>
 #include <thread>
 
 #include "apriltrack/base/error.h"
@@ -21,30 +22,85 @@ int resolved_threads(int num_threads) {
   return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMaxDefaultThreads);
 }
 
-/// Holds every image against the camera's resolution.
+/// Holds every image against the camera's resolution. One of another size among good ones is left out like a
+/// corrupt one; images of which none fits have the wrong camera file.
 class ResolutionCheck {
  public:
   explicit ResolutionCheck(const Camera* camera) : camera_(camera) {}
 
-  void operator()(const SourceFrame& frame) {
+  void operator()(SourceFrame& frame) {
     if (!camera_ || !frame.is_readable()) return;
-    const int width = frame.pixels.width();
-    const int height = frame.pixels.height();
-    check_resolution(*camera_, width, height, frame.name);
-    if (first_width_ == 0) {
-      first_width_ = width;
-      first_height_ = height;
+    if (camera_->width == 0 && camera_->height == 0) return check_against_first(frame);
+    if (frame.pixels.width() == camera_->width && frame.pixels.height() == camera_->height) {
+      some_fit_ = true;
+      return;
     }
-    if (width == first_width_ && height == first_height_) return;
-    throw invalid_input(frame.name, fmt::format("is {} x {} pixels, but the first image is {} x {}: one "
-                                                "calibration cannot hold for both",
-                                                width, height, first_width_, first_height_));
+    ++num_odd_;
+    if (!some_fit_ && num_odd_ == kEnoughOdd) refuse(frame);
+    if (num_odd_ == 1) first_odd_ = {frame.name, frame.pixels.width(), frame.pixels.height()};
+    frame.error =
+        fmt::format("is {} x {} pixels, but camera '{}' is calibrated for {} x {}", frame.pixels.width(),
+                    frame.pixels.height(), camera_->name, camera_->width, camera_->height);
+    frame.pixels = GrayImage();
+  }
+
+  /// At the end: throws where images could be read, and none fits.
+  void check_some_fit() const {
+    if (!some_fit_ && num_odd_ > 0)
+      check_resolution(*camera_, first_odd_.width, first_odd_.height, first_odd_.name);
   }
 
  private:
+  /// A live camera would give such images for ever, and a long video for long.
+  static constexpr int kEnoughOdd = 32;
+
+  struct Size {
+    std::string name;
+    int width = 0;
+    int height = 0;
+  };
+
+  void refuse(const SourceFrame& frame) const {
+    check_resolution(*camera_, frame.pixels.width(), frame.pixels.height(), frame.name);
+  }
+
+  /// Which of two sizes is the camera's cannot be told here.
+  void check_against_first(const SourceFrame& frame) {
+    const int width = frame.pixels.width();
+    const int height = frame.pixels.height();
+    if (first_.width == 0) first_ = {frame.name, width, height};
+    if (width == first_.width && height == first_.height) return;
+    throw invalid_input(frame.name, fmt::format("is {} x {} pixels, but the first image is {} x {}: one "
+                                                "calibration cannot hold for both",
+                                                width, height, first_.width, first_.height));
+  }
+
   const Camera* camera_;
-  int first_width_ = 0;
-  int first_height_ = 0;
+  bool some_fit_ = false;
+  int num_odd_ = 0;
+  Size first_odd_;
+  Size first_;  ///< Of a camera whose file tells no resolution.
+};
+
+/// Names of digits are times in nanoseconds. Where they are so close that no camera took them, they are
+/// numbers.
+class FrameNumberCheck {
+ public:
+  void operator()(const SourceFrame& frame) {
+    constexpr std::int64_t kLeastPeriod_ns = 1000;
+    const std::string stem = std::filesystem::path(frame.name).stem().string();
+    const bool is_number = !stem.empty() && stem.find_first_not_of("0123456789") == std::string::npos;
+    if (is_number && before_ && frame.timestamp.ns - before_->ns < kLeastPeriod_ns)
+      throw invalid_input(
+          frame.name,
+          fmt::format("is {} ns after the frame before, as names of digits are times in "
+                      "nanoseconds; if they are frame numbers, give the frame rate with --rate HZ",
+                      frame.timestamp.ns - before_->ns));
+    before_ = frame.timestamp;
+  }
+
+ private:
+  std::optional<Timestamp> before_;
 };
 
 class BatchDetector {
@@ -60,6 +116,7 @@ class BatchDetector {
     while (batch.size() < kFramesPerThread * detectors_.size()) {
       std::optional<SourceFrame> frame = source.next();
       if (!frame) break;
+      check_number_(*frame);
       check_resolution_(*frame);
       batch.push_back(std::move(*frame));
     }
@@ -76,6 +133,8 @@ class BatchDetector {
     return detected;
   }
 
+  void check_some_fit() const { check_resolution_.check_some_fit(); }
+
  private:
   static void detect(Detector& detector, DetectedFrame& frame) {
     const auto start = std::chrono::steady_clock::now();
@@ -83,6 +142,7 @@ class BatchDetector {
     frame.latency_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
+  FrameNumberCheck check_number_;
   ResolutionCheck check_resolution_;
   ParallelFor parallel_for_;
   std::deque<Detector> detectors_;
@@ -106,7 +166,7 @@ void tell(const FrameSource& source, const FrameCounts& counts, const std::strin
                                                     counts.unreadable, first_unreadable));
   }
   if (counts.unreadable > 0) {
-    console.warning(fmt::format("{} of {} frames cannot be read; the first: {}", counts.unreadable,
+    console.warning(fmt::format("{} of {} frames are left out; the first: {}", counts.unreadable,
                                 counts.readable + counts.unreadable, first_unreadable));
   }
   if (counts.is_interrupted) console.warning(kInterrupted);
@@ -131,6 +191,7 @@ FrameCounts detect_frames(FrameSource& source, const FrameLoopOptions& options, 
       progress.advance(batch.size());
     }
   }
+  if (counts.readable == 0) detector.check_some_fit();
   tell(source, counts, first_unreadable, console);
   return counts;
 }

@@ -15,7 +15,7 @@ namespace apriltrack::app {
 
 struct FrameLoopOptions {
   DetectorOptions detector;
-  /// Whose resolution every image must have (the first image's where its file names none); nullptr: any.
+  /// Whose resolution the images must have (the first image's where its file names none); nullptr: any.
   const Camera* camera = nullptr;
   int num_threads = 0;  ///< 0: one per core, 8 at most.
   std::string label;    ///< What the progress line says is being done.
@@ -39,7 +39,8 @@ struct FrameCounts {
 ///
 /// Ctrl-C ends it early. It warns of that and of unreadable frames before it returns, so that users hear the
 /// cause before what follows from it. Throws Error(kIo) when no frame can be read, Error(kInvalidInput) when
-/// an image has not the camera's resolution.
+/// no image has the camera's resolution
+/// (one of many is left out and counted as unreadable), or when names of digits are clearly no times.
 FrameCounts detect_frames(FrameSource& source, const FrameLoopOptions& options, const Console& console,
                           const std::function<void(DetectedFrame)>& sink);
 

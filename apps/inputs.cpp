@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "apriltrack/base/error.h"
 #include "apriltrack/source/frame_source.h"
 
@@ -20,6 +22,22 @@ Camera read_camera(const std::filesystem::path& path, const std::string& name, c
   return name.empty() ? rig.cameras.front() : rig.find(name);
 }
 
+std::optional<std::string> rolling_shutter_warning(const Camera& camera) {
+  if (camera.line_delay_s == 0.0) return std::nullopt;
+  std::string text = fmt::format(
+      "camera '{}' has a rolling shutter (line_delay {:g} us), which is not modelled yet: all rows "
+      "are taken for one moment's, so that in motion corners far from the middle row are wrong",
+      camera.name, 1e6 * camera.line_delay_s);
+  if (camera.height == 0) return text;
+  constexpr double kMotion_px = 10.0;  // between frames, for an example
+  constexpr double kRate_hz = 30.0;
+  const double half_readout_s = 0.5 * camera.height * std::abs(camera.line_delay_s);
+  return text +
+         fmt::format(
+             " by up to what the picture moves in {:.1f} ms (at {:g} px a frame and {:g} Hz: {:.1f} px)",
+             1e3 * half_readout_s, kMotion_px, kRate_hz, kMotion_px * kRate_hz * half_readout_s);
+}
+
 Camera with_resolution_of_images(Camera camera, const std::string& input) {
   if (camera.width > 0 && camera.height > 0) return camera;
   SourceOptions options;
@@ -34,31 +52,12 @@ Camera with_resolution_of_images(Camera camera, const std::string& input) {
   return camera;
 }
 
-void check_output(const std::string& output, std::string_view option,
-                  const std::vector<std::string>& inputs) {
+void check_input(const std::string& input) {
   namespace fs = std::filesystem;
-  if (output.empty()) throw invalid_input(option, "is empty: name the file to write");
-  const fs::path path = output;
-  const fs::path folder = path.parent_path();
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) throw io_error(output, "is a folder: name a file in it");
-  if (!folder.empty() && !fs::is_directory(folder, ignored))
-    throw io_error(output, "cannot be written: there is no such folder");
-  for (const std::string& input : inputs) {
-    if (input.empty()) continue;
-    for (const fs::path& file :
-         {fs::path(input), fs::path(input) / "camera.yaml", fs::path(input) / "map.yaml"}) {
-      if (fs::equivalent(path, file, ignored))
-        throw invalid_input(option, fmt::format("'{}' is an input of this run: name another file", output));
-    }
-  }
-}
-
-void check_threads(int num_threads) {
-  constexpr int kMaxThreads = 256;
-  if (num_threads < 0 || num_threads > kMaxThreads)
-    throw invalid_input(
-        "--threads", fmt::format("must be in [0, {}]; 0 = one per core (is {})", kMaxThreads, num_threads));
+  std::error_code error;
+  const bool is_pattern = input.find_first_of("*?[") != std::string::npos;
+  if (is_pattern || input.starts_with("camera:") || fs::exists(input, error)) return;
+  throw io_error(input, error ? error.message() : "no such file or folder");
 }
 
 }  // namespace apriltrack::app

@@ -20,17 +20,15 @@ std::filesystem::path file_or_own(const std::string& given, const std::optional<
 /// Throws as read_cameras and CameraRig::find do.
 Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console);
 
+/// What users of a camera with a rolling shutter must know; nullopt for a global one.
+std::optional<std::string> rolling_shutter_warning(const Camera& camera);
+
 /// A camera file may leave out the resolution (WPILib's do): then that of the first readable image holds.
 /// input: as for open_source; a camera whose resolution is known is not compared with it.
 Camera with_resolution_of_images(Camera camera, const std::string& input);
 
-/// What can be wrong with a file to write, said before the work and not after it. option: "--output".
-/// inputs: files that this run reads; empty names are passed over, and folders hold their camera.yaml and
-/// map.yaml. Throws Error(kInvalidInput) when the name is empty or is that of an input, Error(kIo) when it is
-/// a folder's or its folder is missing.
-void check_output(const std::string& output, std::string_view option, const std::vector<std::string>& inputs);
-
-/// Throws Error(kInvalidInput) unless 0 (one per core) to 256.
-void check_threads(int num_threads);
+/// Throws Error(kIo) when there is no such file or folder: before its camera is missed. Patterns and live
+/// cameras are left to open_source.
+void check_input(const std::string& input);
 
 }  // namespace apriltrack::app

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -16,8 +17,35 @@ namespace {
 constexpr int kStatusUsage = 2;
 constexpr int kStatusNoResult = 1;
 
+std::string list_of_commands(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// The command whose own command is missing or not known; nullptr when they are all there.
+const CLI::App* without_command(const CLI::App& app) {
+  if (app.get_require_subcommand_min() == 0) return nullptr;
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  return chosen.empty() ? &app : without_command(*chosen.front());
+}
+
+int tell_of_commands(const CLI::App& app, const std::vector<std::string>& strays) {
+  const auto word = std::find_if(strays.begin(), strays.end(), [](const auto& s) { return s[0] != '-'; });
+  if (word == strays.end()) {
+    std::cerr << "error: " << app.get_name() << ": a command is missing";
+    if (!strays.empty()) std::cerr << " (not understood: " << strays.front() << ")";
+  } else {
+    std::cerr << "error: " << app.get_name() << ": there is no command '" << *word << "'";
+  }
+  std::cerr << "; there are: " << list_of_commands(app) << "\nRun with --help for more information.\n";
+  return kStatusUsage;
+}
+
 /// CLI11 speaks of what is missing before it speaks of what it did not understand; users mistype more often.
 int tell_usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  if (const CLI::App* parent = without_command(app)) return tell_of_commands(*parent, app.remaining(true));
   std::cerr << "error: " << error.what() << '\n';
   const std::vector<std::string> strays = app.remaining(true);
   if (!strays.empty()) std::cerr << "not understood: " << fmt::format("{}", fmt::join(strays, " ")) << '\n';

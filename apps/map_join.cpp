@@ -3,6 +3,7 @@
 #include "apriltrack/eval/combine_maps.h"
 #include "apriltrack/eval/statistics.h"
 #include "map_command.h"
+#include "option_checks.h"
 
 namespace apriltrack::app {
 namespace {
@@ -91,8 +92,10 @@ void add_map_merge(CLI::App& map_command) {
   verb->add_option("ADDITION", options->second, "Tag map whose further tags are added")->required();
   verb->add_option("--output", options->output, "Tag map to write")->required();
   verb->add_option("--conflict-mm", options->conflict_mm, "Common tags farther apart are reported")
+      ->check(number_at_least(0.0))
       ->capture_default_str();
   verb->add_option("--conflict-deg", options->conflict_deg, "Common tags turned by more are reported")
+      ->check(number_at_least(0.0))
       ->capture_default_str();
 }
 

@@ -21,6 +21,7 @@
 #include "command_help.h"
 #include "commands.h"
 #include "console.h"
+#include "option_checks.h"
 
 namespace apriltrack::app {
 namespace {
@@ -51,7 +52,6 @@ void check(const SimulateOptions& options) {
   check_range("--speed", options.speed, 0.0, 100.0, "");
   check_range("--noise", options.noise, 0.0, 100.0, "");
   check_range("--flicker", options.flicker, 0.0, 0.9, "");
-  check_range("--threads", options.num_threads, 0, 1024, "; 0 = all cores");
   if (options.frames) check_range("--frames", static_cast<double>(*options.frames), 1, kMaxFrames, "");
   if (options.rate_hz) check_range("--rate", *options.rate_hz, 0.01, 10000.0, " Hz");
 }
@@ -163,8 +163,18 @@ void report(const Scene& scene, const BlurFigures& figures, const SimulateOption
                            options.output, figures.num_frames, scene.name, 100.0 * share, figures.max_px));
 }
 
+void check_folder(const SimulateOptions& options) {
+  std::error_code ignored;
+  const bool is_full = std::filesystem::is_directory(options.output, ignored) &&
+                       !std::filesystem::is_empty(options.output, ignored);
+  if (is_full && !options.is_forced)
+    throw io_error(options.output,
+                   "is not empty: name a new folder, or give --force to replace the recording in it");
+}
+
 void simulate(const SimulateOptions& options) {
   const Scene scene = configured_scene(options);
+  check_folder(options);
   const SequenceWriter writer(options.output, options.is_forced);
   CameraRig rig;
   rig.cameras.push_back(scene.camera);
@@ -210,8 +220,11 @@ void add_simulate_command(CLI::App& app) {
       ->capture_default_str();
   command.add_option("--flicker", options->flicker, "Depth of the lamps' 100 Hz flicker; fills frames.csv")
       ->capture_default_str();
-  command.add_option("--seed", options->seed, "The same seed gives the same bytes")->capture_default_str();
+  command.add_option("--seed", options->seed, "The same seed gives the same bytes")
+      ->check(whole_number(0))
+      ->capture_default_str();
   command.add_option("--threads", options->num_threads, "0 = all cores; changes no byte")
+      ->check(threads())
       ->capture_default_str();
   command.add_flag("--force", options->is_forced, "Write into a folder that is not empty");
   options->console.add_options(command);

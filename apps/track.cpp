@@ -4,14 +4,15 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "apriltrack/base/error.h"
-#include "apriltrack/detect/detections_csv.h"
 #include "command_help.h"
 #include "commands.h"
 #include "frame_loop.h"
 #include "inputs.h"
+#include "option_checks.h"
+#include "outputs.h"
+#include "rig_detections.h"
 #include "track_methods.h"
 #include "track_record.h"
 
@@ -45,14 +46,18 @@ struct Arguments {
   }
 };
 
-void check_arguments(const Arguments& arguments) {
+void check_arguments(const CLI::App& command, const Arguments& arguments) {
   if (arguments.input.empty() == arguments.detections.empty()) {
     throw invalid_input("track", "give either INPUT or --detections FILE");
   }
-  if (arguments.input.empty() && arguments.method() != "pnp") {
-    throw invalid_input("--detections",
-                        fmt::format("is for --method pnp: '{}' looks at images", arguments.method()));
+  if (!arguments.detections.empty()) {
+    if (arguments.method() != "pnp") {
+      throw invalid_input("--detections",
+                          fmt::format("is for --method pnp: '{}' looks at images", arguments.method()));
+    }
+    refuse_beside_detections(command, {"--rate", "--decimate", "--min-margin", "--max-hamming"});
   }
+  if (!arguments.input.empty()) check_input(arguments.input);
   const std::vector<std::string> read = {arguments.input, arguments.detections, arguments.camera,
                                          arguments.map};
   check_output(arguments.output, "--output", read);
@@ -63,35 +68,32 @@ void check_arguments(const Arguments& arguments) {
     throw invalid_input("--frames-csv", "is the file of --output: name another");
 }
 
-Camera load_camera(const Arguments& arguments) {
-  return read_camera(
+CameraRig load_cameras(const Arguments& arguments) {
+  return read_cameras(
       file_or_own(arguments.camera, sequence_camera_file(arguments.input), "--camera", "camera.yaml"),
-      arguments.camera_name, arguments.console);
+      arguments.console.log());
 }
 
 TagMap load_map(const Arguments& arguments) {
   return read_tag_map(file_or_own(arguments.map, sequence_map_file(arguments.input), "--map", "map.yaml"));
 }
 
-/// Frames of one camera; a file with one camera only is taken whatever that is called.
-std::vector<FrameDetections> load_detections(const std::string& path, const std::string& camera) {
-  std::vector<FrameDetections> frames = read_detections_csv(path);
-  std::set<std::string> cameras;
-  for (const FrameDetections& frame : frames) cameras.insert(frame.camera);
-  if (cameras.size() <= 1) return frames;
-  if (!cameras.contains(camera)) {
+std::vector<FrameDetections> load_detections(const std::string& path, const CameraRig& rig,
+                                             const std::string& camera) {
+  std::vector<FrameDetections> frames = read_rig_detections(path, rig);
+  const std::vector<std::string> there = camera_names(frames);
+  std::erase_if(frames, [&](const FrameDetections& frame) { return frame.camera != camera; });
+  if (frames.empty() && !there.empty()) {
     throw invalid_input(
         path, fmt::format("has no detections of camera '{}'; it has: {}; choose with --camera-name", camera,
-                          fmt::join(cameras, ", ")));
+                          fmt::join(there, ", ")));
   }
-  std::erase_if(frames, [&](const FrameDetections& frame) { return frame.camera != camera; });
   return frames;
 }
 
 /// Both return whether the user ended them early.
-bool track_detections(const Arguments& arguments, const Camera& camera, const Method& method,
-                      TrackRecord& record) {
-  const std::vector<FrameDetections> frames = load_detections(arguments.detections, camera.name);
+bool track_detections(const Arguments& arguments, const std::vector<FrameDetections>& frames,
+                      const Method& method, TrackRecord& record) {
   {
     Progress progress(arguments.console, "track", frames.size());
     for (const FrameDetections& frame : frames) {
@@ -111,7 +113,8 @@ bool track_detections(const Arguments& arguments, const Camera& camera, const Me
 bool track_images(const Arguments& arguments, const Camera& camera, const Method& method,
                   TrackRecord& record) {
   const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
-  const std::unique_ptr<FrameSource> source = open_source(arguments.input, {.rate_hz = arguments.rate_hz});
+  const std::unique_ptr<FrameSource> source =
+      open_source(arguments.input, {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name});
   std::optional<Timestamp> previous;
   std::size_t num_readable = 0;
   const auto track = [&](DetectedFrame detected) {
@@ -134,11 +137,24 @@ MethodOptions method_options(const Arguments& arguments) {
   return options;
 }
 
-void finish(const Arguments& arguments, const TrackRecord& record, bool was_interrupted) {
+/// Single tags still give poses in the map of another place: who reads only these would not notice.
+void warn_of_contradictions(const TrackRecord& record, const Console& console) {
+  const auto [frames, without_pose] = record.frames_with_several_tags();
+  constexpr std::size_t kFew = 3;
+  if (without_pose < kFew || 5 * without_pose < frames) return;
+  console.warning(
+      fmt::format("in {} of {} frames with several tags these do not agree on a pose: is this the map of "
+                  "this place, with the right tag sizes? Poses from single tags cannot tell",
+                  without_pose, frames));
+}
+
+void finish(const Arguments& arguments, const TrackRecord& record, bool was_interrupted,
+            const std::vector<std::string>& warnings) {
   nlohmann::json summary = record.summary();
   summary["mode"] = arguments.mode;
   summary["method"] = arguments.method();
   summary["interrupted"] = was_interrupted;
+  summary["warnings"] = warnings;
   summary["output"] = arguments.output;
   std::string text =
       fmt::format("{}\n{}: {}", record.text(), arguments.mode == "ego" ? "T_world_camera" : "T_camera_body",
@@ -150,20 +166,30 @@ void finish(const Arguments& arguments, const TrackRecord& record, bool was_inte
   arguments.console.finish(summary, text);
 }
 
-void run(const Arguments& arguments) {
-  check_arguments(arguments);
-  const Camera camera = load_camera(arguments);
+void run(const CLI::App& command, const Arguments& arguments) {
+  check_arguments(command, arguments);
+  const CameraRig rig = load_cameras(arguments);
+  const Camera& camera =
+      arguments.camera_name.empty() ? rig.cameras.front() : rig.find(arguments.camera_name);
   const TagMap map = load_map(arguments);
+  std::vector<std::string> warnings;
+  if (const auto warning = rolling_shutter_warning(camera)) warnings.push_back(*warning);
+  for (const std::string& warning : warnings) arguments.console.warning(warning);
   const Method method = make_method(method_options(arguments), camera, map, arguments.console);
 
   TrackRecord record;
   const bool has_images = arguments.detections.empty();
+  std::vector<FrameDetections> detections;
+  if (!has_images) detections = load_detections(arguments.detections, rig, camera.name);
   const bool was_interrupted = has_images ? track_images(arguments, camera, method, record)
-                                          : track_detections(arguments, camera, method, record);
+                                          : track_detections(arguments, detections, method, record);
+  warn_of_contradictions(record, arguments.console);
   record.check_has_pose(has_images ? arguments.input : arguments.detections, map);
-  write_tum(arguments.output, record.trajectory());
-  if (!arguments.frames_csv.empty()) write_frame_log(arguments.frames_csv, record.rows());
-  finish(arguments, record, was_interrupted);
+  OutputsTogether outputs;
+  write_tum(outputs.aside(arguments.output), record.trajectory());
+  if (!arguments.frames_csv.empty()) write_frame_log(outputs.aside(arguments.frames_csv), record.rows());
+  outputs.put_in_place();
+  finish(arguments, record, was_interrupted, warnings);
 }
 
 }  // namespace
@@ -176,7 +202,7 @@ void add_track_command(CLI::App& app) {
   command.add_option("--detections", arguments->detections, "detections.csv in place of INPUT");
   command.add_option("--camera", arguments->camera, "Camera file; default: the sequence folder's own");
   command.add_option("--camera-name", arguments->camera_name,
-                     "Which camera of a file with several; default: the first");
+                     "Which camera of a file, or of a EuRoC recording, with several; default: the first");
   command.add_option("--map", arguments->map, "Tag map; default: the sequence folder's own");
   command.add_option("--mode", arguments->mode, "ego: T_world_camera; joint: T_camera_body")
       ->check(CLI::IsMember({"ego", "joint"}))
@@ -203,27 +229,30 @@ void add_track_command(CLI::App& app) {
   command.add_option("--frames-csv", arguments->frames_csv,
                      "Log with a line for every frame: status, pose, covariance");
   command.add_option("--rate", arguments->rate_hz, "Frames a second, for images whose names are no times")
-      ->check(CLI::PositiveNumber);
+      ->check(rate());
   command
       .add_option("--threads", arguments->options.num_threads,
                   "Frames looked at side by side; 0: one per core, 8 at most. Changes no pose, but latencies "
                   "are those of a frame on its own only with 1")
-      ->check(CLI::Range(0, 256))
+      ->check(threads())
       ->capture_default_str();
   command
       .add_option("--min-margin", arguments->options.localizer.detector.min_decision_margin,
                   "Least decision margin of a tag")
+      ->check(decision_margin())
       ->capture_default_str();
   command
       .add_option("--max-hamming", arguments->options.localizer.detector.max_hamming,
                   "Most corrected bits of a tag")
+      ->check(corrected_bits())
       ->capture_default_str();
   command
       .add_option("--decimate", arguments->options.localizer.detector.decimate,
                   "Search in an image this many times smaller: faster, but small tags are missed")
+      ->check(decimation())
       ->capture_default_str();
   arguments->console.add_options(command);
-  command.callback([arguments] { run(*arguments); });
+  command.callback([&command, arguments] { run(command, *arguments); });
 }
 
 }  // namespace apriltrack::app

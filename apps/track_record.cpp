@@ -101,6 +101,16 @@ void TrackRecord::check_has_pose(const std::string& input, const TagMap& map) co
   throw no_result(input, why_without_pose(MapContents(map), seen, num_lost()));
 }
 
+TrackRecord::SeveralTags TrackRecord::frames_with_several_tags() const {
+  SeveralTags result;
+  for (const FrameLogRow& row : rows_) {
+    if (row.tags_detected < 2) continue;
+    ++result.frames;
+    if (!row.pose) ++result.without_pose;
+  }
+  return result;
+}
+
 double TrackRecord::latency_ms(double fraction) const {
   return percentile(latencies_ms_, fraction);
 }

@@ -23,6 +23,13 @@ class TrackRecord {
   /// Throws Error(kNoResult) that tells why a whole recording gave no pose, and what to do.
   void check_has_pose(const std::string& input, const TagMap& map) const;
 
+  struct SeveralTags {
+    std::size_t frames = 0;
+    std::size_t without_pose = 0;
+  };
+  /// Frames in which two mapped tags or more were detected, and those of them without a pose.
+  SeveralTags frames_with_several_tags() const;
+
   const Trajectory& trajectory() const { return trajectory_; }
   const std::vector<FrameLogRow>& rows() const { return rows_; }
 

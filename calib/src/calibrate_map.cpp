@@ -123,10 +123,12 @@ void choose_gauge(const Observations& observations, const CalibrationOptions& op
 
 std::vector<std::string> flags_of(const MapTag& tag, double rejected_share) {
   std::vector<std::string> flags;
-  const Matrix6d& covariance = *tag.covariance;
-  const bool is_loose = std::sqrt(covariance.bottomRightCorner<3, 3>().trace()) > kLooseRotation_rad ||
-                        std::sqrt(covariance.topLeftCorner<3, 3>().trace()) > kLoosePosition * tag.size_m;
-  if (tag.statistics->views < kFewViews || is_loose) flags.push_back("weak");
+  const auto is_loose = [&](const Matrix6d& covariance) {
+    return std::sqrt(covariance.bottomRightCorner<3, 3>().trace()) > kLooseRotation_rad ||
+           std::sqrt(covariance.topLeftCorner<3, 3>().trace()) > kLoosePosition * tag.size_m;
+  };
+  if (tag.statistics->views < kFewViews || (tag.covariance && is_loose(*tag.covariance)))
+    flags.push_back("weak");
   if (rejected_share > kManyRejected) flags.push_back("outliers");
   return flags;
 }
@@ -144,7 +146,7 @@ TagMap to_map(const Observations& observations, const PartSolution& solution, co
     tag.key = observations.tags[t];
     tag.size_m = observations.sizes_m[t];
     tag.T_map_tag = solution.state.T_map_tag[t];
-    tag.covariance = solution.covariances[i];
+    if (!solution.covariances.empty()) tag.covariance = solution.covariances[i];
     tag.statistics = TagStatistics{views[t], solution.residual_rms_px[i], {}};
     tag.statistics->flags =
         flags_of(tag, 1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t]);
@@ -159,7 +161,13 @@ int count_frames(const Observations& observations, const std::vector<std::size_t
   return static_cast<int>(std::unique(frames.begin(), frames.end()) - frames.begin());
 }
 
-void report_quality(const Observations& observations, const PartSolution& solution, Findings& findings) {
+void report_quality(const Observations& observations, const PartSolution& solution,
+                    const CalibrationOptions& options, Findings& findings) {
+  if (solution.covariances.empty())
+    findings.warnings.push_back(
+        fmt::format("no covariances: the map has {} tags, and the matrix to invert grows with the square of "
+                    "their number (at most {} tags)",
+                    solution.part.tags.size(), options.max_tags_with_covariance));
   leave_out(observations, solution.lost_tags,
             "its views contradict those of the other tags (a wrong size? moved while filming? an id that is "
             "there twice?)",
@@ -197,6 +205,10 @@ void CalibrationOptions::check() const {
           fmt::format("{}", corner_sigma_px), "in (0, 100]");
   require(edge_end_correlation > -1.0 && edge_end_correlation < 1.0, "edge_end_correlation",
           fmt::format("{}", edge_end_correlation), "in (-1, 1)");
+  require(corner_bias_px >= 0.0 && corner_bias_px <= 100.0, "corner_bias_px",
+          fmt::format("{}", corner_bias_px), "in [0, 100]");
+  require(max_tags_with_covariance >= 0, "max_tags_with_covariance", std::to_string(max_tags_with_covariance),
+          "0 or more");
   require(min_views >= 1, "min_views", std::to_string(min_views), "1 or more");
   require(max_iterations >= 1, "max_iterations", std::to_string(max_iterations), "1 or more");
   require(num_threads >= 0, "num_threads", std::to_string(num_threads), "0 (all cores) or more");
@@ -222,7 +234,7 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
                                    parts.front().views.size()));
   const PartSolution main =
       solve_part(observations, parts.front(), held_tags.front(), candidates, options, parallel, log);
-  report_quality(observations, main, findings);
+  report_quality(observations, main, options, findings);
   result.map = to_map(observations, main, options.map_frame);
   result.residual_rms_px = main.total_rms_px;
   result.frames_used = count_frames(observations, main.part.views);
@@ -233,7 +245,7 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
     try {
       const PartSolution other =
           solve_part(observations, parts[i], held_tags[i], candidates, options, parallel, log);
-      report_quality(observations, other, findings);
+      report_quality(observations, other, options, findings);
       result.other_parts.push_back(
           to_map(observations, other, fmt::format("{}_part_{}", options.map_frame, i + 1)));
     } catch (const Error& error) {  // the main map stands without it

@@ -164,12 +164,14 @@ void measure_residuals(const Observations& observations, PartSolution& solution,
   solution.total_rms_px = std::sqrt(total / (8.0 * static_cast<double>(solution.part.views.size())));
 }
 
-/// Scales the covariances by the noise that the residuals show (a scaled inverse chi-squared prior at the
-/// expected sigma), and by how much neighbouring frames repeat
-/// it.
-void measure_covariances(const Observations& observations, PartSolution& solution) {
+/// Two shares: noise, scaled by what the residuals show of it (a scaled inverse chi-squared prior at the
+/// expected sigma) and by how much neighbouring frames repeat it; and errors that each tag keeps in all of
+/// its views, which the fit hides from the residuals.
+void measure_covariances(const Observations& observations, const CalibrationOptions& options,
+                         PartSolution& solution) {
   double whitened_sum = 0.0;
   measure_residuals(observations, solution, whitened_sum);
+  if (solution.part.tags.size() > static_cast<std::size_t>(options.max_tags_with_covariance)) return;
   const auto covariances = tag_covariances(observations, solution.part, solution.held_tag, solution.state);
   if (!covariances)
     throw no_result("calibrate",
@@ -180,8 +182,9 @@ void measure_covariances(const Observations& observations, PartSolution& solutio
   // In units of the expected variance: 1 when the residuals are as large as corner_sigma_px says.
   const double variance =
       std::max(kMinScale * kMinScale, (kPriorStrength + whitened_sum) / (kPriorStrength + freedom));
-  const double scale = variance * repetition;
-  for (const Matrix6d& covariance : *covariances) solution.covariances.push_back(scale * covariance);
+  const double bias = options.corner_bias_px / options.corner_sigma_px;
+  for (const TagCovariance& tag : *covariances)
+    solution.covariances.push_back(variance * repetition * tag.by_noise + bias * bias * tag.by_bias);
 }
 
 }  // namespace
@@ -200,7 +203,7 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
     adjust_robustly(observations, part, held_tag, options, solution.state);
   }
   solution.part = adjust_cleanly(observations, part, held_tag, options, solution.state);
-  measure_covariances(observations, solution);
+  measure_covariances(observations, options, solution);
 
   solution.views_offered = part.views.size();
   solution.views_offered_by_tag.assign(observations.tags.size(), 0);

@@ -1,6 +1,7 @@
 #include "tag_covariance.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <map>
 
 #include "view_residual.h"
@@ -8,10 +9,24 @@
 namespace apriltrack {
 namespace {
 
-/// The normal equations of one frame: its own block, and its coupling with each tag that it shows.
+using Matrix6x8d = Eigen::Matrix<double, 6, 8>;
+
+/// The normal equations of one frame: its own block, and for each tag that it shows their coupling and the
+/// frame's sensitivity to errors of that tag.
 struct FrameSystem {
+  struct OfTag {
+    Matrix6d tag_rig = Matrix6d::Zero();
+    Matrix6x8d rig_errors = Matrix6x8d::Zero();
+  };
   Matrix6d rig_rig = Matrix6d::Zero();
-  std::map<int, Matrix6d> tag_rig;
+  std::map<int, OfTag> tags;
+};
+
+/// What is left of the normal equations when the frames are eliminated: reduced * xi = sum_k errors[k] e_k
+/// for whitened errors e_k that tag k has in all of its views.
+struct ReducedSystem {
+  Eigen::MatrixXd reduced;
+  std::map<int, std::map<Eigen::Index, Matrix6x8d>> errors;  ///< By tag, then by offset in the system.
 };
 
 /// Position of each tag's six unknowns in the reduced system; the held tag has none.
@@ -23,10 +38,26 @@ std::map<int, Eigen::Index> offsets_of(const Part& part, int held_tag) {
   return offsets;
 }
 
-Eigen::MatrixXd reduced_system(const Observations& observations, const Part& part,
-                               const std::map<int, Eigen::Index>& offsets, const MapState& state) {
-  Eigen::MatrixXd reduced = Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(offsets.size()),
-                                                  6 * static_cast<Eigen::Index>(offsets.size()));
+void eliminate(const FrameSystem& frame, const std::map<int, Eigen::Index>& offsets, ReducedSystem& system) {
+  const Eigen::LDLT<Matrix6d> rig(frame.rig_rig);
+  for (const auto& [tag_a, a] : frame.tags) {
+    const auto offset_a = offsets.find(tag_a);
+    if (offset_a == offsets.end()) continue;
+    const Matrix6d eliminated = rig.solve(a.tag_rig.transpose()).transpose();
+    for (const auto& [tag_b, b] : frame.tags) {
+      const auto to = system.errors[tag_b].try_emplace(offset_a->second, Matrix6x8d::Zero()).first;
+      to->second -= eliminated * b.rig_errors;
+      const auto offset_b = offsets.find(tag_b);
+      if (offset_b == offsets.end()) continue;
+      system.reduced.block<6, 6>(offset_a->second, offset_b->second) -= eliminated * b.tag_rig.transpose();
+    }
+  }
+}
+
+ReducedSystem reduced_system(const Observations& observations, const Part& part,
+                             const std::map<int, Eigen::Index>& offsets, const MapState& state) {
+  const auto size = 6 * static_cast<Eigen::Index>(offsets.size());
+  ReducedSystem system{Eigen::MatrixXd::Zero(size, size), {}};
   std::map<int, FrameSystem> frames;
   for (const std::size_t v : part.views) {
     const TagView& view = observations.views[v];
@@ -41,44 +72,69 @@ Eigen::MatrixXd reduced_system(const Observations& observations, const Part& par
     by_tag = view.whitening * by_tag;
     FrameSystem& frame = frames[view.frame];
     frame.rig_rig += by_rig.transpose() * by_rig;
+    FrameSystem::OfTag& of_tag = frame.tags[view.tag];
+    of_tag.rig_errors += by_rig.transpose();
+    of_tag.tag_rig += by_tag.transpose() * by_rig;
     const auto offset = offsets.find(view.tag);
     if (offset == offsets.end()) continue;
-    reduced.block<6, 6>(offset->second, offset->second) += by_tag.transpose() * by_tag;
-    frame.tag_rig.try_emplace(view.tag, Matrix6d::Zero()).first->second += by_tag.transpose() * by_rig;
+    system.reduced.block<6, 6>(offset->second, offset->second) += by_tag.transpose() * by_tag;
+    system.errors[view.tag].try_emplace(offset->second, Matrix6x8d::Zero()).first->second +=
+        by_tag.transpose();
   }
-  for (const auto& [index, frame] : frames) {
-    const Eigen::LDLT<Matrix6d> rig(frame.rig_rig);
-    for (const auto& [tag_a, a_rig] : frame.tag_rig) {
-      const Matrix6d eliminated = rig.solve(a_rig.transpose());
-      for (const auto& [tag_b, b_rig] : frame.tag_rig)
-        reduced.block<6, 6>(offsets.at(tag_b), offsets.at(tag_a)) -= b_rig * eliminated;
-    }
+  for (const auto& [index, frame] : frames) eliminate(frame, offsets, system);
+  return system;
+}
+
+Matrix6d symmetric(const Matrix6d& matrix) {
+  return 0.5 * (matrix + matrix.transpose());
+}
+
+/// rows: six rows of the system's inverse, those of the tag at `offset`.
+template <class Rows>
+TagCovariance covariance_from(const ReducedSystem& system, const Rows& rows, Eigen::Index offset) {
+  TagCovariance covariance;
+  covariance.by_noise = symmetric(rows.template middleCols<6>(offset));
+  for (const auto& [tag, errors] : system.errors) {
+    Matrix6x8d d_pose_d_error = Matrix6x8d::Zero();
+    for (const auto& [column, block] : errors) d_pose_d_error += rows.template middleCols<6>(column) * block;
+    covariance.by_bias += d_pose_d_error * d_pose_d_error.transpose();
   }
-  return reduced;
+  covariance.by_bias = symmetric(covariance.by_bias);
+  return covariance;
 }
 
 }  // namespace
 
-std::optional<std::vector<Matrix6d>> tag_covariances(const Observations& observations, const Part& part,
-                                                     int held_tag, const MapState& state) {
+std::optional<std::vector<TagCovariance>> tag_covariances(const Observations& observations, const Part& part,
+                                                          int held_tag, const MapState& state) {
   const std::map<int, Eigen::Index> offsets = offsets_of(part, held_tag);
-  const Eigen::MatrixXd reduced = reduced_system(observations, part, offsets, state);
+  ReducedSystem system = reduced_system(observations, part, offsets, state);
   // Metres and radians differ little in size here, but a far tag and a near one do: scale to a unit diagonal.
-  const Eigen::VectorXd scale = reduced.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<Eigen::MatrixXd> factor(scale.asDiagonal() * reduced * scale.asDiagonal());
+  const Eigen::VectorXd scale = system.reduced.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  system.reduced.array().colwise() *= scale.array();
+  system.reduced.array().rowwise() *= scale.transpose().array();
+  // In place: of many tags this matrix is by far the largest thing there is.
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(system.reduced);
   if (factor.info() != Eigen::Success || !(factor.rcond() > 1e-14)) return std::nullopt;
-  const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(reduced.rows(), reduced.cols()));
 
-  std::vector<Matrix6d> covariances;
+  const Eigen::Index size = scale.size();
+  constexpr Eigen::Index kTagsAtOnce = 16;  // of the inverse: few enough to be small, enough to be fast
+  std::map<Eigen::Index, TagCovariance> by_offset;
+  for (Eigen::Index first = 0; first < size; first += 6 * kTagsAtOnce) {
+    const Eigen::Index width = std::min(6 * kTagsAtOnce, size - first);
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(size, width);
+    columns.middleRows(first, width).diagonal() = scale.segment(first, width);
+    factor.solveInPlace(columns);
+    columns.array().colwise() *= scale.array();
+    const Eigen::MatrixXd rows = columns.transpose();  // the inverse is symmetric
+    for (Eigen::Index k = 0; k < width; k += 6)
+      by_offset[first + k] = covariance_from(system, rows.middleRows<6>(k), first + k);
+  }
+
+  std::vector<TagCovariance> covariances;
   for (const int tag : part.tags) {
     const auto offset = offsets.find(tag);
-    if (offset == offsets.end()) {
-      covariances.push_back(Matrix6d::Zero());
-      continue;
-    }
-    const auto s = scale.segment<6>(offset->second).asDiagonal();
-    const Matrix6d block = s * inverse.block<6, 6>(offset->second, offset->second) * s;
-    covariances.push_back(0.5 * (block + block.transpose()));
+    covariances.push_back(offset == offsets.end() ? TagCovariance{} : by_offset.at(offset->second));
   }
   return covariances;
 }

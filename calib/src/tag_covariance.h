@@ -7,13 +7,21 @@
 
 namespace apriltrack {
 
-/// Covariances of the tags' poses (right perturbation, [translation; rotation]) relative to `held_tag`, for
-/// residuals of unit variance once whitened; in the order of part.tags, the held tag's all zero.
-///
-/// The frames' poses are eliminated block by block (Schur complement), and only the system of the tags is
-/// inverted: what ceres::Covariance gives, at a cost that a thousand frames do not raise. nullopt when the
-/// views leave a pose undetermined.
-std::optional<std::vector<Matrix6d>> tag_covariances(const Observations& observations, const Part& part,
-                                                     int held_tag, const MapState& state);
+/// Of a tag's pose (right perturbation, [translation; rotation]), relative to the held tag; all zero for that
+/// one itself.
+struct TagCovariance {
+  /// By residuals that are independent and, once whitened, of unit variance.
+  Matrix6d by_noise = Matrix6d::Zero();
+  /// By errors that every tag, the held one too, keeps in all of its views: eight numbers per tag, whitened,
+  /// independent and of unit variance (S. F. Schmidt's "consider" parameters).
+  Matrix6d by_bias = Matrix6d::Zero();
+};
+
+/// In the order of part.tags. The frames' poses are eliminated block by block (Schur complement), and only
+/// the system of the tags is inverted, a few columns at a time: what ceres::Covariance gives, at a cost that
+/// a thousand frames do not raise, with one dense matrix of six rows per tag. nullopt when the views leave a
+/// pose undetermined.
+std::optional<std::vector<TagCovariance>> tag_covariances(const Observations& observations, const Part& part,
+                                                          int held_tag, const MapState& state);
 
 }  // namespace apriltrack

@@ -13,19 +13,9 @@ namespace {
 constexpr double kErrorScale_px = 0.3;
 constexpr double kMinWeight = 0.05;
 
-std::optional<std::array<Eigen::Vector3d, 4>> rays_of(const CornersPx& corners, const CameraModel& model) {
-  std::array<Eigen::Vector3d, 4> rays;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto ray = model.unproject(corners[i]);
-    if (!ray) return std::nullopt;
-    rays[i] = *ray;
-  }
-  return rays;
-}
-
 ViewCandidates solve_view(const TagView& view, const RigCamera& camera, double size_m) {
   ViewCandidates result;
-  const auto rays = rays_of(view.corners_px, camera.model);
+  const auto rays = corner_rays(camera.model, view.corners_px);
   if (!rays) return result;
   const Pose T_rig_camera = camera.T_camera_rig.inverse();
   const PlanarPoses poses = solve_planar_pnp(*rays, size_m);

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <type_traits>
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
@@ -81,6 +82,23 @@ TEST(WriteCameras, KeepsAResponseTableBesideTheFile) {
   rig.cameras[0].response = ResponseCurve(table);
   write_cameras(path, rig);
   EXPECT_EQ(read_cameras(path).cameras[0].response.linear_light(), table);
+}
+
+TEST(WriteCameras, ATableThatEqualsANamedCurveStaysATable) {
+  // The file must say what the camera holds: a curve's name is not for the caller to choose.
+  static_assert(!std::is_constructible_v<ResponseCurve, const std::array<float, 256>&, std::string>);
+  const auto path = test::temporary_folder() / "camera.yaml";
+  CameraRig rig;
+  rig.cameras.push_back(Camera{.model = CameraModel({500, 510, 320, 240}, NoDistortion())});
+  rig.cameras[0].width = 640;
+  rig.cameras[0].height = 480;
+  rig.cameras[0].response = ResponseCurve(ResponseCurve::linear().linear_light());
+  EXPECT_EQ(rig.cameras[0].response.name(), "table");
+  EXPECT_FALSE(rig.cameras[0].response.is_linear());
+  write_cameras(path, rig);
+  const ResponseCurve read = read_cameras(path).cameras[0].response;
+  EXPECT_EQ(read.name(), "table");
+  EXPECT_EQ(read.linear_light(), ResponseCurve::linear().linear_light());
 }
 
 class ResponseTable : public ::testing::Test {

@@ -152,6 +152,10 @@ struct Recording {
   TrajectoryKind kind;
 };
 
+void PrintTo(const Recording& recording, std::ostream* out) {
+  *out << recording.name;
+}
+
 class ReferenceScores : public ::testing::TestWithParam<Recording> {};
 
 TEST_P(ReferenceScores, TrajectoriesAndLogsGiveTheSameDigits) {

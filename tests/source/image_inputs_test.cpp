@@ -276,6 +276,26 @@ TEST_F(Euroc, IsReadFromItsRootItsMav0AndItsCameraFolder) {
   }
 }
 
+TEST_F(Euroc, TakesTheCameraThatIsAskedFor) {
+  const fs::path second = root_ / "mav0" / "cam1";
+  write_text(second / "data.csv", "#timestamp [ns],filename\n7,7.pgm\n");
+  fs::create_directories(second / "data");
+  write_pgm(second / "data" / "7.pgm", test_picture(8, 6, 42));
+  write_text(root_ / "mav0" / "imu0" / "data.csv", "#timestamp [ns],w_RS_S_x\n");
+  for (const fs::path& input : {root_, root_ / "mav0"}) {
+    const auto frames = read_all(input.string(), {.camera_name = "cam1"});
+    ASSERT_THAT(times_of(frames), ElementsAre(7)) << input;
+    EXPECT_THAT(frames[0].pixels, SamePixels(test_picture(8, 6, 42)));
+    EXPECT_EQ(read_all(input.string(), {.camera_name = "cam0"}).size(), 2U);
+    expect_refused(input, ErrorKind::kInvalidInput, {input.string(), "no camera 'imu1'", "has: cam0, cam1;"},
+                   {.camera_name = "imu1"});
+  }
+  // The folder of one camera is that camera, whatever its file calls it.
+  EXPECT_THAT(times_of(read_all(second.string(), {.camera_name = "left"})), ElementsAre(7));
+  fs::remove_all(camera_);
+  expect_refused(root_, ErrorKind::kInvalidInput, {"no camera 'cam0'", "has: cam1;", "--camera-name"});
+}
+
 TEST_F(Euroc, TakesTheTimeFromTheTableAndNotFromTheName) {
   write_csv("5000,1403636579813555456.pgm\n");
   EXPECT_THAT(times_of(read_all(camera_.string())), ElementsAre(5000));

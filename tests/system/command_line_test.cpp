@@ -62,6 +62,18 @@ TEST(CommandLine, VersionIsTold) {
   EXPECT_THAT(run.out, HasSubstr("apriltrack 0."));
 }
 
+TEST(CommandLine, AMissingOrUnknownCommandIs2AndListsThoseThereAre) {
+  for (const auto& words : {std::vector<std::string>{}, {"teleport"}, {"--quick"}}) {
+    const ProgramRun run = run_program(words);
+    for (const std::string command : kCommands) EXPECT_THAT(run, EndsWith(2, command));
+  }
+  EXPECT_THAT(run_program({"teleport"}),
+              EndsWith(2, "apriltrack: there is no command 'teleport'; there are: simulate"));
+  EXPECT_THAT(run_program({"map", "fold"}),
+              EndsWith(2, "map: there is no command 'fold'; there are: show, diff"));
+  EXPECT_THAT(run_program({"map"}), EndsWith(2, "map: a command is missing; there are: show, diff"));
+}
+
 TEST(CommandLine, WrongWordsEndWithStatus2AndAHint) {
   EXPECT_THAT(run_program({}), EndsWith(2, "--help"));
   EXPECT_THAT(run_program({"teleport"}), EndsWith(2, "teleport"));

@@ -33,18 +33,6 @@ std::size_t num_lines(const fs::path& file) {
   return static_cast<std::size_t>(std::count(std::istreambuf_iterator<char>(in), {}, '\n'));
 }
 
-TEST(Pipeline, TheTruthScoresZeroAgainstItself) {
-  const fs::path folder = temporary_folder() / "single";
-  simulate("single", 8, folder);
-  const json score =
-      run_for_json({"evaluate", "--truth", folder, "--estimate", folder / "truth.tum", "--mode", "joint"});
-  EXPECT_EQ(score["coverage"], 1.0);
-  EXPECT_EQ(score["median_px"], 0.0);
-  EXPECT_EQ(score["p95_px"], 0.0);
-  EXPECT_EQ(score["position_rmse_mm"], 0.0);
-  EXPECT_EQ(score["rotation_rmse_deg"], 0.0);
-}
-
 TEST(Pipeline, AnEstimateThatIsOffByOneCentimetreSaysSo) {
   const fs::path folder = temporary_folder() / "single";
   simulate("single", 4, folder);
@@ -65,6 +53,40 @@ TEST(Pipeline, AnEstimateThatIsOffByOneCentimetreSaysSo) {
   const json score =
       run_for_json({"evaluate", "--truth", folder, "--estimate", folder / "shifted.tum", "--mode", "joint"});
   EXPECT_NEAR(score["position_rmse_mm"].get<double>(), 10.0, 1e-3);
+}
+
+TEST(Pipeline, TheOtherModeIsProposedWhereTheTruthSpeaksForIt) {
+  const fs::path folder = temporary_folder();
+  const std::string body = folder / "single";
+  simulate("single", 4, body);
+  const std::vector<std::string> words = {"evaluate", "--truth", body, "--estimate", body + "/truth.tum"};
+  EXPECT_THAT(run_program(words), EndsWith(1, "in 4: try --mode joint"));
+  const std::string room = folder / "room";
+  simulate("room-gentle", 4, room);
+  const ProgramRun right = run_program({"evaluate", "--truth", room, "--estimate", room + "/truth.tum"});
+  EXPECT_EQ(right.status, 0);
+  EXPECT_THAT(right.err, ::testing::Not(::testing::HasSubstr("--mode")));
+}
+
+TEST(Pipeline, RecordingsThatDoNotMeetAreNamedWithTheirTimes) {
+  const fs::path folder = temporary_folder();
+  const std::string truth = folder / "truth.tum";
+  const std::string later = folder / "later.tum";
+  write_text(truth, "100.0 0 0 0 0 0 0 1\n101.0 0 0 0 0 0 0 1\n");
+  write_text(later, "200.25 0 0 0 0 0 0 1\n203.5 0 0 0 0 0 0 1\n");
+  const ProgramRun apart = run_program({"evaluate", "--truth", truth, "--estimate", later});
+  for (const std::string& part : {truth, later, std::string("from 100.000000000 to 101.000000000 s"),
+                                  std::string("from 200.250000000 to 203.500000000 s")})
+    EXPECT_THAT(apart, EndsWith(1, part));
+  const std::string log = folder / "frames.csv";
+  write_text(log,
+             "timestamp_ns,status,tx,ty,tz,qx,qy,qz,qw,tags_detected,tags_tracked,sigma_position_m,"
+             "sigma_rotation_rad,latency_ms,second_mode_odds\n200250000000,lost,,,,,,,,0,0,,,1.0,0\n");
+  const ProgramRun other_log =
+      run_program({"evaluate", "--truth", truth, "--estimate", truth, "--frames-csv", log});
+  for (const std::string& part : {truth, log, std::string("from 200250000000 to 200250000000 ns"),
+                                  std::string("from 100000000000 to 101000000000 ns")})
+    EXPECT_THAT(other_log, EndsWith(1, part));
 }
 
 TEST(Pipeline, ACameraWithoutResolutionTakesThatOfTheImages) {
@@ -148,6 +170,27 @@ TEST(Pipeline, ResultsDoNotDependOnTheNumberOfThreads) {
   }
   ASSERT_EQ(outputs[0].size(), 15U);
   EXPECT_TRUE(outputs[0] == outputs[1]) << "bytes differ";
+}
+
+TEST(Pipeline, ACorruptImageIsLeftOutCountedAndNoFailure) {
+  const fs::path folder = temporary_folder();
+  const std::string room = folder / "room";
+  simulate("room-gentle", 12, room);
+  const fs::path image = fs::directory_iterator(room + "/frames")->path();
+  write_text(image, "no image");
+  const std::vector<std::vector<std::string>> commands = {
+      {"detect", room, "--output", folder / "corners.csv"},
+      {"calibrate", room, "--tag-size", "0.16", "--output", folder / "map.yaml"},
+      {"track", room, "--output", folder / "camera.tum", "--frames-csv", folder / "frames.csv"}};
+  for (std::vector<std::string> words : commands) {
+    words.emplace_back("--json");
+    const ProgramRun run = run_program(words);
+    EXPECT_THAT(run, EndsWith(0, "warning: 1 of 12 frames")) << words[0];
+    EXPECT_THAT(run, EndsWith(0, image.string())) << words[0];
+    EXPECT_EQ(json::parse(run.out)["unreadable"], 1) << words[0];
+  }
+  EXPECT_EQ(num_lines(folder / "frames.csv"), 13U);
+  EXPECT_THAT(read_text(folder / "frames.csv"), ::testing::HasSubstr(image.stem().string() + ",unreadable,"));
 }
 
 TEST(Pipeline, AFullDiskIsStatus3AndKeepsTheOldFile) {

@@ -38,6 +38,17 @@ bool limit_file_size(std::size_t max_bytes) {
   ::_exit(127);
 }
 
+int status_of(int wait_status) {
+  return WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status);
+}
+
+ProgramRun take_captured(int wait_status, const fs::path& out, const fs::path& err) {
+  ProgramRun ended{status_of(wait_status), read_text(out), read_text(err)};
+  fs::remove(out);
+  fs::remove(err);
+  return ended;
+}
+
 ProgramRun run(const std::vector<std::string>& words, std::optional<std::size_t> max_bytes) {
   const fs::path out = capture_file("out");
   const fs::path err = capture_file("err");
@@ -45,11 +56,7 @@ ProgramRun run(const std::vector<std::string>& words, std::optional<std::size_t>
   if (child == 0) become(words, out, err, max_bytes);
   int wait_status = 0;
   ::waitpid(child, &wait_status, 0);
-  const int status = WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status);
-  ProgramRun ended{status, read_text(out), read_text(err)};
-  fs::remove(out);
-  fs::remove(err);
-  return ended;
+  return take_captured(wait_status, out, err);
 }
 
 }  // namespace
@@ -75,6 +82,32 @@ ProgramRun run_program(const std::vector<std::string>& words) {
 
 ProgramRun run_program_on_full_disk(const std::vector<std::string>& words, std::size_t max_bytes) {
   return run(words, max_bytes);
+}
+
+StartedProgram::StartedProgram(const std::vector<std::string>& words)
+    : out_(capture_file("out")), err_(capture_file("err")), child_(::fork()) {
+  if (child_ == 0) become(words, out_, err_, std::nullopt);
+}
+
+StartedProgram::~StartedProgram() {
+  if (has_ended_) return;
+  if (is_running()) ::kill(child_, SIGKILL);
+  finish();
+}
+
+bool StartedProgram::is_running() {
+  if (!has_ended_) has_ended_ = ::waitpid(child_, &wait_status_, WNOHANG) == child_;
+  return !has_ended_;
+}
+
+void StartedProgram::press_ctrl_c() {
+  if (is_running()) ::kill(child_, SIGINT);
+}
+
+ProgramRun StartedProgram::finish() {
+  if (!has_ended_) ::waitpid(child_, &wait_status_, 0);
+  has_ended_ = true;
+  return take_captured(wait_status_, out_, err_);
 }
 
 nlohmann::json run_for_json(std::vector<std::string> words) {

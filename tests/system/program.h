@@ -1,6 +1,7 @@
 #pragma once
 
 #include <gmock/gmock.h>
+#include <sys/types.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -25,6 +26,28 @@ ProgramRun run_program(const std::vector<std::string>& words);
 
 /// The same with no file allowed to grow beyond `max_bytes`: to the program, a disk that is full.
 ProgramRun run_program_on_full_disk(const std::vector<std::string>& words, std::size_t max_bytes);
+
+/// A run that is not waited for, to be interrupted. What it is in is waited for by what it does, never by a
+/// clock.
+class StartedProgram {
+ public:
+  explicit StartedProgram(const std::vector<std::string>& words);
+  ~StartedProgram();  ///< Ends it, if it still runs.
+  StartedProgram(const StartedProgram&) = delete;
+  StartedProgram& operator=(const StartedProgram&) = delete;
+
+  bool is_running();
+  void press_ctrl_c();
+  /// Waits for its end.
+  ProgramRun finish();
+
+ private:
+  std::filesystem::path out_;
+  std::filesystem::path err_;
+  pid_t child_ = -1;
+  int wait_status_ = 0;
+  bool has_ended_ = false;
+};
 
 /// What a run that must succeed answers under --json; a null value, and a failed expectation, where it does
 /// not.

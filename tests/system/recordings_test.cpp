@@ -35,6 +35,10 @@ struct Promise {
   double median_px;
 };
 
+void PrintTo(const Promise& promise, std::ostream* out) {
+  *out << promise.recording << " as " << promise.mode;
+}
+
 class Localising : public ::testing::TestWithParam<Promise> {};
 
 TEST_P(Localising, ByDetectionIsAheadOfStockCorners) {
@@ -51,6 +55,64 @@ INSTANTIATE_TEST_SUITE_P(Recordings, Localising,
                                            Promise{"single_blur", "joint", 0.75, 0.3},
                                            Promise{"bundle_blur", "joint", 0.71, 0.2}),
                          [](const auto& promise) { return std::string(promise.param.recording); });
+
+struct CornersPromise {
+  const char* name;  // of the test case
+  const char* recording;
+  const char* truth;  // file of the recording
+  std::vector<std::string> more;
+  int tags;
+  double rms_mm;
+};
+
+void PrintTo(const CornersPromise& promise, std::ostream* out) {
+  *out << promise.recording;
+}
+
+class CalibratingFromCorners : public ::testing::TestWithParam<CornersPromise> {};
+
+TEST_P(CalibratingFromCorners, GivesTheMapThatIsKnown) {
+  const CornersPromise& promise = GetParam();
+  APRILTRACK_SHARED_OR_SKIP(recording, std::string("data/") + promise.recording);
+  const std::string map = temporary_folder() / "map.yaml";
+  std::vector<std::string> words = {"calibrate",
+                                    "--detections",
+                                    recording / "detections.csv",
+                                    "--camera",
+                                    recording / "camera.yaml",
+                                    "--output",
+                                    map};
+  words.insert(words.end(), promise.more.begin(), promise.more.end());
+  if (std::filesystem::exists(recording / "tag_sizes.yaml"))
+    words.insert(words.end(), {"--tag-sizes", recording / "tag_sizes.yaml"});
+  run_for_json(words);
+  const json score = run_for_json({"map", "diff", recording / promise.truth, map});
+  EXPECT_EQ(score["compared"], promise.tags);
+  EXPECT_TRUE(score["missing"].empty()) << score.dump(1);
+  EXPECT_LE(score["position_mm"]["rms"].get<double>(), promise.rms_mm) << score.dump(1);
+}
+
+// The grid's map is exact by print; the others are TagSLAM's solutions.
+INSTANTIATE_TEST_SUITE_P(
+    Recordings, CalibratingFromCorners,
+    ::testing::Values(
+        CornersPromise{
+            "Grid", "euroc_aprilgrid", "map.yaml", {"--tag-size", "0.088", "--camera-name", "cam0"}, 36, 3.0},
+        CornersPromise{"Row", "tagslam_16_accuracy", "reference_map.yaml", {}, 5, 0.2},
+        CornersPromise{"Boards", "tagslam_13_boards", "reference_map.yaml", {}, 96, 15.0}),
+    [](const auto& promise) { return std::string(promise.param.name); });
+
+TEST(Recordings, FortyCubesOfOneIdAreNoMap) {
+  APRILTRACK_SHARED_OR_SKIP(cubes, "data/nasa_cubes");
+  const std::filesystem::path folder = temporary_folder();
+  write_text(folder / "camera.yaml",  // none comes with the photographs
+             "cam0:\n  camera_model: pinhole\n  intrinsics: [600, 600, 399, 266]\n  distortion_model: none\n"
+             "  distortion_coeffs: []\n  resolution: [799, 533]\n");
+  EXPECT_THAT(run_program({"calibrate", (cubes / "*.jpg").string(), "--rate", "1", "--camera",
+                           folder / "camera.yaml", "--tag-size", "0.1", "--output", folder / "map.yaml"}),
+              EndsWith(1, "is not one tag"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "map.yaml"));
+}
 
 }  // namespace
 }  // namespace apriltrack::test

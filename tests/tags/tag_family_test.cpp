@@ -29,6 +29,10 @@ struct Published {
   int min_hamming_distance;
 };
 
+void PrintTo(const Published& published, std::ostream* out) {
+  *out << published.name;
+}
+
 constexpr Published kPublished[] = {
     {"tag16h5", 30, 6, 8, false, 2, 5},
     {"tag25h9", 35, 7, 9, false, 2, 9},

@@ -2,10 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <limits>
 
-#include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 #include "pose_adjustment.h"
 #include "pose_candidate.h"
@@ -36,6 +36,10 @@ struct Case {
   TrackMode mode;
   Distortion distortion;
 };
+
+void PrintTo(const Case& parameters, std::ostream* out) {
+  *out << parameters.name;
+}
 
 class EveryModeAndLens : public testing::TestWithParam<Case> {};
 
@@ -227,10 +231,12 @@ TEST(PoseCandidate, FitsToATagMoreOrLessAreOneExplanation) {
     const PoseCandidate winner{.T_camera_map = adjust_pose(camera.model, all, kernel, Pose()),
                                .inliers = all,
                                .squared_error_px2 = 0.0};
+    const Matrix6d covariance = 0.25 * corner_information(camera.model, all, winner.T_camera_map).inverse();
     const std::vector<const TagObservation*> fewer(all.begin() + 1, all.end());
-    same += is_same_explanation(camera.model, winner, 0.5, adjust_pose(camera.model, fewer, kernel, Pose()));
+    same += is_same_explanation(winner.T_camera_map, covariance,
+                                adjust_pose(camera.model, fewer, kernel, Pose()));
     const Pose turned = winner.T_camera_map * Pose::exp((Vector6d() << 0, 0, 0, 0, 0.2, 0).finished());
-    EXPECT_FALSE(is_same_explanation(camera.model, winner, 0.5, turned));
+    EXPECT_FALSE(is_same_explanation(winner.T_camera_map, covariance, turned));
   }
   EXPECT_GE(same, 95);
 }
@@ -371,11 +377,18 @@ TEST(Localizer, RefusesOptionsOutOfRange) {
   EXPECT_NO_THROW(LocalizerOptions().check());
 }
 
-TEST(Localizer, AnImageOfAnotherResolutionIsAMistakeOfTheCaller) {
+TEST(Localizer, AnImageOfAnotherResolutionIsLostAndSaysBothSizes) {
   Localizer localizer(radtan(), test::room());
   const GrayImage image(320, 240);
-  EXPECT_THROW(localizer.localize(Frame{.image = image.view(), .timestamp = {}, .exposure_s = {}}),
-               MisuseError);
+  const TrackResult result =
+      localizer.localize(Frame{.image = image.view(), .timestamp = {77}, .exposure_s = {}});
+  EXPECT_EQ(result.status, TrackStatus::kLost);
+  EXPECT_FALSE(result.pose);
+  EXPECT_EQ(result.timestamp, Timestamp{77});
+  EXPECT_THAT(result.reason, testing::HasSubstr("320 x 240"));
+  EXPECT_THAT(result.reason, testing::HasSubstr("640 x 480"));
+  // The next frame is none the worse for it.
+  EXPECT_EQ(localizer.localize(test::seen(radtan(), test::room(), Pose())).status, TrackStatus::kDetected);
 }
 
 TEST(TrackStatus, HasTheWordsOfTheFrameLog) {

@@ -42,6 +42,27 @@ std::optional<Eigen::Vector3d> CameraModel::unproject(const Eigen::Vector2d& pix
   return std::visit([&](const auto& lens) { return lens.undistort(distorted); }, distortion_);
 }
 
+std::optional<std::array<Eigen::Vector3d, 4>> corner_rays(const CameraModel& model,
+                                                          const std::array<Eigen::Vector2d, 4>& corners_px) {
+  std::array<Eigen::Vector3d, 4> rays;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!corners_px[i].allFinite()) return std::nullopt;
+    const auto ray = model.unproject(corners_px[i]);
+    if (!ray) return std::nullopt;
+    rays[i] = *ray;
+  }
+  return rays;
+}
+
+Eigen::Vector2d project_continued(const CameraModel& model, const Eigen::Vector3d& point_camera) {
+  if (const auto pixel = model.project(point_camera)) return *pixel;
+  const Eigen::Vector2d undistorted = point_camera.head<2>() / point_camera.z();
+  const Eigen::Vector2d distorted =
+      std::visit([&](const auto& lens) { return lens.distort_continued(undistorted); }, model.distortion());
+  const Pinhole& pinhole = model.pinhole();
+  return {pinhole.fx * distorted.x() + pinhole.cx, pinhole.fy * distorted.y() + pinhole.cy};
+}
+
 std::string CameraModel::distortion_name() const {
   return std::visit(NameOf{}, distortion_);
 }

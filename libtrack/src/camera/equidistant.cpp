@@ -66,6 +66,12 @@ std::optional<Eigen::Vector2d> EquidistantDistortion::distort(const Eigen::Vecto
   return angle_seen * direction;
 }
 
+Eigen::Vector2d EquidistantDistortion::distort_continued(const Eigen::Vector2d& undistorted) const {
+  const double radius = undistorted.norm();
+  if (radius == 0.0) return undistorted;
+  return distorted_angle(std::atan(radius)) / radius * undistorted;
+}
+
 std::optional<Eigen::Vector3d> EquidistantDistortion::undistort(const Eigen::Vector2d& distorted) const {
   const double angle_seen = distorted.stableNorm();
   if (!(angle_seen < max_distorted_angle_)) return std::nullopt;

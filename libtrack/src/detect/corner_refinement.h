@@ -1,17 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
 #include <optional>
 
 #include "apriltrack/image/image.h"
 #include "apriltrack/image/response.h"
-#include "apriltrack/tags/tag_corners.h"
 #include "apriltrack/tags/tag_family.h"
+#include "edge_frame.h"
 
 namespace apriltrack {
-
-using Quad = std::array<Eigen::Vector2d, kNumCorners>;
 
 /// Corners as intersections of curves fitted to the four edges in linear light (docs/algorithms/detector.md).
 ///

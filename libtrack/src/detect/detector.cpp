@@ -48,7 +48,9 @@ class Detector::Implementation {
   explicit Implementation(const DetectorOptions& options)
       : options_((options.check(), options)),
         library_(options.families, options.decimate, options.refine_edges),
-        has_grids_(std::ranges::find(options.families, kGridFamily) != options.families.end()) {}
+        has_grids_(std::ranges::find(options.families, kGridFamily) != options.families.end()) {
+    library_pixel_offset();  // measured here, once, lest the first image wait for it
+  }
 
   const DetectorOptions& options() const { return options_; }
 

@@ -4,26 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/eval/compare_maps.h"
+#include "held_tag.h"
 
 namespace apriltrack {
 namespace {
 
-bool is_held(const MapTag& tag) {
-  return tag.covariance && tag.covariance->isZero(0.0);
-}
-
-/// The tag that a map's gauge holds, if it says so and holds one only.
-const MapTag* held_tag(const TagMap& map) {
-  if (std::ranges::count_if(map.tags, is_held) != 1) return nullptr;
-  return &*std::ranges::find_if(map.tags, is_held);
-}
-
 bool have_one_gauge(const TagMap& a, const TagMap& b) {
-  const MapTag* held_a = held_tag(a);
-  const MapTag* held_b = held_tag(b);
+  const MapTag* held_a = find_held(a.tags, std::identity());
+  const MapTag* held_b = find_held(b.tags, std::identity());
   return held_a && held_b && held_a->key == held_b->key;
 }
 

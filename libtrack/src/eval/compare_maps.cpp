@@ -10,6 +10,7 @@
 #include "apriltrack/eval/alignment.h"
 #include "apriltrack/eval/evaluate_trajectory.h"
 #include "apriltrack/eval/statistics.h"
+#include "held_tag.h"
 
 namespace apriltrack {
 namespace {
@@ -35,15 +36,6 @@ std::vector<CommonTag> common_tags(const TagMap& truth, const TagMap& estimate) 
   }
   std::ranges::sort(common, {}, [](const CommonTag& tag) { return tag.truth->key; });
   return common;
-}
-
-/// The common tag with an all-zero covariance, if there is exactly one.
-const CommonTag* held_tag(const std::vector<CommonTag>& common) {
-  const auto is_held = [](const CommonTag& tag) {
-    return tag.estimate->covariance && tag.estimate->covariance->isZero(0.0);
-  };
-  if (std::ranges::count_if(common, is_held) != 1) return nullptr;
-  return &*std::ranges::find_if(common, is_held);
 }
 
 TagDifference difference_after(const Pose& T_truth_estimate, const CommonTag& tag) {
@@ -97,7 +89,8 @@ std::optional<double> scale_between(const std::vector<Pose>& truth, const std::v
 }
 
 void judge_covariances(const std::vector<CommonTag>& common, MapComparison& comparison) {
-  const CommonTag* held = held_tag(common);
+  const CommonTag* held =
+      find_held(common, [](const CommonTag& tag) -> const MapTag& { return *tag.estimate; });
   if (!held) return;
   comparison.held_tag = held->truth->key;
   std::vector<double> values;

@@ -13,34 +13,6 @@ constexpr double kMinVisibleDepth_m = 0.02;
 constexpr double kMinEstimatedDepth_m = 0.01;
 constexpr double kMaxViewAngle_rad = 80.0 * std::numbers::pi / 180.0;
 
-/// The lens formulae without their domain; see the models' headers for symbols and sources.
-struct ContinuedLens {
-  Eigen::Vector2d point;  ///< (X/Z, Y/Z)
-
-  Eigen::Vector2d operator()(const NoDistortion&) const { return point; }
-
-  Eigen::Vector2d operator()(const RadtanDistortion& lens) const {
-    std::vector<double> k = lens.coefficients();
-    k.resize(8, 0.0);
-    const double x = point.x();
-    const double y = point.y();
-    const double s = point.squaredNorm();
-    const double f = (1.0 + s * (k[0] + s * (k[1] + s * k[4]))) / (1.0 + s * (k[5] + s * (k[6] + s * k[7])));
-    return {x * f + 2.0 * k[2] * x * y + k[3] * (s + 2.0 * x * x),
-            y * f + k[2] * (s + 2.0 * y * y) + 2.0 * k[3] * x * y};
-  }
-
-  Eigen::Vector2d operator()(const EquidistantDistortion& lens) const {
-    const std::vector<double> k = lens.coefficients();
-    const double r = point.norm();
-    if (r == 0.0) return point;
-    const double angle = std::atan(r);
-    const double a2 = angle * angle;
-    const double distorted = angle * (1.0 + a2 * (k[0] + a2 * (k[1] + a2 * (k[2] + a2 * k[3]))));
-    return distorted / r * point;
-  }
-};
-
 /// NaN, where a pole of the polynomial is hit, counts as the largest error too.
 double capped_distance(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const double distance = (a - b).norm();
@@ -64,14 +36,6 @@ bool is_visible(const CornerScene& scene, const MapTag& tag,
 }
 
 }  // namespace
-
-Eigen::Vector2d project_continued(const CameraModel& model, const Eigen::Vector3d& point_camera) {
-  if (const auto pixel = model.project(point_camera)) return *pixel;
-  const Eigen::Vector2d distorted =
-      std::visit(ContinuedLens{point_camera.head<2>() / point_camera.z()}, model.distortion());
-  const Pinhole& pinhole = model.pinhole();
-  return {pinhole.fx * distorted.x() + pinhole.cx, pinhole.fy * distorted.y() + pinhole.cy};
-}
 
 std::vector<VisibleTag> visible_tags(const CornerScene& scene, const Pose& T_camera_map) {
   std::vector<VisibleTag> visible;

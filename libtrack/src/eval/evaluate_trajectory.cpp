@@ -12,73 +12,13 @@
 #include "apriltrack/eval/alignment.h"
 #include "apriltrack/eval/statistics.h"
 #include "apriltrack/geometry/rotation.h"
+#include "score_summary.h"
+#include "time_matching.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr std::uint64_t kMaxTimeDifference_ns = 1'000'000;
-constexpr double kSuccess_px = 5.0;
-constexpr std::array<double, 6> kBlurBinStarts_px = {0.0, 2.0, 5.0, 10.0, 20.0, 40.0};
 constexpr int kMinPosesToAlign = 3;
-
-/// For each true frame the estimate's pose nearest in time, if it is near enough.
-using Matches = std::vector<const TimedPose*>;
-
-const TimedPose* nearest(const Trajectory& trajectory, Timestamp time) {
-  const auto after = std::ranges::lower_bound(trajectory, time, {}, &TimedPose::timestamp);
-  const TimedPose* best = nullptr;
-  std::uint64_t best_ns = kMaxTimeDifference_ns;
-  const auto offer = [&](const TimedPose& pose) {
-    const std::uint64_t difference_ns = nanoseconds_apart(pose.timestamp, time);
-    if (difference_ns >= best_ns) return;
-    best = &pose;
-    best_ns = difference_ns;
-  };
-  if (after != trajectory.begin()) offer(*std::prev(after));
-  if (after != trajectory.end()) offer(*after);
-  return best;
-}
-
-Matches match(const Trajectory& truth, const Trajectory& estimate) {
-  Matches matches(truth.size());
-  std::ranges::transform(truth, matches.begin(),
-                         [&](const TimedPose& pose) { return nearest(estimate, pose.timestamp); });
-  return matches;
-}
-
-std::ptrdiff_t count_matches(const Matches& matches) {
-  return std::ranges::count_if(matches, [](const TimedPose* pose) { return pose != nullptr; });
-}
-
-/// What would make the recordings meet, if they begin together on clocks that are apart; else empty.
-std::string describe_offset(const Trajectory& truth, const Trajectory& estimate) {
-  const auto span_ns = [](const Trajectory& t) {
-    return nanoseconds_apart(t.front().timestamp, t.back().timestamp);
-  };
-  // Times so far apart that moving them would leave 64 bits are no recordings: a century fits in.
-  constexpr std::uint64_t kMaxMove_ns = std::numeric_limits<std::int64_t>::max() / 2;
-  if (nanoseconds_apart(truth.front().timestamp, estimate.front().timestamp) > kMaxMove_ns ||
-      span_ns(truth) > kMaxMove_ns || span_ns(estimate) > kMaxMove_ns)
-    return "";
-  const std::int64_t offset_ns = estimate.front().timestamp.ns - truth.front().timestamp.ns;
-  Trajectory moved = estimate;
-  for (TimedPose& pose : moved) pose.timestamp.ns -= offset_ns;
-  const std::ptrdiff_t num_matched = count_matches(match(truth, moved));
-  if (num_matched < 2) return "";
-  return fmt::format("; taking {} s off the estimate's times would join {} of its {} poses",
-                     format_seconds({offset_ns}), num_matched, estimate.size());
-}
-
-/// How the times differ, for the user whose recordings do not meet.
-std::string describe_time_mismatch(const Trajectory& truth, const Trajectory& estimate) {
-  if (estimate.empty())
-    return "the estimate has no pose at all: the tracker lost every frame, or wrote another file";
-  std::string text = fmt::format(
-      "no frame is in both within 1 ms: the truth runs from {} to {} s, the estimate from {} to {} s",
-      format_seconds(truth.front().timestamp), format_seconds(truth.back().timestamp),
-      format_seconds(estimate.front().timestamp), format_seconds(estimate.back().timestamp));
-  return text + describe_offset(truth, estimate) + "; are both of the same recording, and on the same clock?";
-}
 
 void check_scene(const CornerScene& scene) {
   if (scene.camera.width <= 0 || scene.camera.height <= 0)
@@ -185,28 +125,6 @@ std::optional<RelativePoseError> relative_error(const Trajectory& truth, const M
                            root_mean_square(rotations_rad)};
 }
 
-std::vector<BlurBin> bin_by_blur(const std::vector<FrameScore>& frames) {
-  std::vector<BlurBin> bins;
-  for (std::size_t b = 0; b < kBlurBinStarts_px.size(); ++b) {
-    BlurBin bin;
-    bin.from_px = kBlurBinStarts_px[b];
-    if (b + 1 < kBlurBinStarts_px.size()) bin.to_px = kBlurBinStarts_px[b + 1];
-    std::vector<FrameScore> inside;
-    std::ranges::copy_if(frames, std::back_inserter(inside), [&](const FrameScore& frame) {
-      return frame.blur_px >= bin.from_px && frame.blur_px < bin.to_px;
-    });
-    if (inside.empty()) continue;
-    bin.summary = summarise(inside, true);
-    bins.push_back(bin);
-  }
-  return bins;
-}
-
-int count_unmatched(const Trajectory& truth, const Trajectory& estimate) {
-  return static_cast<int>(std::ranges::count_if(
-      estimate, [&](const TimedPose& pose) { return nearest(truth, pose.timestamp) == nullptr; }));
-}
-
 }  // namespace
 
 PoseError pose_error(const Pose& truth, const Pose& estimate) {
@@ -218,33 +136,6 @@ PoseError pose_error(const Pose& truth, const Pose& estimate) {
   error.xi_estimate_truth << -(difference.rotation().conjugate() * difference.translation()),
       -rotation_vector;
   return error;
-}
-
-ErrorSummary summarise(const std::vector<FrameScore>& frames, bool has_scene) {
-  std::vector<double> corners_px;
-  std::vector<double> positions_m;
-  std::vector<double> rotations_rad;
-  for (const FrameScore& frame : frames) {
-    if (frame.corner_error_px) corners_px.push_back(*frame.corner_error_px);
-    if (!frame.error) continue;
-    positions_m.push_back(frame.error->position_m);
-    rotations_rad.push_back(frame.error->rotation_rad);
-  }
-  ErrorSummary summary;
-  summary.frames = static_cast<int>(frames.size());
-  const auto num_good =
-      std::ranges::count_if(corners_px, [](double error_px) { return error_px < kSuccess_px; });
-  if (has_scene && !frames.empty()) summary.success_5px = static_cast<double>(num_good) / summary.frames;
-  if (positions_m.empty()) return summary;
-  summary.coverage = static_cast<double>(positions_m.size()) / summary.frames;
-  summary.position_rmse_m = root_mean_square(positions_m);
-  summary.rotation_rmse_rad = root_mean_square(rotations_rad);
-  summary.position_median_m = median(positions_m);
-  summary.rotation_median_rad = median(rotations_rad);
-  if (corners_px.empty()) return summary;
-  summary.median_px = median(corners_px);
-  summary.p95_px = percentile(corners_px, 0.95);
-  return summary;
 }
 
 TrajectoryEvaluation evaluate_trajectory(const Trajectory& truth, const Trajectory& estimate,

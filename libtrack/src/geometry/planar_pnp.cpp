@@ -10,6 +10,7 @@
 #include "apriltrack/base/check.h"
 #include "apriltrack/geometry/homography.h"
 #include "apriltrack/geometry/rotation.h"
+#include "apriltrack/geometry/tag_corners.h"
 
 namespace apriltrack {
 namespace {
@@ -24,12 +25,6 @@ constexpr double kMinDepth = 1e-3;        // cosine to the mean ray: within a he
 constexpr double kMinCornerArea = 1e-9;   // of a corner's parallelogram, over the quad's squared extent
 constexpr double kSamePose_rad = 1e-4;    // refined minima agree to 1e-7 where they are one
 constexpr double kSamePoseRelative = 1e-4;
-
-Corners corners_of_square(double size_m) {
-  const double h = 0.5 * size_m;
-  return {Eigen::Vector3d(-h, h, 0.0), Eigen::Vector3d(h, h, 0.0), Eigen::Vector3d(h, -h, 0.0),
-          Eigen::Vector3d(-h, -h, 0.0)};
-}
 
 /// The rotation that turns `ray` into the z axis.
 Eigen::Matrix3d turn_to_axis(const Eigen::Vector3d& ray) {
@@ -102,7 +97,7 @@ Pose mirrored(const Pose& T_camera_tag) {
 /// Angular errors of the four corners in the tangent planes of their rays, and their Jacobian.
 class RayProblem {
  public:
-  RayProblem(const Corners& rays, double size_m) : corners_tag_(corners_of_square(size_m)) {
+  RayProblem(const Corners& rays, double size_m) : corners_tag_(tag_corners(size_m)) {
     for (std::size_t i = 0; i < rays.size(); ++i) tangents_[i] = turn_to_axis(rays[i]).topRows<2>();
     for (std::size_t i = 0; i < rays.size(); ++i) rays_[i] = rays[i];
   }
@@ -203,7 +198,7 @@ PlanarPoses solve_planar_pnp(const std::array<Eigen::Vector3d, 4>& rays_camera, 
   const auto points_view = image_points(rays_camera, R_view_camera);
   if (!points_view || !is_front_view(*points_view)) return {};
 
-  const Corners corners_tag = corners_of_square(size_m);
+  const Corners corners_tag = tag_corners(size_m);
   Corners2d corners_plane;
   for (std::size_t i = 0; i < 4; ++i) corners_plane[i] = corners_tag[i].head<2>();
   const auto H_view_plane = estimate_homography(corners_plane, *points_view);

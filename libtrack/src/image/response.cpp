@@ -33,6 +33,9 @@ Image<T> map_pixels(const GrayView& image, const std::array<T, 256>& table) {
 
 }  // namespace
 
+ResponseCurve::ResponseCurve(const std::array<float, 256>& linear_light)
+    : ResponseCurve(linear_light, "table") {}
+
 ResponseCurve::ResponseCurve(const std::array<float, 256>& linear_light, std::string name)
     : linear_light_(linear_light), name_(std::move(name)) {
   APRILTRACK_CHECK(

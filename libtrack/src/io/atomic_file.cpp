@@ -98,7 +98,7 @@ void write_beside_and_rename(const fs::path& path, std::string_view contents, co
   if (!is_complete) {
     const int code = errno;
     ::unlink(aside.c_str());
-    fail_to_write(path, code, "; an existing file was kept");
+    fail_to_write(path, code, existing ? "; the existing file was kept" : "");
   }
 }
 

@@ -48,10 +48,11 @@ std::unique_ptr<SkippableSource> list_source(const std::string& input, std::vect
   return std::make_unique<ImageListSource>(input, std::move(entries));
 }
 
-std::unique_ptr<SkippableSource> open_folder(const std::string& input, std::optional<double> rate_hz) {
-  if (is_sequence_folder(input)) return list_source(input, list_sequence(input, rate_hz));
-  if (const auto camera = find_euroc_camera(input)) return list_source(input, list_euroc_camera(*camera));
-  return list_source(input, list_image_folder(input, rate_hz));
+std::unique_ptr<SkippableSource> open_folder(const std::string& input, const SourceOptions& options) {
+  if (is_sequence_folder(input)) return list_source(input, list_sequence(input, options.rate_hz));
+  if (const auto camera = find_euroc_camera(input, options.camera_name))
+    return list_source(input, list_euroc_camera(*camera));
+  return list_source(input, list_image_folder(input, options.rate_hz));
 }
 
 /// The first bytes of a file, if it can be read at all.
@@ -80,7 +81,7 @@ std::unique_ptr<SkippableSource> open_file(const std::string& input, std::option
   return open_video(input, rate_hz);
 }
 
-std::unique_ptr<SkippableSource> open_any(const std::string& input, std::optional<double> rate_hz) {
+std::unique_ptr<SkippableSource> open_any(const std::string& input, const SourceOptions& options) {
   if (input.empty())
     throw invalid_input("INPUT", "is empty: name a folder, an image pattern, a video or camera:N");
   if (input.starts_with(kCameraPrefix))
@@ -89,9 +90,9 @@ std::unique_ptr<SkippableSource> open_any(const std::string& input, std::optiona
     return open_camera(input, std::string_view(input).substr(kDevicePrefix.size()));
   std::error_code error;
   const fs::file_status status = fs::status(input, error);
-  if (fs::is_directory(status)) return open_folder(input, rate_hz);
-  if (fs::exists(status)) return open_file(input, rate_hz);
-  if (is_glob(input)) return list_source(input, list_glob(input, rate_hz));
+  if (fs::is_directory(status)) return open_folder(input, options);
+  if (fs::exists(status)) return open_file(input, options.rate_hz);
+  if (is_glob(input)) return list_source(input, list_glob(input, options.rate_hz));
   if (status.type() == fs::file_type::not_found) throw io_error(input, "no such file or folder");
   throw io_error(input, fmt::format("cannot be read: {}", error.message()));
 }
@@ -114,7 +115,7 @@ Frame SourceFrame::frame(int camera_index) const {
 
 std::unique_ptr<FrameSource> open_source(const std::string& input, const SourceOptions& options) {
   check_options(options);
-  return std::make_unique<SampledSource>(open_any(input, options.rate_hz), options);
+  return std::make_unique<SampledSource>(open_any(input, options), options);
 }
 
 std::optional<fs::path> sequence_camera_file(const std::string& input) {

@@ -1,6 +1,7 @@
 #include "image_inputs.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <glob.h>
 
 #include <algorithm>
@@ -102,12 +103,38 @@ bool is_sequence_folder(const fs::path& folder) {
   return fs::is_directory(folder / "frames", ignored);
 }
 
-std::optional<fs::path> find_euroc_camera(const fs::path& folder) {
+namespace {
+
+/// Other sensors of a recording have a data.csv as well, but no folder of images beside it.
+bool is_euroc_camera(const fs::path& folder) {
   std::error_code ignored;
-  for (const fs::path& camera : {folder, folder / "cam0", folder / "mav0" / "cam0"}) {
-    if (fs::exists(camera / "data.csv", ignored)) return camera;
+  return fs::exists(folder / "data.csv", ignored) && fs::is_directory(folder / "data", ignored);
+}
+
+/// Names of the cameras of the recording that `folder` or its mav0 is.
+std::vector<std::string> euroc_cameras(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const fs::path& recording : {folder, folder / "mav0"}) {
+    std::error_code error;  // what cannot be listed holds no camera
+    for (fs::directory_iterator entry(recording, error), end; !error && entry != end; entry.increment(error))
+      if (is_euroc_camera(entry->path())) names.push_back(entry->path().filename().string());
   }
-  return std::nullopt;
+  std::ranges::sort(names, natural_less);
+  return names;
+}
+
+}  // namespace
+
+std::optional<fs::path> find_euroc_camera(const fs::path& folder, const std::string& name) {
+  const std::string wanted = name.empty() ? "cam0" : name;
+  for (const fs::path& camera : {folder, folder / wanted, folder / "mav0" / wanted}) {
+    if (is_euroc_camera(camera)) return camera;
+  }
+  const std::vector<std::string> there = euroc_cameras(folder);
+  if (there.empty()) return std::nullopt;
+  throw invalid_input(folder.string(),
+                      fmt::format("the recording has no camera '{}'; it has: {}; choose with --camera-name",
+                                  wanted, fmt::join(there, ", ")));
 }
 
 bool is_glob(const std::string& input) {

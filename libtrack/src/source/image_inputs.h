@@ -25,9 +25,11 @@ std::vector<ImageEntry> list_single_image(const std::filesystem::path& path);
 /// Throws Error(kIo) with the system's reason where that cannot be told (a loop of links, a closed folder).
 bool path_exists(const std::filesystem::path& path);
 bool is_sequence_folder(const std::filesystem::path& folder);
-/// The camera folder that `folder` is or holds (mav0 or its parent: cam0); nullopt when it is no such
-/// recording.
-std::optional<std::filesystem::path> find_euroc_camera(const std::filesystem::path& folder);
+/// The camera folder that `folder` is, whatever its name, or holds under `name` (mav0 or its parent; empty:
+/// cam0); nullopt when it is no such recording. Throws Error(kInvalidInput) that lists the cameras when it
+/// has others only.
+std::optional<std::filesystem::path> find_euroc_camera(const std::filesystem::path& folder,
+                                                       const std::string& name);
 bool is_glob(const std::string& input);
 
 }  // namespace apriltrack

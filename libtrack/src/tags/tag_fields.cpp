@@ -9,8 +9,11 @@ namespace apriltrack {
 
 double read_tag_size(const YamlNode& node) {
   const double size_m = node.as_double();
-  if (!(size_m > 0.0))
-    node.fail(fmt::format("must be > 0 (is {}); metres, the edge of the detected square", size_m));
+  constexpr double kMaxSize_m = 100.0;  // as --tag-size: beyond, it was given in millimetres
+  if (!(size_m > 0.0 && size_m <= kMaxSize_m)) {
+    node.fail(fmt::format("must be > 0 and at most {:g} (is {}); metres, the edge of the detected square",
+                          kMaxSize_m, size_m));
+  }
   return size_m;
 }
 

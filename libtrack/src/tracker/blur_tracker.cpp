@@ -12,7 +12,7 @@
 #include "blur_corners.h"
 #include "blur_covariance.h"
 #include "blur_explanation.h"
-#include "mapped_detector.h"
+#include "map_detection.h"
 
 namespace apriltrack {
 namespace {

@@ -44,12 +44,12 @@ std::optional<double> corner_blur_px(const CameraModel& model, const PoseCandida
   return std::sqrt(sum_px2 / count) * exposure_s / age_s;
 }
 
-double fitted_corner_sigma_px(double sharp_sigma_px, double expected_sigma_px,
-                              const PoseCandidate& candidate) {
+double fitted_corner_sigma_px(double sharp_sigma_px, double expected_sigma_px, const PoseCandidate& candidate,
+                              double explained_px2) {
   const double degrees_of_freedom = 2.0 * candidate.num_corners() - 6.0;
-  const double variance_px2 =
-      (kPriorStrength * expected_sigma_px * expected_sigma_px + candidate.squared_error_px2) /
-      (kPriorStrength + degrees_of_freedom);
+  const double variance_px2 = (kPriorStrength * expected_sigma_px * expected_sigma_px +
+                               std::max(0.0, candidate.squared_error_px2 - explained_px2)) /
+                              (kPriorStrength + degrees_of_freedom);
   return std::max(sharp_sigma_px, std::sqrt(variance_px2));
 }
 

@@ -24,7 +24,9 @@ std::optional<double> corner_blur_px(const CameraModel& model, const PoseCandida
 /// The expectation counts as kPriorStrength residuals (a scaled inverse chi-squared prior), so that many tags
 /// speak for themselves, while a lone tag, whose eight numbers leave two to judge by, cannot claim more than
 /// is known.
-double fitted_corner_sigma_px(double sharp_sigma_px, double expected_sigma_px,
-                              const PoseCandidate& candidate);
+///
+/// explained_px2: share of the candidate's squared error that is not the corners' fault, but the map's.
+double fitted_corner_sigma_px(double sharp_sigma_px, double expected_sigma_px, const PoseCandidate& candidate,
+                              double explained_px2 = 0.0);
 
 }  // namespace apriltrack

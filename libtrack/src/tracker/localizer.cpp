@@ -8,10 +8,9 @@
 #include <cmath>
 #include <set>
 
-#include "apriltrack/base/check.h"
-#include "apriltrack/base/error.h"
 #include "corner_noise.h"
-#include "mapped_detector.h"
+#include "map_detection.h"
+#include "map_uncertainty.h"
 #include "pose_adjustment.h"
 #include "pose_candidate.h"
 #include "pose_memory.h"
@@ -23,30 +22,13 @@ constexpr double kUnknownExposure_s = 0.01;     // indoor webcams: 5 to 30 ms
 constexpr double kMinOdds = 1e-3;               // what is less likely than this is ruled out
 constexpr double kMinLogPriorOfSupport = -5.0;  // 3 sigma from the prediction
 
-DetectorOptions checked_detector_options(const Camera& camera, const TagMap& map,
-                                         const LocalizerOptions& options) {
-  options.check();
-  return detector_options_for(camera, map, options.detector);
-}
-
 struct Choice {
   PoseCandidate candidate;
-  double sigma_px = 0.0;
-  std::optional<PoseMemory::Mode> second;  ///< T_camera_map, and its odds.
+  std::optional<Matrix6d> cov_T_camera_map;  ///< nullopt where the corners do not determine the pose.
+  std::optional<PoseMemory::Mode> second;    ///< T_camera_map, and its odds.
 };
 
 }  // namespace
-
-void LocalizerOptions::check() const {
-  if (!(corner_sigma_px > 0.0 && std::isfinite(corner_sigma_px))) {
-    throw invalid_input("corner_sigma_px", fmt::format("must be > 0 (is {})", corner_sigma_px));
-  }
-  if (!(max_residual_rms_px >= corner_sigma_px && std::isfinite(max_residual_rms_px))) {
-    throw invalid_input("max_residual_rms_px", fmt::format("must be at least corner_sigma_px, {} (is {})",
-                                                           corner_sigma_px, max_residual_rms_px));
-  }
-  detector.check();
-}
 
 class Localizer::Implementation {
  public:
@@ -54,13 +36,12 @@ class Localizer::Implementation {
       : camera_(camera),
         map_(map),
         options_(options),
-        detector_options_(checked_detector_options(camera, map, options)) {}
+        detector_options_((options.check(), detector_options_for(camera, map, options.detector))) {}
 
   TrackResult localize(const Frame& frame) {
     const bool has_size = camera_.width > 0 && camera_.height > 0;
-    APRILTRACK_CHECK(
-        !has_size || (frame.image.width() == camera_.width && frame.image.height() == camera_.height),
-        "the image must have the camera's resolution");
+    if (has_size && (frame.image.width() != camera_.width || frame.image.height() != camera_.height))
+      return of_another_size(frame);
     prepare();  // the tables are no part of a frame's latency
     const auto start = std::chrono::steady_clock::now();
     const std::vector<Detection> detections = detector_->detect(frame.image);
@@ -80,6 +61,14 @@ class Localizer::Implementation {
   const DetectorOptions& detector_options() const { return detector_options_; }
 
  private:
+  TrackResult of_another_size(const Frame& frame) const {
+    TrackResult result;
+    result.timestamp = frame.timestamp;
+    result.reason = fmt::format("the image is {} x {} pixels, but the camera is calibrated for {} x {}",
+                                frame.image.width(), frame.image.height(), camera_.width, camera_.height);
+    return result;
+  }
+
   TrackResult localize(Timestamp time, const std::vector<Detection>& detections,
                        std::optional<double> exposure_s, std::chrono::steady_clock::time_point start) {
     TrackResult result;
@@ -117,18 +106,22 @@ class Localizer::Implementation {
           return std::pair(-a.num_corners(), a.squared_error_px2) <
                  std::pair(-b.num_corners(), b.squared_error_px2);
         });
-    const double sigma_px = corner_sigma_px(time, *best_fit, exposure_s);
+    const double sigma_px = fitted_corner_sigma_px(options_.corner_sigma_px,
+                                                   expected_sigma_px(time, *best_fit, exposure_s), *best_fit);
     std::vector<double> cost;
     for (const PoseCandidate& candidate : candidates) {
       cost.push_back(misfit(camera_.model, observations, sigma_px, candidate.T_camera_map) -
                      memory_.log_prior(time, swapped(candidate.T_camera_map)));
     }
     const auto best = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
-    Choice choice{candidates[best], corner_sigma_px(time, candidates[best], exposure_s), std::nullopt};
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
+    Choice choice{candidates[best],
+                  covariance(candidates[best], expected_sigma_px(time, candidates[best], exposure_s)),
+                  std::nullopt};
+    for (std::size_t i = 0; choice.cov_T_camera_map && i < candidates.size(); ++i) {
       const double odds = std::exp(cost[best] - cost[i]);
       if (i == best || odds < kMinOdds || (choice.second && odds <= choice.second->weight)) continue;
-      if (is_same_explanation(camera_.model, choice.candidate, choice.sigma_px, candidates[i].T_camera_map))
+      if (is_same_explanation(choice.candidate.T_camera_map, *choice.cov_T_camera_map,
+                              candidates[i].T_camera_map))
         continue;
       choice.second = PoseMemory::Mode{candidates[i].T_camera_map, odds};
     }
@@ -152,29 +145,25 @@ class Localizer::Implementation {
            memory_.log_prior(time, swapped(candidate.T_camera_map)) > kMinLogPriorOfSupport;
   }
 
-  double corner_sigma_px(Timestamp time, const PoseCandidate& candidate, double exposure_s) const {
+  double expected_sigma_px(Timestamp time, const PoseCandidate& candidate, double exposure_s) const {
     std::optional<double> blur_px;
     if (exposure_s == 0.0) {
       blur_px = 0.0;
     } else if (const auto last = memory_.last(time)) {
       blur_px = corner_blur_px(camera_.model, candidate, swapped(last->pose), last->age_s, exposure_s);
     }
-    const double expected_px = expected_corner_sigma_px(options_.corner_sigma_px, blur_px, candidate);
-    return fitted_corner_sigma_px(options_.corner_sigma_px, expected_px, candidate);
+    return expected_corner_sigma_px(options_.corner_sigma_px, blur_px, candidate);
   }
 
   void report(Timestamp time, const Choice& choice, TrackResult* result) {
     const Pose& T_camera_map = choice.candidate.T_camera_map;
-    const Matrix6d information = corner_information(camera_.model, choice.candidate.inliers, T_camera_map);
-    const Eigen::LLT<Matrix6d> factor(information);
-    const Matrix6d cov_T_camera_map = choice.sigma_px * choice.sigma_px * factor.solve(Matrix6d::Identity());
-    if (factor.info() != Eigen::Success || !cov_T_camera_map.allFinite()) {
+    if (!choice.cov_T_camera_map) {
       result->reason = "the corners seen do not determine the pose";
       return;
     }
     result->status = TrackStatus::kDetected;
     result->pose = swapped(T_camera_map);
-    result->covariance = covariance_of_swapped(T_camera_map, cov_T_camera_map);
+    result->covariance = covariance_of_swapped(T_camera_map, *choice.cov_T_camera_map);
     result->tags_tracked = count_tags(choice.candidate.inliers);
     std::optional<PoseMemory::Mode> second;
     if (choice.second) {
@@ -183,6 +172,21 @@ class Localizer::Implementation {
       result->second_mode_odds = second->weight;
     }
     memory_.remember(time, *result->pose, second);
+  }
+
+  /// Of T_camera_map, by the noise of the corners and the covariances of the map's tags; nullopt where the
+  /// corners do not determine it.
+  std::optional<Matrix6d> covariance(const PoseCandidate& candidate, double expected_sigma_px) const {
+    const std::vector<const TagObservation*>& inliers = candidate.inliers;
+    const Pose& T_camera_map = candidate.T_camera_map;
+    const Eigen::LLT<Matrix6d> information(corner_information(camera_.model, inliers, T_camera_map));
+    const Matrix6d inverse_information = information.solve(Matrix6d::Identity());
+    const MapUncertainty map = map_uncertainty(camera_.model, inliers, T_camera_map, inverse_information);
+    const double sigma_px =
+        fitted_corner_sigma_px(options_.corner_sigma_px, expected_sigma_px, candidate, map.squared_error_px2);
+    const Matrix6d covariance = sigma_px * sigma_px * inverse_information + map.covariance;
+    if (information.info() != Eigen::Success || !covariance.allFinite()) return std::nullopt;
+    return covariance;
   }
 
   /// T_camera_map to the pose that is reported and back: T_camera_body is itself, T_world_camera the inverse.

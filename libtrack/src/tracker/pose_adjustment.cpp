@@ -20,16 +20,6 @@ struct NormalEquations {
   Vector6d gradient = Vector6d::Zero();
 };
 
-/// d pixel / d xi of T * exp(xi): a point moves by R (v + w x point).
-Eigen::Matrix<double, 2, 6> corner_jacobian(const Eigen::Matrix<double, 2, 3>& d_pixel_d_point,
-                                            const Eigen::Matrix3d& R_camera_map,
-                                            const Eigen::Vector3d& corner_map) {
-  Eigen::Matrix<double, 2, 6> jacobian;
-  const Eigen::Matrix<double, 2, 3> d_pixel_d_translation = d_pixel_d_point * R_camera_map;
-  jacobian << d_pixel_d_translation, -d_pixel_d_translation * skew(corner_map);
-  return jacobian;
-}
-
 NormalEquations linearise(const CameraModel& model, const std::vector<const TagObservation*>& observations,
                           const RobustKernel* kernel, const Pose& T_camera_map) {
   NormalEquations equations;
@@ -59,6 +49,16 @@ double scene_depth(const std::vector<const TagObservation*>& observations, const
 }
 
 }  // namespace
+
+Eigen::Matrix<double, 2, 6> corner_jacobian(const Eigen::Matrix<double, 2, 3>& d_pixel_d_point,
+                                            const Eigen::Matrix3d& R_camera_a,
+                                            const Eigen::Vector3d& corner_a) {
+  // A point moves by R (v + w x point).
+  Eigen::Matrix<double, 2, 6> jacobian;
+  const Eigen::Matrix<double, 2, 3> d_pixel_d_translation = d_pixel_d_point * R_camera_a;
+  jacobian << d_pixel_d_translation, -d_pixel_d_translation * skew(corner_a);
+  return jacobian;
+}
 
 double RobustKernel::cost(double squared_error_px2) const {
   const double scale2 = scale_px * scale_px;

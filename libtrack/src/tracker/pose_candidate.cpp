@@ -1,5 +1,6 @@
 #include "pose_candidate.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -145,11 +146,9 @@ std::vector<PoseCandidate> find_pose_candidates(const CameraModel& model,
   return candidates;
 }
 
-bool is_same_explanation(const CameraModel& model, const PoseCandidate& winner, double sigma_px,
-                         const Pose& T_camera_map) {
-  const Matrix6d information = corner_information(model, winner.inliers, winner.T_camera_map);
-  const Vector6d xi = (winner.T_camera_map.inverse() * T_camera_map).log();
-  return xi.dot(information * xi) < kSameSigmas * kSameSigmas * sigma_px * sigma_px;
+bool is_same_explanation(const Pose& winner, const Matrix6d& cov_winner, const Pose& other) {
+  const Vector6d xi = (winner.inverse() * other).log();
+  return xi.dot(cov_winner.llt().solve(xi)) < kSameSigmas * kSameSigmas;
 }
 
 double misfit(const CameraModel& model, const std::vector<TagObservation>& observations, double sigma_px,

@@ -33,10 +33,10 @@ std::vector<PoseCandidate> find_pose_candidates(const CameraModel& model,
                                                 const CandidateOptions& options);
 
 /// Whether two poses are one minimum, settled on other tags: their difference is below three sigma in every
-/// direction, all of it together, where `winner`'s inliers with corners of sigma_px determine the pose. The
-/// minima of a planar ambiguity are tens of sigma apart, or they could not be told apart from one.
-bool is_same_explanation(const CameraModel& model, const PoseCandidate& winner, double sigma_px,
-                         const Pose& T_camera_map);
+/// direction, all of it together, by the winner's covariance (that of the right perturbation, positive
+/// definite), the errors of the map's tags included: a tag more moves the pose by as much as that tag is
+/// off. The minima of a planar ambiguity are tens of sigma apart, or they could not be told apart from one.
+bool is_same_explanation(const Pose& winner, const Matrix6d& cov_winner, const Pose& other);
 
 /// -log likelihood of ALL observations under the pose, corners of sigma_px; what no pose explains counts as
 /// much as a tag three sigma off, wherever it lies. Copies of one tag count once, by the best.

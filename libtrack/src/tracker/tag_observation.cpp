@@ -1,25 +1,8 @@
 #include "tag_observation.h"
 
-#include <algorithm>
-#include <optional>
 #include <set>
 
 namespace apriltrack {
-namespace {
-
-std::optional<std::array<Eigen::Vector3d, kNumCorners>> corner_rays(
-    const CameraModel& model, const std::array<Eigen::Vector2d, kNumCorners>& corners_px) {
-  std::array<Eigen::Vector3d, kNumCorners> rays;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (!corners_px[i].allFinite()) return std::nullopt;
-    const auto ray = model.unproject(corners_px[i]);
-    if (!ray) return std::nullopt;
-    rays[i] = *ray;
-  }
-  return rays;
-}
-
-}  // namespace
 
 std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const CameraModel& model,
                                                 const std::vector<Detection>& detections) {

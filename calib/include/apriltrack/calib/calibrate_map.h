@@ -22,6 +22,13 @@ struct CalibrationOptions {
   /// Correlation of those errors between the two ends of an edge: -0.5 for corners that are intersections of
   /// lines fitted to the edges. In (-1, 1).
   double edge_end_correlation = -0.45;
+  /// Error of the same kind that a tag keeps in ALL of its views (lens model, uneven light, print): it does
+  /// not average, and the fit hides most of it from the residuals. Counts for the covariance only; 0 = none.
+  /// Of our own renderer's pictures 0.03 is true, of path-traced ones 0.07 (docs/algorithms/calibration.md).
+  double corner_bias_px = 0.05;
+  /// Larger maps go without covariances, with a warning: they take 288 bytes times the square of the number
+  /// of tags (1000: 0.3 GB).
+  int max_tags_with_covariance = 1000;
   int min_views = 2;  ///< Tags seen in fewer frames together with others are left out and named.
   int max_iterations = 100;
   int num_threads = 1;  ///< 0 = as many as the machine has cores. The result does not depend on it.
@@ -53,7 +60,7 @@ struct CalibrationResult {
 /// extrinsics only when several of its cameras were used.
 ///
 /// The tags' covariances rest on the residuals that are left (their size, and how much neighbouring frames
-/// repeat them). A bias that stays the same all through a recording cannot be seen in them.
+/// repeat them) and on corner_bias_px. @NEES@
 ///
 /// Throws Error(kNoResult) when no two tags connect, ids are not unique, or the adjustment does not converge,
 /// and says what to do; Error(kInvalidInput) when a size is missing, a camera is unknown, one of several

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
 #include <variant>
@@ -40,5 +41,15 @@ class CameraModel {
   Pinhole pinhole_;
   Distortion distortion_;
 };
+
+/// Unit rays of a tag's corners, what solve_planar_pnp() takes; nullopt when a corner is not finite or has no
+/// ray.
+std::optional<std::array<Eigen::Vector3d, 4>> corner_rays(const CameraModel& model,
+                                                          const std::array<Eigen::Vector2d, 4>& corners_px);
+
+/// Pixel of a point before the camera. Unlike CameraModel::project, the lens formula is continued beyond its
+/// valid domain, so that an error is a number for every pose: not for tracking. Not finite at a pole of the
+/// formula. Requires z != 0.
+Eigen::Vector2d project_continued(const CameraModel& model, const Eigen::Vector3d& point_camera);
 
 }  // namespace apriltrack

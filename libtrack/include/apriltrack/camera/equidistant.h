@@ -30,6 +30,8 @@ class EquidistantDistortion {
                                          Eigen::Matrix<double, 2, 3>* jacobian = nullptr) const;
   /// Unit ray; solved to rounding error.
   std::optional<Eigen::Vector3d> undistort(const Eigen::Vector2d& distorted) const;
+  /// Beyond the valid domain, too, where theta_d may fall.
+  Eigen::Vector2d distort_continued(const Eigen::Vector2d& undistorted) const;
 
  private:
   double distorted_angle(double angle_rad) const;

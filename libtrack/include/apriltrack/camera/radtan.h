@@ -38,6 +38,10 @@ class RadtanDistortion {
                                          Eigen::Matrix<double, 2, 3>* jacobian = nullptr) const;
   /// Unit ray; solved to rounding error.
   std::optional<Eigen::Vector3d> undistort(const Eigen::Vector2d& distorted) const;
+  /// Beyond the valid domain, too, where it folds back, or has a pole and is not finite.
+  Eigen::Vector2d distort_continued(const Eigen::Vector2d& undistorted) const {
+    return distort_plane(undistorted, nullptr);
+  }
 
  private:
   struct Radial {

@@ -25,10 +25,6 @@ struct VisibleTag {
   std::array<Eigen::Vector3d, 4> corners_map;  ///< In corner order, metres.
 };
 
-/// Pixel of a point before the camera. Unlike CameraModel::project, the lens polynomial is continued beyond
-/// its valid domain, so that an error is a number for every pose. Requires z != 0.
-Eigen::Vector2d project_continued(const CameraModel& model, const Eigen::Vector3d& point_camera);
-
 /// Tags whose centre lies in the image, that face the camera by less than 80 degrees from the line of sight,
 /// and whose corners all lie over 2 cm before it.
 std::vector<VisibleTag> visible_tags(const CornerScene& scene, const Pose& T_camera_map);

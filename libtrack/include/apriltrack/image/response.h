@@ -14,8 +14,9 @@ namespace apriltrack {
 /// 0.4 px inside the dark side; so corners are localised, and blur is modelled, after the response is undone.
 class ResponseCurve {
  public:
-  /// linear_light: light of each grey level, 0 at no light and 1 at full scale; must never decrease.
-  explicit ResponseCurve(const std::array<float, 256>& linear_light, std::string name = "table");
+  /// A measured curve; its name is "table", whatever it holds.  linear_light: light of each grey level, 0 at
+  /// no light and 1 at full scale; must never decrease.
+  explicit ResponseCurve(const std::array<float, 256>& linear_light);
 
   static ResponseCurve linear();
   /// The transfer curve of IEC 61966-2-1, which 8-bit image files use unless something else is said.
@@ -23,13 +24,16 @@ class ResponseCurve {
   /// light = (code / 255) ^ exponent; exponent in [0.2, 5].
   static ResponseCurve gamma(double exponent);
 
-  /// "linear", "srgb", "gamma:2.2" or "table".
+  /// "linear", "srgb", "gamma:2.2" or "table": what a camera file says. Only the functions above give the
+  /// first three, so that the name stands for the curve.
   const std::string& name() const { return name_; }
   const std::array<float, 256>& linear_light() const { return linear_light_; }
   float to_linear(std::uint8_t code) const { return linear_light_[code]; }
   bool is_linear() const { return name_ == "linear"; }
 
  private:
+  ResponseCurve(const std::array<float, 256>& linear_light, std::string name);
+
   std::array<float, 256> linear_light_;
   std::string name_;
 };

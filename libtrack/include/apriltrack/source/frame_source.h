@@ -28,6 +28,9 @@ struct SourceOptions {
   std::size_t skip = 0;                          ///< Frames left out at the start.
   std::size_t step = 1;                          ///< Every step-th frame.
   std::optional<std::size_t> max_frames = std::nullopt;
+  /// Which camera's folder of a EuRoC/ASL recording with several; empty: cam0. All other inputs, a single
+  /// camera folder among them, have one camera whatever its name.
+  std::string camera_name = {};
 };
 
 /// Frames in the order of time. A frame that cannot be decoded is handed out as unreadable, never passed
@@ -48,8 +51,8 @@ class FrameSource {
 /// A sequence folder, a folder of images, a glob, a EuRoC/ASL `mav0` folder (or one camera folder of it), a
 /// video file, `camera:N` or a V4L2 path. A live camera's times are the driver's own (of arrival where it
 /// tells none), not corrected to the middle of the exposure. Throws Error(kIo) when there is nothing to read,
-/// Error(kInvalidInput) when images need a rate and none is given, or
-/// an option is out of its range.
+/// Error(kInvalidInput) when images need a rate and none is given, a recording has no camera of the name
+/// asked for, or an option is out of its range.
 std::unique_ptr<FrameSource> open_source(const std::string& input, const SourceOptions& options = {});
 
 /// Files that a sequence folder brings with it; nullopt where it does not, or INPUT is no such folder.

@@ -31,8 +31,9 @@ struct LocalizerOptions {
 /// reported beside the pose.
 ///
 /// The covariance rests on the residuals and, for few tags, on what corners are known to suffer from motion
-/// (0.025 of the blur, taken from the last two poses and the exposure) and from corrected bits. The map is
-/// taken as exact.
+/// (0.025 of the blur, taken from the last two poses and the exposure) and from corrected bits; and on the
+/// covariances of the map's tags, where it has them, with errors independent from tag to tag. The pose itself
+/// weighs all corners alike.
 ///
 /// One image at a time; give each thread its own. No frame throws, whatever it shows (once prepare() has been
 /// called: before, the first image may run out of memory for the tables): a pose is finite, or there is none
@@ -45,11 +46,12 @@ class Localizer {
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
 
-  /// Builds the detector's tables now: up to seconds, and memory, for families with many codes. Without it the
-  /// first image does; its latency_s does not count them. Those who bring detections need none.
+  /// Builds the detector's tables now: up to seconds, and memory, for families with many codes. Without it
+  /// the first image does; its latency_s does not count them. Those who bring detections need none.
   void prepare();
 
-  /// Requires an image of the camera's resolution. Frames come in the order of time.
+  /// Frames come in the order of time. An image of another resolution than the camera's is lost; its reason
+  /// names both.
   TrackResult localize(const Frame& frame);
   /// The same from detections made elsewhere, for instance several frames at a time.
   /// exposure_s: of this frame; else the camera's own value holds.

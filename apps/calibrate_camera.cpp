@@ -1,0 +1,66 @@
+#include "calibrate_camera.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/source/frame_source.h"
+#include "calibrate_input.h"
+
+namespace apriltrack::app {
+namespace {
+namespace fs = std::filesystem;
+
+bool is_same_lens(const CameraModel& a, const CameraModel& b) {
+  const auto numbers = [](const CameraModel& model) {
+    const Pinhole& p = model.pinhole();
+    std::vector<double> all =
+        std::visit([](const auto& lens) { return lens.coefficients(); }, model.distortion());
+    all.insert(all.end(), {p.fx, p.fy, p.cx, p.cy});
+    return all;
+  };
+  return a.distortion_name() == b.distortion_name() && numbers(a) == numbers(b);
+}
+
+bool is_same_place(const std::optional<Pose>& a, const std::optional<Pose>& b) {
+  return a.has_value() == b.has_value() && (!a || a->matrix() == b->matrix());
+}
+
+bool is_same_camera(const Camera& a, const Camera& b) {
+  return a.name == b.name && a.width == b.width && a.height == b.height && is_same_lens(a.model, b.model) &&
+         a.line_delay_s == b.line_delay_s && a.response.linear_light() == b.response.linear_light() &&
+         is_same_place(a.T_this_previous, b.T_this_previous);
+}
+
+bool is_same_rig(const fs::path& first, const fs::path& second) {
+  return std::ranges::equal(read_cameras(first).cameras, read_cameras(second).cameras, is_same_camera);
+}
+
+}  // namespace
+
+fs::path camera_file(const CalibrateOptions& a) {
+  if (!a.camera.empty()) return a.camera;
+  std::optional<fs::path> first;
+  for (const std::string& input : a.inputs) {
+    const auto own = sequence_camera_file(split_input(input).input);
+    if (!own) continue;
+    if (!first) {
+      first = own;
+    } else if (!is_same_rig(*first, *own)) {
+      throw invalid_input("--camera",
+                          fmt::format("is required: '{}' and '{}' differ, and a calibration takes one file "
+                                      "(of several cameras, if these are of several: cam0=PATH cam1=PATH)",
+                                      first->string(), own->string()));
+    }
+  }
+  if (first) return *first;
+  throw invalid_input("--camera",
+                      "is required: the input is no sequence folder with a camera.yaml of its own");
+}
+
+}  // namespace apriltrack::app

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <filesystem>
+
+#include "calibrate_options.h"
+
+namespace apriltrack::app {
+
+/// --camera, else the sequence folders' own: the first one's, which the others must equal in all that a
+/// calibration asks (not in exposure). Throws Error(kInvalidInput) where there is none, or two that differ.
+std::filesystem::path camera_file(const CalibrateOptions& options);
+
+}  // namespace apriltrack::app

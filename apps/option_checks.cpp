@@ -1,0 +1,106 @@
+#include "option_checks.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/io/numbers.h"
+#include "apriltrack/tags/tag_family.h"
+
+namespace apriltrack::app {
+namespace {
+
+/// range: what the text must be.
+template <class Accepts>
+CLI::Validator must_be(const std::string& range, const Accepts& accepts) {
+  const auto check = [range, accepts](std::string& text) {
+    return accepts(text) ? std::string() : fmt::format("must be {} (is '{}')", range, text);
+  };
+  return CLI::Validator(check, "");
+}
+
+bool has_digits_only(const std::string& text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+CLI::Validator number(const std::string& range, double low, double high) {
+  return must_be(range, [low, high](const std::string& text) {
+    const auto value = parse_double(text);
+    return value && *value >= low && *value <= high;  // false for NaN
+  });
+}
+
+}  // namespace
+
+CLI::Validator whole_number(long long low, std::optional<long long> high) {
+  const std::string range = high ? fmt::format("a whole number from {} to {}", low, *high)
+                                 : fmt::format("a whole number of at least {}", low);
+  return must_be(range, [low, high](const std::string& text) {
+    const auto value = parse_integer(text);
+    if (!value) return !high && has_digits_only(text);  // a seed may be larger than a signed number
+    return *value >= low && (!high || *value <= *high);
+  });
+}
+
+CLI::Validator number_between(double low, double high) {
+  return number(fmt::format("in [{:g}, {:g}]", low, high), low, high);
+}
+
+CLI::Validator number_at_least(double low) {
+  return number(fmt::format("at least {:g}", low), low, std::numeric_limits<double>::infinity());
+}
+
+CLI::Validator not_empty(const std::string& what) {
+  return CLI::Validator(
+      [what](std::string& text) { return text.empty() ? "must not be empty: " + what : std::string(); }, "");
+}
+
+CLI::Validator threads() {
+  return whole_number(0, 256);
+}
+
+CLI::Validator rate() {
+  return number("in [0.001, 1000000] frames a second", 1e-3, 1e6);
+}
+
+CLI::Validator decimation() {
+  return must_be("1, 1.5, or a whole number from 2 to 8", [](const std::string& text) {
+    const auto value = parse_double(text);
+    return value && (*value == 1.5 || (*value >= 1.0 && *value <= 8.0 && *value == std::floor(*value)));
+  });
+}
+
+CLI::Validator decision_margin() {
+  return number_between(0.0, 255.0);
+}
+
+CLI::Validator corrected_bits() {
+  return whole_number(0, 2);
+}
+
+CLI::Validator known_family() {
+  return must_be(fmt::format("one of {}", fmt::join(TagFamily::names(), ", ")),
+                 [](const std::string& text) { return TagFamily::is_known(text); });
+}
+
+void check_families(const std::vector<std::string>& families) {
+  for (const std::string& name : families) {
+    if (std::count(families.begin(), families.end(), name) > 1)
+      throw invalid_input("--family", fmt::format("'{}' is given more than once", name));
+  }
+}
+
+void refuse_beside_detections(const CLI::App& command, std::initializer_list<const char*> options) {
+  for (const char* name : options) {
+    if (command.get_option(name)->count() == 0) continue;
+    throw invalid_input(name,
+                        "is for images and would change nothing with --detections, which has all corners and "
+                        "times: leave it out");
+  }
+}
+
+}  // namespace apriltrack::app

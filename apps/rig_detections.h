@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/detect/detection.h"
+
+namespace apriltrack::app {
+
+/// Reads a detection file that was made with the cameras of `rig`. Where both have one camera only, it is
+/// the same one, whatever the file calls it; where the rig has several, the file's name says which one, and
+/// to pass it over would give corners another camera's lens. Throws as read_detections_csv does.
+std::vector<FrameDetections> read_rig_detections(const std::string& path, const CameraRig& rig);
+
+/// Names in the order of the alphabet, each once.
+std::vector<std::string> camera_names(const std::vector<FrameDetections>& frames);
+
+}  // namespace apriltrack::app

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/detect/detector.h"
+#include "apriltrack/tags/tag_map.h"
+
+namespace apriltrack {
+
+/// `options` with the map's families and the camera's response: how the map's tags are detected in its
+/// images. Throws Error(kInvalidInput) when the map is empty or names an unknown family.
+DetectorOptions detector_options_for(const Camera& camera, const TagMap& map, DetectorOptions options);
+
+}  // namespace apriltrack

@@ -1,0 +1,97 @@
+// What is wrong inside a file ends with status 2, and is named by file, line and key.
+
+#include <gtest/gtest.h>
+
+#include "one_image.h"
+#include "program.h"
+
+namespace apriltrack::test {
+namespace {
+
+using FileContents = OneImage;
+
+struct BadFile {
+  const char* name;  // of the test case
+  const char* file;
+  const char* find;     // text of the good file ...
+  const char* replace;  // ... and what spoils it
+  const char* message;  // part of what must be said
+};
+
+class BadContents : public OneImage, public ::testing::WithParamInterface<BadFile> {};
+
+TEST_P(BadContents, Is2AndNamesFileAndCause) {
+  const BadFile& bad = GetParam();
+  write_text(path(bad.file), replaced(read_text(path(bad.file)), bad.find, bad.replace));
+  const ProgramRun run = track();
+  EXPECT_THAT(run, EndsWith(2, bad.message));
+  EXPECT_THAT(run, EndsWith(2, bad.file));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Map, BadContents,
+    ::testing::Values(BadFile{"DuplicateId", "map.yaml", "  - id: 0\n",
+                              "  - {id: 0, size: 0.1, pose: {position: {x: 1, y: 0, z: 0}, orientation: {x: "
+                              "0, y: 0, z: 0, w: 1}}}\n  - id: 0\n",
+                              "tag36h11/0 is already defined at"},
+                      BadFile{"NegativeSize", "map.yaml", "0.16", "-0.16", "-0.16"},
+                      BadFile{"NanSize", "map.yaml", "0.16", ".nan", "size: must be"},
+                      BadFile{"UnknownFamily", "map.yaml", "tag36h11", "tag37h11", "tag37h11"},
+                      BadFile{"UnknownKey", "map.yaml", "    size", "    colour: red\n    size", "colour"},
+                      BadFile{"MissingSize", "map.yaml", "    size: 0.16\n", "", "'size' is missing"},
+                      BadFile{"NotYaml", "map.yaml", "tags:", "tags: [", "map.yaml"}),
+    [](const auto& bad) { return std::string(bad.param.name); });
+
+INSTANTIATE_TEST_SUITE_P(
+    Camera, BadContents,
+    ::testing::Values(BadFile{"MissingIntrinsics", "camera.yaml",
+                              "  intrinsics: [500.0, 500.0, 79.5, 59.5]\n", "", "'intrinsics' is missing"},
+                      BadFile{"NanIntrinsics", "camera.yaml", "79.5", ".nan", "intrinsics"},
+                      BadFile{"NegativeFocalLength", "camera.yaml", "[500.0", "[-500.0", "-500"},
+                      BadFile{"UnknownModel", "camera.yaml", "pinhole", "omni", "omni"},
+                      BadFile{"UnknownKey", "camera.yaml", "  resolution", "  colour: red\n  resolution",
+                              "colour"}),
+    [](const auto& bad) { return std::string(bad.param.name); });
+
+TEST_F(FileContents, AWrongConfigurationFileIs2AndNamesLineAndKey) {
+  const auto calibrate_with = [&](const std::string& text) {
+    write_text(path("options.yaml"), text);
+    return calibrate({"--config", path("options.yaml")});
+  };
+  const ProgramRun unknown = calibrate_with("decimate: 2\ncolour: red\n");
+  EXPECT_THAT(unknown, EndsWith(2, "options.yaml:2: colour: "));
+  EXPECT_THAT(unknown, EndsWith(2, "map-frame"));  // the keys there are
+  EXPECT_THAT(calibrate_with("decimate: 2\nmin-views: many\n"), EndsWith(2, "options.yaml:2: min-views: "));
+  EXPECT_THAT(calibrate_with("min-views: [2, 3]\n"), EndsWith(2, "options.yaml:1: min-views: "));
+  EXPECT_THAT(calibrate_with("quiet: perhaps\n"), EndsWith(2, "options.yaml:1: quiet: "));
+  EXPECT_THAT(calibrate_with("decimate: [2\n"), EndsWith(2, "options.yaml:"));
+  EXPECT_THAT(calibrate({"--config", path("nowhere.yaml")}), EndsWith(3, "nowhere.yaml"));
+  // The same file with good keys is taken: what is wrong next is that there is no tag.
+  EXPECT_THAT(calibrate_with("decimate: 2\nmin-views: 3\nquiet: true\n"), EndsWith(1, "no tags were seen"));
+}
+
+TEST_F(FileContents, WrongSizesFileIs2) {
+  write_text(path("sizes.yaml"), "default: 0.1\nsizes:\n  7: -1\n");
+  EXPECT_THAT(calibrate({"--tag-sizes", path("sizes.yaml")}), EndsWith(2, "sizes.yaml:3"));
+}
+
+TEST_F(FileContents, BadDetectionsNameLineAndColumn) {
+  write_text(
+      path("d.csv"),
+      "timestamp_ns,camera,family,id,c0x,c0y,c1x,c1y,c2x,c2y,c3x,c3y\n1,cam0,tag36h11,0,1,2,3,nan,5,6,7,8\n");
+  const std::vector<std::string> words = {"calibrate", "--detections",      path("d.csv"),
+                                          "--camera",  path("camera.yaml"), "--tag-size",
+                                          "0.16",      "--output",          path("new_map.yaml")};
+  EXPECT_THAT(run_program(words), EndsWith(2, "d.csv:2"));
+  write_text(path("d.csv"), "timestamp_ns,camera,family,id,c0x,c0y,c1x,c1y,c2x,c2y,c3x\n");
+  EXPECT_THAT(run_program(words), EndsWith(2, "c3y"));
+}
+
+TEST_F(FileContents, AnOddCameraIsWarnedOfByEveryCommand) {
+  write_text(path("camera.yaml"), replaced(kGoodCamera, "79.5", "300.0"));
+  for (const ProgramRun& run : {track(), calibrate(), detect()})
+    EXPECT_THAT(run, EndsWith(1, "warning: " + path("camera.yaml")));
+}
+
+}  // namespace
+}  // namespace apriltrack::test

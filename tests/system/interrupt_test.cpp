@@ -1,0 +1,173 @@
+// Ctrl-C: what is done is kept, and no file is left half written.
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <set>
+#include <thread>
+
+#include "apriltrack/eval/frame_log.h"
+#include "apriltrack/eval/trajectory.h"
+#include "apriltrack/source/image_file.h"
+#include "apriltrack/tags/tag_map.h"
+#include "program.h"
+#include "support/shared_data.h"
+
+namespace apriltrack::test {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Looks again and again, until it is so or the program has ended.
+template <class Condition>
+bool wait_until(StartedProgram& program, const Condition& is_so) {
+  while (program.is_running()) {
+    if (is_so()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return is_so();
+}
+
+std::vector<fs::path> images_of(const fs::path& recording) {
+  std::vector<fs::path> images;
+  for (const auto& entry : fs::directory_iterator(recording / "frames")) images.push_back(entry.path());
+  std::sort(images.begin(), images.end(), [](const fs::path& a, const fs::path& b) {
+    return std::stoll(a.stem().string()) < std::stoll(b.stem().string());
+  });
+  return images;
+}
+
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  return names;
+}
+
+/// A recording in which one image is a pipe. A program that comes to it waits, so that Ctrl-C finds it amidst
+/// its work on any machine; then the pipe is closed, and that image turns out empty.
+class Interrupted : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kNumFrames = 12;
+  static constexpr std::size_t kPipe = 3;  // one thread looks at four frames, 0 to 3, before it asks again
+
+  void SetUp() override {
+    folder_ = temporary_folder();
+    recording_ = folder_ / "room";
+    run_for_json({"simulate", "--scene", "room-gentle", "--frames", std::to_string(kNumFrames), "--seed", "3",
+                  "--output", recording_});
+    pipe_ = images_of(recording_).at(kPipe);
+    fs::remove(pipe_);
+    ASSERT_EQ(::mkfifo(pipe_.c_str(), 0600), 0);
+    fs::create_directories(folder_ / "out");
+  }
+
+  std::string out(const std::string& name) const { return folder_ / "out" / name; }
+
+  /// -1 until the program reads from the pipe.
+  int open_pipe() const { return ::open(pipe_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC); }
+
+  ProgramRun interrupt(std::vector<std::string> words) const {
+    words.insert(words.end(), {"--threads", "1", "--json"});
+    StartedProgram program(words);
+    int pipe = -1;
+    EXPECT_TRUE(wait_until(program, [&] { return (pipe = open_pipe()) >= 0; })) << "never came to the pipe";
+    program.press_ctrl_c();
+    if (pipe >= 0) ::close(pipe);
+    return program.finish();
+  }
+
+  fs::path folder_;
+  fs::path recording_;
+  fs::path pipe_;
+};
+
+TEST_F(Interrupted, TrackKeepsTheFramesUntilThen) {
+  const ProgramRun run =
+      interrupt({"track", recording_, "--output", out("camera.tum"), "--frames-csv", out("frames.csv")});
+  EXPECT_THAT(run, EndsWith(0, "warning: interrupted"));
+  const json told = json::parse(run.out);
+  EXPECT_EQ(told["interrupted"], true);
+  EXPECT_EQ(told["frames"], kPipe + 1);
+  EXPECT_EQ(names_in(folder_ / "out"), (std::set<std::string>{"camera.tum", "frames.csv"}));
+  EXPECT_EQ(read_tum(out("camera.tum")).size(), kPipe);
+  EXPECT_EQ(read_frame_log(out("frames.csv")).size(), kPipe + 1);
+}
+
+TEST_F(Interrupted, DetectKeepsTheFramesUntilThen) {
+  const ProgramRun run = interrupt({"detect", recording_, "--output", out("corners.csv")});
+  EXPECT_THAT(run, EndsWith(0, "warning: interrupted"));
+  EXPECT_EQ(json::parse(run.out)["frames"], kPipe);
+  EXPECT_EQ(names_in(folder_ / "out"), (std::set<std::string>{"corners.csv"}));
+}
+
+TEST_F(Interrupted, CalibrateMakesTheMapOfTheFramesUntilThen) {
+  const ProgramRun run =
+      interrupt({"calibrate", recording_, "--tag-size", "0.16", "--output", out("map.yaml")});
+  EXPECT_THAT(run, EndsWith(0, "warning: interrupted"));
+  const json told = json::parse(run.out);
+  EXPECT_EQ(told["interrupted"], true);
+  EXPECT_EQ(told["frames"], kPipe);
+  EXPECT_EQ(names_in(folder_ / "out"), (std::set<std::string>{"map.detections.csv", "map.yaml"}));
+  EXPECT_EQ(read_tag_map(out("map.yaml")).tags.size(), told["tags"].size());
+}
+
+TEST_F(Interrupted, WithoutAnyResultIs1AndTheOldOutputStays) {
+  write_text(out("camera.tum"), "old\n");
+  fs::rename(recording_ / "map.yaml", folder_ / "map.yaml");
+  std::string other = read_text(folder_ / "map.yaml");
+  for (std::size_t at = 0; (at = other.find("  - id: ", at)) != std::string::npos; at += 8)
+    other.insert(at + 8, 1, '5');  // the map of another place
+  write_text(folder_ / "other.yaml", other);
+  const ProgramRun run =
+      interrupt({"track", recording_, "--map", folder_ / "other.yaml", "--output", out("camera.tum")});
+  EXPECT_THAT(run, EndsWith(1, "warning: interrupted"));
+  EXPECT_THAT(run, EndsWith(1, "no tag of the map"));
+  EXPECT_EQ(names_in(folder_ / "out"), (std::set<std::string>{"camera.tum"}));
+  EXPECT_EQ(read_text(out("camera.tum")), "old\n");
+}
+
+TEST_F(Interrupted, ASecondTimeEndsTheProgramAndTheOldOutputStays) {
+  write_text(out("camera.tum"), "old\n");
+  StartedProgram program({"track", recording_, "--output", out("camera.tum"), "--threads", "1"});
+  int pipe = -1;
+  ASSERT_TRUE(wait_until(program, [&] { return (pipe = open_pipe()) >= 0; }));
+  wait_until(program, [&] {
+    program.press_ctrl_c();
+    return false;
+  });
+  ::close(pipe);
+  EXPECT_EQ(program.finish().status, 128 + SIGINT);
+  EXPECT_EQ(names_in(folder_ / "out"), (std::set<std::string>{"camera.tum"}));
+  EXPECT_EQ(read_text(out("camera.tum")), "old\n");
+}
+
+TEST(InterruptedSimulation, IsARecordingOfTheFramesUntilThen) {
+  const fs::path recording = temporary_folder() / "single";
+  constexpr int kMoreThanItGetsTo = 100'000;
+  StartedProgram program({"simulate", "--scene", "single", "--frames", std::to_string(kMoreThanItGetsTo),
+                          "--threads", "2", "--output", recording, "--json"});
+  std::error_code ignored;
+  const auto has_frame = [&] {
+    return fs::exists(recording / "frames", ignored) && !fs::is_empty(recording / "frames", ignored);
+  };
+  ASSERT_TRUE(wait_until(program, has_frame));
+  program.press_ctrl_c();
+  const ProgramRun run = program.finish();
+  EXPECT_THAT(run, EndsWith(0, "warning: interrupted"));
+  const std::vector<fs::path> images = images_of(recording);
+  EXPECT_EQ(json::parse(run.out)["frames"], images.size());
+  const Trajectory truth = read_tum(recording / "truth.tum");
+  ASSERT_EQ(truth.size(), images.size());
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    EXPECT_EQ(images[i].filename().string(), std::to_string(truth[i].timestamp.ns) + ".png");
+    EXPECT_FALSE(read_image(images[i]).view().is_empty());  // throws on one cut short
+  }
+}
+
+}  // namespace
+}  // namespace apriltrack::test

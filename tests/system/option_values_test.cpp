@@ -1,0 +1,106 @@
+// What is wrong on the command line ends with status 2, and is named by its option.
+
+#include <gtest/gtest.h>
+
+#include "one_image.h"
+#include "program.h"
+
+namespace apriltrack::test {
+namespace {
+
+using OptionValues = OneImage;
+
+TEST_F(OptionValues, MissingOutputIs2) {
+  EXPECT_THAT(
+      run_program({"track", path("frames"), "--camera", path("camera.yaml"), "--map", path("map.yaml")}),
+      EndsWith(2, "--output"));
+  EXPECT_THAT(
+      run_program({"calibrate", path("frames"), "--camera", path("camera.yaml"), "--tag-size", "0.16"}),
+      EndsWith(2, "--output"));
+  EXPECT_THAT(run_program({"simulate", "--scene", "room"}), EndsWith(2, "--output"));
+  EXPECT_THAT(run_program({"detect", path("frames")}), EndsWith(2, "--output"));
+}
+
+TEST_F(OptionValues, WrongTagSizeIs2) {
+  EXPECT_THAT(calibrate({"--tag-size", "-0.16"}), EndsWith(2, "-0.16"));
+  EXPECT_THAT(run_program({"calibrate", path("frames"), "--camera", path("camera.yaml"), "--output",
+                           path("new_map.yaml")}),
+              EndsWith(2, "--tag-size"));
+}
+
+TEST_F(OptionValues, UnknownFamilyIs2AndListsTheKnown) {
+  EXPECT_THAT(calibrate({"--family", "tag37h11"}), EndsWith(2, "tag36h11"));
+}
+
+TEST_F(OptionValues, UnknownSceneIs2AndListsTheKnown) {
+  EXPECT_THAT(run_program({"simulate", "--scene", "cellar", "--output", path("out")}),
+              EndsWith(2, "room-gentle"));
+}
+
+TEST_F(OptionValues, ANumberOutOfRangeIs2WithTheOptionsOwnName) {
+  const auto detect_with = [&](const char* option, const char* value) { return detect({option, value}); };
+  EXPECT_THAT(calibrate({"--step", "-1"}),
+              EndsWith(2, "--step: must be a whole number of at least 1 (is '-1')"));
+  EXPECT_THAT(calibrate({"--step", "0"}),
+              EndsWith(2, "--step: must be a whole number of at least 1 (is '0')"));
+  EXPECT_THAT(calibrate({"--max-frames", "-2"}),
+              EndsWith(2, "--max-frames: must be a whole number of at least 1"));
+  EXPECT_THAT(calibrate({"--min-views", "0"}), EndsWith(2, "--min-views: must be a whole number from 1"));
+  EXPECT_THAT(calibrate({"--decimate", "0.3"}), EndsWith(2, "--decimate: must be 1, 1.5"));
+  EXPECT_THAT(calibrate({"--map-frame", ""}), EndsWith(2, "--map-frame: must not be empty"));
+  EXPECT_THAT(calibrate({"--rate", "-1"}), EndsWith(2, "--rate: must be in [0.001, 1000000]"));
+  EXPECT_THAT(detect_with("--rate", "nan"), EndsWith(2, "--rate: must be in [0.001, 1000000]"));
+  EXPECT_THAT(detect_with("--threads", "-1"),
+              EndsWith(2, "--threads: must be a whole number from 0 to 256 (is '-1')"));
+  EXPECT_THAT(detect_with("--max-hamming", "3"),
+              EndsWith(2, "--max-hamming: must be a whole number from 0 to 2"));
+  EXPECT_THAT(track({"--min-margin", "-1"}), EndsWith(2, "--min-margin: must be in [0, 255]"));
+  EXPECT_THAT(run_program({"simulate", "--scene", "single", "--seed", "-1", "--output", path("s")}),
+              EndsWith(2, "--seed: must be a whole number of at least 0 (is '-1')"));
+  EXPECT_THAT(run_program({"demo", "--seed", "-1", "--output", path("s")}), EndsWith(2, "--seed: must be"));
+  EXPECT_THAT(run_program({"map", "merge", path("map.yaml"), path("map.yaml"), "--conflict-mm", "-1",
+                           "--output", path("merged.yaml")}),
+              EndsWith(2, "--conflict-mm: must be at least 0 (is '-1')"));
+  write_text(path("options.yaml"), "step: -1\n");
+  EXPECT_THAT(calibrate({"--config", path("options.yaml")}),
+              EndsWith(2, "options.yaml:1: step: --step: must be"));
+}
+
+TEST_F(OptionValues, AHeldTagBeyondAllIdsIsNotTakenForAnother) {
+  for (const std::string id : {"4294967297", "2147483648", "tag36h11/4294967297", "-1"}) {
+    EXPECT_THAT(
+        calibrate({"--held-tag", id}),
+        EndsWith(2, "--held-tag: must be ID or family/ID, ID from 0 to 2147483647 (is '" + id + "')"));
+  }
+  EXPECT_THAT(calibrate({"--held-tag", "2147483647"}), EndsWith(1, "no tags were seen"));
+}
+
+TEST_F(OptionValues, TheLargestSeedIsTaken) {
+  EXPECT_EQ(run_program({"simulate", "--scene", "single", "--frames", "1", "--seed", "18446744073709551615",
+                         "--output", path("s")})
+                .status,
+            0);
+}
+
+TEST_F(OptionValues, AFamilyGivenTwiceIs2) {
+  EXPECT_THAT(run_with({"detect", path("frames"), "--output", path("d.csv"), "--family", "tag25h9",
+                        "--family", "tag25h9"},
+                       {}),
+              EndsWith(2, "--family: 'tag25h9' is given more than once"));
+}
+
+TEST_F(OptionValues, ACameraIsNamedOnce) {
+  EXPECT_THAT(run_program({"calibrate", "cam0=" + path("frames"), "--camera", path("camera.yaml"),
+                           "--camera-name", "cam0", "--tag-size", "0.16", "--output", path("new_map.yaml")}),
+              EndsWith(2, "--camera-name"));
+}
+
+TEST_F(OptionValues, AnEmptyOutputIs2AndThreadsHaveALimit) {
+  EXPECT_THAT(track({"--output", ""}), EndsWith(2, "--output"));
+  EXPECT_THAT(calibrate({"--threads", "20000"}), EndsWith(2, "20000"));
+  EXPECT_THAT(run_program({"detect", path("frames"), "--output", path("d.csv"), "--threads", "20000"}),
+              EndsWith(2, "20000"));
+}
+
+}  // namespace
+}  // namespace apriltrack::test

@@ -1,0 +1,113 @@
+// What a run may replace, and what not.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "apriltrack/tags/tag_map.h"
+#include "program.h"
+#include "support/shared_data.h"
+
+namespace apriltrack::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Outputs : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = temporary_folder();
+    room_ = folder_ / "room";
+    run_for_json({"simulate", "--scene", "room-gentle", "--frames", "6", "--seed", "3", "--output", room_});
+  }
+
+  std::vector<std::string> track(const std::string& output) const {
+    return {"track", room_, "--output", output, "--quiet"};
+  }
+
+  fs::path folder_;
+  std::string room_;
+};
+
+TEST_F(Outputs, NoPictureOfTheInputIsReplaced) {
+  const fs::path picture = fs::directory_iterator(fs::path(room_) / "frames")->path();
+  const std::string before = read_text(picture);
+  EXPECT_THAT(run_program(track(picture)), EndsWith(2, "is a picture"));
+  EXPECT_THAT(run_program({"detect", room_, "--output", picture, "--quiet"}), EndsWith(2, "is a picture"));
+  EXPECT_THAT(run_program({"calibrate", room_, "--tag-size", "0.16", "--output", picture, "--quiet"}),
+              EndsWith(2, "is a picture"));
+  EXPECT_EQ(read_text(picture), before);
+}
+
+TEST_F(Outputs, NoFileOfTheRecordingIsReplaced) {
+  for (const char* name : {"truth.tum", "camera.yaml", "map.yaml", "frames.csv"}) {
+    const fs::path file = fs::path(room_) / name;
+    if (!fs::exists(file)) write_text(file, "timestamp_ns,exposure_s,gain\n");
+    EXPECT_THAT(run_program(track(file)), EndsWith(2, "is an input of this run")) << name;
+  }
+  const fs::path older = fs::path(room_) / "older.tum";
+  write_text(older, "of an earlier run\n");
+  EXPECT_EQ(run_program(track(older)).status, 0);
+}
+
+TEST_F(Outputs, AFailedRunReplacesNoneOfItsFiles) {
+  const fs::path tum = folder_ / "camera.tum";
+  write_text(tum, "keep\n");
+  std::vector<std::string> words = track(tum);
+  words.insert(words.end(), {"--frames-csv", "/dev/full"});
+  EXPECT_THAT(run_program(words), EndsWith(3, "/dev/full"));
+  EXPECT_EQ(read_text(tum), "keep\n");
+
+  const fs::path part = folder_ / "parts" / "part_1.yaml";
+  fs::create_directories(part.parent_path());
+  write_text(part, "keep\n");
+  EXPECT_THAT(run_program({"calibrate", room_, "--tag-size", "0.16", "--output", "/dev/full", "--parts",
+                           part.parent_path(), "--min-views", "2", "--quiet"}),
+              EndsWith(3, "/dev/full"));
+  EXPECT_EQ(read_text(part), "keep\n");
+  for (const auto& entry : fs::recursive_directory_iterator(folder_))
+    EXPECT_NE(entry.path().extension(), ".new") << entry.path();
+}
+
+TEST_F(Outputs, ADemoReplacesOnlyWhatADemoMade) {
+  EXPECT_EQ(run_program(
+                {"simulate", "--scene", "single", "--frames", "1", "--output", folder_ / "gentle", "--quiet"})
+                .status,
+            0);
+  const std::string truth = read_text(folder_ / "gentle" / "truth.tum");
+  EXPECT_THAT(run_program({"demo", "--output", folder_, "--quiet"}), EndsWith(2, "no demo made it"));
+  EXPECT_EQ(read_text(folder_ / "gentle" / "truth.tum"), truth);
+}
+
+TEST_F(Outputs, AMissingInputIsStatus3WhateverElseIsMissing) {
+  EXPECT_THAT(run_program({"track", folder_ / "nope", "--output", folder_ / "o.tum"}), EndsWith(3, "nope"));
+  EXPECT_THAT(
+      run_program({"calibrate", folder_ / "nope", "--tag-size", "0.16", "--output", folder_ / "o.yaml"}),
+      EndsWith(3, "nope"));
+  EXPECT_THAT(run_program({"calibrate", "cam0=" + (folder_ / "nope").string(), "--tag-size", "0.16",
+                           "--output", folder_ / "o.yaml"}),
+              EndsWith(3, "nope"));
+}
+
+TEST_F(Outputs, TheMapOfAnotherPlaceIsToldOf) {
+  run_for_json({"simulate", "--scene", "room-gentle", "--frames", "20", "--speed", "8", "--seed", "3",
+                "--output", room_, "--force"});
+  TagMap map = read_tag_map(fs::path(room_) / "map.yaml");
+  // Every tag moved another way: single ones still fit, two never.
+  for (std::size_t i = 0; i < map.tags.size(); ++i) {
+    Vector6d move = Vector6d::Zero();
+    move.head<3>() = Eigen::Vector3d(i % 2 ? 2.0 : -2.0, i % 3 ? 1.0 : -1.0, 0.5 * static_cast<double>(i));
+    map.tags[i].T_map_tag = Pose::exp(move) * map.tags[i].T_map_tag;
+  }
+  const fs::path wrong = folder_ / "wrong.yaml";
+  write_tag_map(wrong, map);
+  std::vector<std::string> words = track(folder_ / "o.tum");
+  words.insert(words.end(), {"--map", wrong});
+  const ProgramRun run = run_program(words);
+  EXPECT_TRUE(run.err.find("do not agree on a pose") != std::string::npos ||
+              run.err.find("their corners fit a pose") != std::string::npos)
+      << run.err;
+}
+
+}  // namespace
+}  // namespace apriltrack::test
