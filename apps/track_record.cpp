@@ -106,7 +106,7 @@ TrackRecord::SeveralTags TrackRecord::frames_with_several_tags() const {
   for (const FrameLogRow& row : rows_) {
     if (row.tags_detected < 2) continue;
     ++result.frames;
-    if (!row.pose) ++result.without_pose;
+    if (!row.pose || row.status == to_string(TrackStatus::kPredicted)) ++result.without_pose;
   }
   return result;
 }

@@ -27,7 +27,8 @@ class TrackRecord {
     std::size_t frames = 0;
     std::size_t without_pose = 0;
   };
-  /// Frames in which two mapped tags or more were detected, and those of them without a pose.
+  /// Frames in which two mapped tags or more were detected, and those of them that gave no pose: at best it
+  /// was predicted.
   SeveralTags frames_with_several_tags() const;
 
   const Trajectory& trajectory() const { return trajectory_; }

@@ -41,12 +41,12 @@ std::vector<CornerObservation> corner_observations(const PhotometricWorld& world
   return corners;
 }
 
-int count_agreeing_tags(const PhotometricWorld& world, const std::vector<TagObservation>& observations,
-                        const MotionState& state, double exposure_s, double sharp_sigma_px) {
+TagVotes count_votes(const PhotometricWorld& world, const std::vector<TagObservation>& observations,
+                     const MotionState& state, double exposure_s, double sharp_sigma_px) {
   constexpr double kMaxSigmas = 4.0;
   constexpr double kSlack_px = 1.0;
   const Pose view = camera_from_map(state.pose, world.mode);
-  std::set<const MapTag*> agreeing;
+  std::set<const MapTag*> agreeing, contradicting;
   for (const TagObservation& observation : observations) {
     bool is_near = true;
     for (std::size_t i = 0; i < kNumCorners; ++i) {
@@ -56,9 +56,11 @@ int count_agreeing_tags(const PhotometricWorld& world, const std::vector<TagObse
           kSlack_px + kMaxSigmas * corner_sigma_px(world, point, state, exposure_s, sharp_sigma_px);
       is_near = is_near && pixel && (*pixel - observation.corners_px[i]).norm() < limit_px;
     }
+    const bool is_sure = observation.corrected_bits == 0 && !observation.is_repeated;
     if (is_near) agreeing.insert(observation.tag);
+    if (!is_near && is_sure) contradicting.insert(observation.tag);
   }
-  return static_cast<int>(agreeing.size());
+  return {static_cast<int>(agreeing.size()), static_cast<int>(contradicting.size())};
 }
 
 }  // namespace apriltrack

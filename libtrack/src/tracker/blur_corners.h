@@ -14,8 +14,13 @@ std::vector<CornerObservation> corner_observations(const PhotometricWorld& world
                                                    const MotionState& state, double exposure_s,
                                                    double sharp_sigma_px);
 
-/// How many detected tags lie where `state` says, within what their noise allows.
-int count_agreeing_tags(const PhotometricWorld& world, const std::vector<TagObservation>& observations,
-                        const MotionState& state, double exposure_s, double sharp_sigma_px);
+/// What the tags detected say of a state.
+struct TagVotes {
+  int agreeing = 0;  ///< They lie where it says, within what their noise allows.
+  /// They do not. Those read with a corrected bit or seen twice are not counted: they may be false.
+  int contradicting = 0;
+};
+TagVotes count_votes(const PhotometricWorld& world, const std::vector<TagObservation>& observations,
+                     const MotionState& state, double exposure_s, double sharp_sigma_px);
 
 }  // namespace apriltrack

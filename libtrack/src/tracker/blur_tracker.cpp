@@ -3,15 +3,16 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <set>
 
-#include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 #include "blur_corners.h"
 #include "blur_covariance.h"
 #include "blur_explanation.h"
+#include "image_size.h"
 #include "map_detection.h"
 
 namespace apriltrack {
@@ -51,6 +52,7 @@ class BlurTracker::Implementation {
   }
 
   TrackResult track(const Frame& frame) {
+    if (const TrackResult other = of_another_camera(frame); !other.reason.empty()) return other;
     prepare();  // the tables are no part of a frame's latency
     const auto start = std::chrono::steady_clock::now();
     return track(frame, detector_->detect(frame.image), start);
@@ -58,6 +60,7 @@ class BlurTracker::Implementation {
 
   TrackResult track(const Frame& frame, const std::vector<Detection>& detections,
                     std::chrono::steady_clock::time_point start) {
+    if (const TrackResult other = of_another_camera(frame); !other.reason.empty()) return other;
     fit_size(frame.image);
     TrackResult result;
     result.timestamp = frame.timestamp;
@@ -68,8 +71,10 @@ class BlurTracker::Implementation {
 
     const std::optional<MotionBelief> belief = predicted(frame.timestamp);
     const std::vector<Explanation> found = explainer_->explain(blur_frame, belief);
-    if (!found.empty() && is_convincing(blur_frame, found.front())) {
-      report_evidence(blur_frame, found, result);
+    const TagVotes votes = found.empty() ? TagVotes() : votes_for(blur_frame, found.front());
+    if (!found.empty() && is_convincing(found.front(), votes)) {
+      result.status = votes.agreeing > 0 ? TrackStatus::kDetected : TrackStatus::kTracked;
+      report_evidence(found, result);
     } else if (belief) {
       result.status = TrackStatus::kPredicted;
       result.pose = belief->mean.pose;
@@ -79,7 +84,8 @@ class BlurTracker::Implementation {
       result.reason = detections.empty() ? "no tag seen, and no recent pose to look from"
                       : blur_frame.observations.empty()
                           ? "no tag of the map seen, and no recent pose to look from"
-                          : "the tags seen fit no pose";
+                      : result.tags_detected > 1 ? "the tags seen do not agree on a pose"
+                                                 : "the corners seen fit no pose";
     }
     result.latency_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return result;
@@ -88,10 +94,19 @@ class BlurTracker::Implementation {
   const DetectorOptions& detector_options() const { return detector_options_; }
 
  private:
+  /// Lost, with the reason, where the frame is none of this camera's; else without a reason.
+  TrackResult of_another_camera(const Frame& frame) const {
+    TrackResult result;
+    result.timestamp = frame.timestamp;
+    result.reason = why_of_another_camera(frame.image, camera_);
+    return result;
+  }
+
+  /// Where the camera's file tells no resolution, its first image does.
   void fit_size(const GrayView& image) {
-    const auto rays = world_->rays.level(0);
-    if (rays.width() == image.width() && rays.height() == image.height()) return;
-    APRILTRACK_CHECK(rays.is_empty(), "all images must have one resolution, the camera's");
+    if (camera_.width > 0 && camera_.height > 0) return;
+    camera_.width = image.width();
+    camera_.height = image.height();
     world_->rays = PixelRays(camera_.model, image.width(), image.height(), PhotometricWorld::kNumLevels);
   }
 
@@ -99,8 +114,9 @@ class BlurTracker::Implementation {
     BlurFrame result;
     result.photometric.light =
         light_pyramid(to_linear_light(frame.image, camera_.response), PhotometricWorld::kNumLevels);
-    result.photometric.exposure_s =
-        frame.exposure_s.value_or(camera_.exposure_s.value_or(options_.default_exposure_s));
+    result.photometric.exposure_s = options_.default_exposure_s;
+    for (const std::optional<double>& told : {camera_.exposure_s, frame.exposure_s})
+      if (told && *told >= 0.0 && std::isfinite(*told)) result.photometric.exposure_s = *told;
     result.observations = observe_mapped_tags(map_, camera_.model, detections);
     result.index = num_frames_++;
     if (belief_) result.interval_s = seconds_between(evidence_time_, frame.timestamp);
@@ -115,21 +131,24 @@ class BlurTracker::Implementation {
     return predict(*belief_, options_.motion_noise, age_s);
   }
 
-  bool is_convincing(const BlurFrame& frame, const Explanation& best) const {
-    if (best.typical_correlation >= kMinCorrelation) return true;
-    return best.typical_correlation >= kMinCorrelationWithDetection && num_agreeing(frame, best) > 0;
+  /// Enough of what should be seen is seen, and more tags speak for the state than against it: in the map of
+  /// another place single tags fit, and only the others can tell.
+  bool is_convincing(const Explanation& best, const TagVotes& votes) const {
+    int num_explained = 0;
+    for (const TagEvidence& tag : best.fit.tags) num_explained += tag.correlation >= kMinCorrelation ? 1 : 0;
+    if (std::max(num_explained, votes.agreeing) <= votes.contradicting) return false;
+    return best.typical_correlation >= (votes.agreeing > 0 ? kMinCorrelationWithDetection : kMinCorrelation);
   }
 
-  int num_agreeing(const BlurFrame& frame, const Explanation& explanation) const {
-    return count_agreeing_tags(*world_, frame.observations, explanation.fit.state,
-                               frame.photometric.exposure_s, options_.corner_sigma_px);
+  TagVotes votes_for(const BlurFrame& frame, const Explanation& explanation) const {
+    return count_votes(*world_, frame.observations, explanation.fit.state, frame.photometric.exposure_s,
+                       options_.corner_sigma_px);
   }
 
-  void report_evidence(const BlurFrame& frame, const std::vector<Explanation>& found, TrackResult& result) {
+  void report_evidence(const std::vector<Explanation>& found, TrackResult& result) {
     const Explanation& best = found.front();
     MotionBelief belief{best.fit.state, fit_covariance(*world_, best.fit)};
     belief.mean.acceleration.setZero();
-    result.status = num_agreeing(frame, best) > 0 ? TrackStatus::kDetected : TrackStatus::kTracked;
     result.pose = belief.mean.pose;
     result.covariance = belief.covariance.topLeftCorner<6, 6>();
     result.tags_tracked = static_cast<int>(best.fit.tags.size());

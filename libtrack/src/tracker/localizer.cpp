@@ -1,7 +1,5 @@
 #include "apriltrack/tracker/localizer.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
@@ -9,6 +7,7 @@
 #include <set>
 
 #include "corner_noise.h"
+#include "image_size.h"
 #include "map_detection.h"
 #include "map_uncertainty.h"
 #include "pose_adjustment.h"
@@ -39,9 +38,10 @@ class Localizer::Implementation {
         detector_options_((options.check(), detector_options_for(camera, map, options.detector))) {}
 
   TrackResult localize(const Frame& frame) {
-    const bool has_size = camera_.width > 0 && camera_.height > 0;
-    if (has_size && (frame.image.width() != camera_.width || frame.image.height() != camera_.height))
-      return of_another_size(frame);
+    TrackResult other;
+    other.timestamp = frame.timestamp;
+    other.reason = why_of_another_camera(frame.image, camera_);
+    if (!other.reason.empty()) return other;
     prepare();  // the tables are no part of a frame's latency
     const auto start = std::chrono::steady_clock::now();
     const std::vector<Detection> detections = detector_->detect(frame.image);
@@ -61,14 +61,6 @@ class Localizer::Implementation {
   const DetectorOptions& detector_options() const { return detector_options_; }
 
  private:
-  TrackResult of_another_size(const Frame& frame) const {
-    TrackResult result;
-    result.timestamp = frame.timestamp;
-    result.reason = fmt::format("the image is {} x {} pixels, but the camera is calibrated for {} x {}",
-                                frame.image.width(), frame.image.height(), camera_.width, camera_.height);
-    return result;
-  }
-
   TrackResult localize(Timestamp time, const std::vector<Detection>& detections,
                        std::optional<double> exposure_s, std::chrono::steady_clock::time_point start) {
     TrackResult result;

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <utility>
 
-#include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/geometry/homography.h"
+#include "image_size.h"
 #include "tag_observation.h"
 
 namespace apriltrack {
@@ -106,6 +106,7 @@ class PaperTracker::Implementation {
         parallel_(parallel_for(options.num_threads)) {}
 
   TrackResult track(const Frame& frame) {
+    if (TrackResult other = of_another_camera(frame); !other.reason.empty()) return other;
     prepare();
     const auto start = std::chrono::steady_clock::now();
     return track(frame, detector_->detect(frame.image), start);
@@ -113,10 +114,7 @@ class PaperTracker::Implementation {
 
   TrackResult track(const Frame& frame, const std::vector<Detection>& detections,
                     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now()) {
-    const bool has_size = camera_.width > 0 && camera_.height > 0;
-    APRILTRACK_CHECK(
-        !has_size || (frame.image.width() == camera_.width && frame.image.height() == camera_.height),
-        "the image must have the camera's resolution");
+    if (TrackResult other = of_another_camera(frame); !other.reason.empty()) return other;
     PhotometricFrame picture;
     picture.light.push_back(grey_levels(frame.image));
     const FrameDetections seen{frame.timestamp, camera_.name, detections};
@@ -139,6 +137,14 @@ class PaperTracker::Implementation {
   std::span<const double> reference_patch(std::size_t index) const { return likelihood_.reference(index); }
 
  private:
+  /// Lost, with the reason, where the frame is none of this camera's; else without a reason.
+  TrackResult of_another_camera(const Frame& frame) const {
+    TrackResult result;
+    result.timestamp = frame.timestamp;
+    result.reason = why_of_another_camera(frame.image, camera_);
+    return result;
+  }
+
   /// The paper counts frames, not time: frames that are missing are steps all the same.
   void advance(Timestamp time) {
     std::size_t steps = 1;

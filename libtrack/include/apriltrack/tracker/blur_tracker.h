@@ -57,7 +57,9 @@ class BlurTracker {
   /// the first image does; its latency_s does not count them. Those who bring detections need none.
   void prepare();
 
-  /// Requires an image of the camera's resolution; all images are of one size.
+  /// An image of another resolution than the camera's is lost; its reason says so. Where the camera tells
+  /// none, the first image's holds. An exposure of 0 is an instant: nothing is blurred; one that is negative
+  /// or no number counts as unknown.
   TrackResult track(const Frame& frame);
   /// The same with detections made elsewhere, for instance several frames at a time.
   TrackResult track(const Frame& frame, const FrameDetections& detections);

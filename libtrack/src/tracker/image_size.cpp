@@ -1,0 +1,15 @@
+#include "image_size.h"
+
+#include <fmt/format.h>
+
+namespace apriltrack {
+
+std::string why_of_another_camera(const GrayView& image, const Camera& camera) {
+  if (image.is_empty()) return "the image is empty";
+  if (camera.width <= 0 || camera.height <= 0) return "";
+  if (image.width() == camera.width && image.height() == camera.height) return "";
+  return fmt::format("the image is {} x {} pixels, but the camera is calibrated for {} x {}", image.width(),
+                     image.height(), camera.width, camera.height);
+}
+
+}  // namespace apriltrack
