@@ -112,9 +112,9 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
   explanation.mean_correlation = mean_correlation(explanation.fit.tags);
   explanation.typical_correlation = typical_correlation(explanation.fit.tags);
   // A detection that the motion so far did not expect pays as much as any surprise may cost.
-  const double surprise = start.is_cold
-                              ? (has_belief ? kMaxPriorCost : 0.0)
-                              : std::min(kMaxPriorCost, prior_cost(start.prior, explanation.fit.state));
+  if (!start.is_cold) explanation.prior_cost = prior_cost(start.prior, explanation.fit.state);
+  const double surprise =
+      start.is_cold && has_belief ? kMaxPriorCost : std::min(kMaxPriorCost, explanation.prior_cost);
   explanation.score = log_likelihood(explanation.fit.tags) - surprise;
   return explanation;
 }

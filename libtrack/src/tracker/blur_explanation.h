@@ -22,7 +22,8 @@ struct BlurFrame {
 struct Explanation {
   MotionFit fit;
   MotionBelief prior;
-  bool is_cold = false;  ///< The prior is that of a detection alone, not of the motion so far.
+  bool is_cold = false;     ///< The prior is that of a detection alone, not of the motion so far.
+  double prior_cost = 0.0;  ///< -log of the prior's density over its peak; 0 when it is cold.
   double mean_correlation = 0.0;
   double typical_correlation = 0.0;
   /// Log-likelihood of the pixels and, within limits, of the prior.

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <vector>
+
+#include "apriltrack/detect/detection.h"
+#include "apriltrack/sim/renderer.h"
+#include "apriltrack/tracker/track_result.h"
+
+namespace apriltrack::test {
+
+/// A short film of the simulator's with its exact truth, and what the detector finds in it.
+struct BlurFilm {
+  Scene scene;
+  std::vector<RenderedFrame> frames;
+  std::vector<FrameDetections> detections;
+  std::vector<double> blur_px;  ///< Longest path of a tag's corner during the exposure.
+
+  BlurFilm(Scene filmed, std::uint64_t noise_seed);
+
+  std::size_t size() const { return frames.size(); }
+  /// Mean distance of the corners of the tags that face the camera in frame `index`, where `pose` (of the
+  /// film's own kind) and the truth put them.
+  double corner_error_px(std::size_t index, const Pose& pose) const;
+};
+
+/// A tag of 100 px in a camera of 320 x 240, waved: gently for eight frames, then so that its corners
+/// run 20 to 45 px during the exposure, then gently again.
+const BlurFilm& waved_tag();
+/// A small tag at rest, sharp: its corners fit two poses.
+const BlurFilm& far_tag();
+/// The same, so wildly that the tag leaves the image and comes back: up to 72 px.
+const BlurFilm& wild_tag();
+/// Three tags on two walls of a corner, in a camera that is shaken: 20 to 40 px.
+const BlurFilm& shaken_camera();
+
+}  // namespace apriltrack::test
