@@ -42,7 +42,7 @@ double mean_normalised_error(const SyntheticWorld& world, const CalibrationOptio
   return sum / count;
 }
 
-TEST(CalibrateMap, ErrorsAreAsLargeAsTheCovarianceSays) {
+TEST(MapCovarianceStatistics, ErrorsAreAsLargeAsItSays) {
   const SyntheticWorld world = test::make_room(10, 40, test::equidistant_camera());
   // The expected sigma is wrong by three on purpose: the residuals must correct it.
   const CalibrationOptions options{
@@ -54,7 +54,7 @@ TEST(CalibrateMap, ErrorsAreAsLargeAsTheCovarianceSays) {
   EXPECT_LT(ratio, 1.25);
 }
 
-TEST(CalibrateMap, CovarianceStaysUsefulWhenCornersErrIndependently) {
+TEST(MapCovarianceStatistics, StaysUsefulWhenCornersErrIndependently) {
   // Not the detector's noise, but what corners from elsewhere may have: off by no more than the model's
   // mismatch.
   const SyntheticWorld world = test::make_room(10, 40, test::equidistant_camera());
@@ -65,7 +65,7 @@ TEST(CalibrateMap, CovarianceStaysUsefulWhenCornersErrIndependently) {
   EXPECT_LT(ratio, 1.25);
 }
 
-TEST(CalibrateMap, CovarianceKnowsThatNeighbouringFramesRepeatTheirErrors) {
+TEST(MapCovarianceStatistics, KnowsThatNeighbouringFramesRepeatTheirErrors) {
   // First-order autoregressive errors of every corner from view to view: five views are worth about one.
   const SyntheticWorld world = test::make_room(8, 240, test::equidistant_camera());
   constexpr double kRepeated = 0.7;  // 1 + 2 (0.7 + 0.49 + ...) = 5.7
@@ -92,7 +92,7 @@ TEST(CalibrateMap, CovarianceKnowsThatNeighbouringFramesRepeatTheirErrors) {
   EXPECT_LT(ratio, 1.6);
 }
 
-TEST(CalibrateMap, CovarianceKnowsErrorsThatATagKeepsInAllItsViews) {
+TEST(MapCovarianceStatistics, KnowsErrorsThatATagKeepsInAllItsViews) {
   // Constant normal errors at the ends of each tag's edges, under larger ones that are new in every view: too
   // small a share to be seen in the residuals, and all that is left in a long film.
   const SyntheticWorld world = test::make_room(8, 240, test::equidistant_camera());
@@ -108,7 +108,7 @@ TEST(CalibrateMap, CovarianceKnowsErrorsThatATagKeepsInAllItsViews) {
   EXPECT_GT(untold, 3.0) << "the case must be one that the residuals do not show";
 }
 
-TEST(CalibrateMap, LeavesCovariancesOutOfMapsOverTheLimitAndSaysSo) {
+TEST(MapCovariance, LeavesCovariancesOutOfMapsOverTheLimitAndSaysSo) {
   const SyntheticWorld world = test::make_room(10, 40, test::equidistant_camera());
   const auto frames = test::exact_detections(world);
   const auto calibrate = [&](int limit) {
@@ -148,7 +148,7 @@ SyntheticWorld few_views_of_two_tags(int num_frames) {
   return world;
 }
 
-TEST(CalibrateMap, CovarianceDoesNotOverclaimFromFewViews) {
+TEST(MapCovarianceStatistics, DoesNotOverclaimFromFewViews) {
   // Two frames leave 14 residuals more than unknowns: their sum alone is often half of what it should be.
   for (const int num_frames : {2, 3}) {
     const double ratio = mean_normalised_error(
@@ -159,7 +159,7 @@ TEST(CalibrateMap, CovarianceDoesNotOverclaimFromFewViews) {
   }
 }
 
-TEST(CalibrateMap, ExactCornersLeaveACovariance) {
+TEST(MapCovariance, ExactCornersLeaveACovariance) {
   // No camera gives corners without an error: a zero would say that the tag was held.
   for (const int num_frames : {2, 60}) {
     const SyntheticWorld world =
