@@ -22,7 +22,7 @@ void note(TagMap& map, const std::string& key, const std::string& value) {
 }
 
 void run_align(const MapOptions& options) {
-  check_output(options.output, "--output", {});
+  check_output(options.output, "--output", {options.first, options.second});
   AlignedMap aligned = with_both_maps(
       options, [](const TagMap& reference, const TagMap& map) { return align_map(reference, map); });
   note(aligned.map, "aligned_onto", options.first);
@@ -57,7 +57,7 @@ void warn_of(const MergedMap& merged, const Console& console) {
 }
 
 void run_merge(const MapOptions& options) {
-  check_output(options.output, "--output", {});
+  check_output(options.output, "--output", {options.first, options.second});
   MergedMap merged = with_both_maps(options, [&](const TagMap& base, const TagMap& addition) {
     return merge_maps(base, addition, {options.conflict_mm / kMmPerM, options.conflict_deg / kDegPerRad});
   });
