@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <limits>
 #include <set>
 
@@ -15,6 +16,7 @@
 #include "outputs.h"
 
 namespace apriltrack::app {
+namespace fs = std::filesystem;
 
 void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
   command.add_option(
@@ -78,6 +80,18 @@ void check_observations_file(const CalibrateOptions& a, const std::vector<std::s
                                               file));
 }
 
+void check_parts(const CalibrateOptions& a) {
+  if (a.parts.empty()) return;
+  std::error_code ignored;
+  if (fs::exists(a.parts, ignored) && !fs::is_directory(a.parts, ignored))
+    throw invalid_input("--parts", fmt::format("'{}' is a file: name a folder", a.parts));
+  const fs::path output = fs::absolute(a.output).lexically_normal();
+  const fs::path parts = fs::absolute(fs::path(a.parts) / "part_1.yaml").lexically_normal().parent_path();
+  if (output.parent_path() == parts && output.filename().string().starts_with("part_"))
+    throw invalid_input("--output",
+                        fmt::format("'{}' has the name of a part in --parts: name another file", a.output));
+}
+
 }  // namespace
 
 void check(const CLI::App& command, const CalibrateOptions& a) {
@@ -105,6 +119,7 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
   all_read.insert(all_read.end(), a.detections.begin(), a.detections.end());
   check_output(a.output, "--output", all_read);
   check_observations_file(a, read);
+  check_parts(a);
 }
 
 TagKey parse_held_tag(const CalibrateOptions& a, const Sightings& sightings) {

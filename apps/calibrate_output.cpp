@@ -7,13 +7,12 @@
 #include <algorithm>
 #include <ctime>
 #include <nlohmann/json.hpp>
-#include <tuple>
 #include <utility>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/io/numbers.h"
-#include "outputs.h"
+#include "apriltrack/io/staged_files.h"
 
 namespace apriltrack::app {
 namespace {
@@ -39,14 +38,6 @@ std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptio
           {"observations", observations.filename().string()}};
 }
 
-void write_observations(const Sightings& sightings, const fs::path& path) {
-  std::vector<FrameDetections> frames = sightings.frames;
-  std::stable_sort(frames.begin(), frames.end(), [](const FrameDetections& x, const FrameDetections& y) {
-    return std::tie(x.timestamp, x.camera) < std::tie(y.timestamp, y.camera);
-  });
-  write_detections_csv(path, frames);
-}
-
 fs::path part_file(const CalibrateOptions& a, std::size_t number) {
   return fs::path(a.parts) / fmt::format("part_{}.yaml", number);
 }
@@ -58,7 +49,7 @@ void warn_of_older_parts(const CalibrateOptions& a, std::size_t num_parts) {
 }
 
 std::vector<std::string> write_parts(const CalibrateOptions& a, const CalibrationResult& result,
-                                     OutputsTogether& outputs) {
+                                     StagedFiles& outputs) {
   std::vector<std::string> written;
   if (a.parts.empty()) return written;
   std::error_code error;
@@ -68,7 +59,7 @@ std::vector<std::string> write_parts(const CalibrateOptions& a, const Calibratio
   for (const TagMap& part : result.other_parts) maps.push_back(&part);
   for (std::size_t i = 0; i < maps.size(); ++i) {
     written.push_back(part_file(a, i + 1).string());
-    write_tag_map(outputs.aside(written.back()), *maps[i]);
+    write_tag_map(outputs.stage(written.back()), *maps[i]);
   }
   warn_of_older_parts(a, maps.size());
   return written;
@@ -108,11 +99,11 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
     part.provenance = provenance(a, camera, part.tags.front().key, files.observations);
   const bool has_them = is_detections_input(a, files.observations);  // it may hold more than was used
   // A run that fails in between must not leave an old map beside new observations, nor any part replaced.
-  OutputsTogether outputs;
-  if (!has_them) write_observations(sightings, outputs.aside(files.observations));
+  StagedFiles outputs;
+  if (!has_them) write_detections_csv(outputs.stage(files.observations), sightings.frames);
   files.parts = write_parts(a, result, outputs);
-  write_tag_map(outputs.aside(a.output), result.map);
-  outputs.put_in_place();
+  write_tag_map(outputs.stage(a.output), result.map);
+  outputs.commit();
   return files;
 }
 

@@ -3,7 +3,21 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "option_checks.h"
+
 namespace apriltrack::app {
+namespace {
+
+/// No option means anything by an empty text; a script's variable that is not set means a mistake.
+void refuse_empty_texts(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    if (option->get_expected_max() > 0) option->check(not_empty("leave it out, or give it a value"));
+  }
+  for (CLI::App* sub : command.get_subcommands([](const CLI::App*) { return true; }))
+    refuse_empty_texts(*sub);
+}
+
+}  // namespace
 
 void add_all_commands(CLI::App& app) {
   app.name("apriltrack");  // not the path by which it was called
@@ -19,6 +33,7 @@ void add_all_commands(CLI::App& app) {
   add_evaluate_command(app);
   add_map_command(app);
   add_demo_command(app);
+  refuse_empty_texts(app);
 }
 
 void run_command(std::vector<std::string> words) {

@@ -63,15 +63,12 @@ void run_step(Step step, const Console& console) {
   if (is_interrupted()) throw no_result("demo", "interrupted; what was made until then is kept");
 }
 
-/// The demo renders into folders of names that people use as well: it replaces only what it made itself.
+/// What the demo writes has names that people use as well: it works in a folder of its own.
 void claim(const fs::path& folder) {
   const fs::path mark = folder / "made_by_apriltrack_demo.txt";
-  for (const char* name : {"gentle", "blurred"}) {
-    if (fs::exists(folder / name) && !fs::exists(mark))
-      throw invalid_input("--output",
-                          fmt::format("'{}' is there already, and no demo made it: name a new folder",
-                                      (folder / name).string()));
-  }
+  if (!fs::exists(mark) && !fs::is_empty(folder))
+    throw invalid_input(
+        "--output", fmt::format("'{}' holds files that no demo made: name a new folder", folder.string()));
   write_file_atomically(mark,
                         "What lies here was made by `apriltrack demo`, which replaces it when run again.\n");
 }

@@ -121,7 +121,12 @@ FrameLogEvaluation evaluate_log(const EvaluateOptions& options, const Inputs& in
                                 const TrajectoryEvaluation& evaluation) {
   const std::vector<FrameLogRow> rows = read_frame_log(options.frames_csv);
   try {
-    return evaluate_frame_log(evaluation, rows);
+    const FrameLogEvaluation log = evaluate_frame_log(evaluation, rows);
+    if (log.claimed_without_pose > 0)
+      options.console.warning(
+          fmt::format("{} claims poses in {} frames in which {} has none: are they of the same run?",
+                      options.frames_csv, log.claimed_without_pose, options.estimate));
+    return log;
   } catch (const Error& error) {
     throw naming_files(error, options.frames_csv, inputs.truth, "");
   }

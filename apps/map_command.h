@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "apriltrack/base/error.h"
 #include "apriltrack/tags/tag_map.h"
 #include "command_help.h"
 #include "console.h"
@@ -31,6 +32,19 @@ struct MapOptions {
 std::pair<CLI::App*, std::shared_ptr<MapOptions>> add_map_verb(CLI::App& map_command, const std::string& name,
                                                                const CommandHelp& help,
                                                                void (*run)(const MapOptions&));
+
+/// What `action` makes of the first and the second map. Where these do not fit, the error names both files:
+/// the library knows of none.
+template <class Action>
+auto with_both_maps(const MapOptions& options, const Action& action) {
+  const TagMap first = read_tag_map(options.first);
+  const TagMap second = read_tag_map(options.second);
+  try {
+    return action(first, second);
+  } catch (const Error& error) {
+    throw Error(error.kind(), options.first + " and " + options.second, error.what());
+  }
+}
 
 void add_map_show(CLI::App& map_command);
 void add_map_diff(CLI::App& map_command);

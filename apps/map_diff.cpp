@@ -73,7 +73,8 @@ std::string to_text(const MapComparison& comparison) {
 }
 
 void run_diff(const MapOptions& options) {
-  const MapComparison comparison = compare_maps(read_tag_map(options.first), read_tag_map(options.second));
+  const MapComparison comparison = with_both_maps(
+      options, [](const TagMap& truth, const TagMap& estimate) { return compare_maps(truth, estimate); });
   for (const TagDifference& tag : comparison.tags) {
     if (std::abs(tag.size_difference_m) > 1e-9)
       options.console.warning(fmt::format("tag {}: sizes differ by {:.3f} mm", to_string(tag.key),

@@ -4,6 +4,7 @@
 #include "apriltrack/eval/statistics.h"
 #include "map_command.h"
 #include "option_checks.h"
+#include "outputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -21,7 +22,9 @@ void note(TagMap& map, const std::string& key, const std::string& value) {
 }
 
 void run_align(const MapOptions& options) {
-  AlignedMap aligned = align_map(read_tag_map(options.first), read_tag_map(options.second));
+  check_output(options.output, "--output", {options.first, options.second});
+  AlignedMap aligned = with_both_maps(
+      options, [](const TagMap& reference, const TagMap& map) { return align_map(reference, map); });
   note(aligned.map, "aligned_onto", options.first);
   write_tag_map(options.output, aligned.map);
   options.console.finish(
@@ -54,8 +57,10 @@ void warn_of(const MergedMap& merged, const Console& console) {
 }
 
 void run_merge(const MapOptions& options) {
-  MergedMap merged = merge_maps(read_tag_map(options.first), read_tag_map(options.second),
-                                {options.conflict_mm / kMmPerM, options.conflict_deg / kDegPerRad});
+  check_output(options.output, "--output", {options.first, options.second});
+  MergedMap merged = with_both_maps(options, [&](const TagMap& base, const TagMap& addition) {
+    return merge_maps(base, addition, {options.conflict_mm / kMmPerM, options.conflict_deg / kDegPerRad});
+  });
   note(merged.map, "merged_with", options.second);
   warn_of(merged, options.console);
   write_tag_map(options.output, merged.map);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <filesystem>
 #include <system_error>
 
 #include "apriltrack/base/error.h"
@@ -16,8 +17,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The files of a recording that no run may replace (docs/file_formats.md), whatever it is asked to write.
-constexpr std::array<std::string_view, 4> kOwnFiles = {"camera.yaml", "map.yaml", "frames.csv", "truth.tum"};
+/// What makes a sequence folder and a EuRoC camera (docs/file_formats.md): `name` beside the folder `images`.
+struct RecordingFile {
+  std::string_view name;
+  std::string_view images;
+};
+constexpr std::array<RecordingFile, 6> kRecordingFiles = {{{"camera.yaml", "frames"},
+                                                           {"map.yaml", "frames"},
+                                                           {"frames.csv", "frames"},
+                                                           {"truth.tum", "frames"},
+                                                           {"data.csv", "data"},
+                                                           {"sensor.yaml", "data"}}};
 constexpr std::array<std::string_view, 12> kPictures = {".png",  ".jpg", ".jpeg", ".bmp", ".tif", ".tiff",
                                                         ".webp", ".pgm", ".ppm",  ".mp4", ".avi", ".mkv"};
 
@@ -28,11 +38,12 @@ bool is_picture(const fs::path& path) {
   return std::find(kPictures.begin(), kPictures.end(), extension) != kPictures.end();
 }
 
-bool is_input(const fs::path& output, const fs::path& input) {
-  std::error_code ignored;
-  if (fs::equivalent(output, input, ignored)) return true;
-  return std::any_of(kOwnFiles.begin(), kOwnFiles.end(),
-                     [&](std::string_view name) { return fs::equivalent(output, input / name, ignored); });
+bool is_recordings_own(const fs::path& path) {
+  std::error_code error;
+  const fs::path file = fs::canonical(path, error);
+  return !error && std::ranges::any_of(kRecordingFiles, [&](const RecordingFile& own) {
+    return file.filename() == own.name && fs::is_directory(file.parent_path() / own.images, error);
+  });
 }
 
 }  // namespace
@@ -49,43 +60,18 @@ void check_output(const std::string& output, std::string_view option,
   if (!fs::exists(path, ignored)) return;
   if (::access(path.c_str(), W_OK) != 0)
     throw io_error(output, fmt::format("cannot be written: {}", std::generic_category().message(errno)));
-  const bool replaces_input = std::any_of(inputs.begin(), inputs.end(), [&](const std::string& input) {
-    return !input.empty() && is_input(path, input);
-  });
-  if (replaces_input)
+  const bool is_input = std::ranges::any_of(
+      inputs, [&](const std::string& input) { return fs::equivalent(path, input, ignored); });
+  if (is_input && fs::is_regular_file(path, ignored))
     throw invalid_input(option, fmt::format("'{}' is an input of this run: name another file", output));
+  if (is_recordings_own(path))
+    throw invalid_input(
+        option, fmt::format("'{}' is a recording's own file, which no run replaces: name another", output));
   if (fs::is_regular_file(path, ignored) && is_picture(path))
     throw invalid_input(option,
                         fmt::format("'{}' is a picture or video, which this would replace: name another "
                                     "file",
                                     output));
-}
-
-OutputsTogether::~OutputsTogether() {
-  for (const auto& [written, target] : pending_) {
-    std::error_code ignored;
-    fs::remove(written, ignored);
-  }
-}
-
-fs::path OutputsTogether::aside(const fs::path& target) {
-  std::error_code error;
-  const fs::file_status status = fs::status(target, error);
-  if (fs::exists(status) && !fs::is_regular_file(status)) return target;
-  const fs::path file = fs::is_symlink(target) ? fs::weakly_canonical(target) : target;
-  const fs::path written = file.string() + fmt::format(".{}.new", ::getpid());
-  pending_.emplace_back(written, file);
-  return written;
-}
-
-void OutputsTogether::put_in_place() {
-  for (const auto& [written, target] : pending_) {
-    std::error_code error;
-    if (fs::exists(target, error)) fs::permissions(written, fs::status(target).permissions(), error);
-    fs::rename(written, target, error);
-    if (error) throw io_error(target.string(), fmt::format("cannot be written: {}", error.message()));
-  }
-  pending_.clear();
 }
 
 }  // namespace apriltrack::app

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/staged_files.h"
 #include "command_help.h"
 #include "commands.h"
 #include "frame_loop.h"
@@ -185,10 +186,10 @@ void run(const CLI::App& command, const Arguments& arguments) {
                                           : track_detections(arguments, detections, method, record);
   warn_of_contradictions(record, arguments.console);
   record.check_has_pose(has_images ? arguments.input : arguments.detections, map);
-  OutputsTogether outputs;
-  write_tum(outputs.aside(arguments.output), record.trajectory());
-  if (!arguments.frames_csv.empty()) write_frame_log(outputs.aside(arguments.frames_csv), record.rows());
-  outputs.put_in_place();
+  StagedFiles outputs;
+  write_tum(outputs.stage(arguments.output), record.trajectory());
+  if (!arguments.frames_csv.empty()) write_frame_log(outputs.stage(arguments.frames_csv), record.rows());
+  outputs.commit();
   finish(arguments, record, was_interrupted, warnings);
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
@@ -121,13 +122,16 @@ void choose_gauge(const Observations& observations, const CalibrationOptions& op
   while (held_tags.size() < parts.size()) held_tags.push_back(parts[held_tags.size()].tags.front());
 }
 
-std::vector<std::string> flags_of(const MapTag& tag, double rejected_share) {
+/// by_noise: what more views would lessen.
+bool is_loose(const Matrix6d& by_noise, double size_m) {
+  return std::sqrt(by_noise.bottomRightCorner<3, 3>().trace()) > kLooseRotation_rad ||
+         std::sqrt(by_noise.topLeftCorner<3, 3>().trace()) > kLoosePosition * size_m;
+}
+
+std::vector<std::string> flags_of(const MapTag& tag, const std::optional<TagCovariance>& covariance,
+                                  double rejected_share) {
   std::vector<std::string> flags;
-  const auto is_loose = [&](const Matrix6d& covariance) {
-    return std::sqrt(covariance.bottomRightCorner<3, 3>().trace()) > kLooseRotation_rad ||
-           std::sqrt(covariance.topLeftCorner<3, 3>().trace()) > kLoosePosition * tag.size_m;
-  };
-  if (tag.statistics->views < kFewViews || (tag.covariance && is_loose(*tag.covariance)))
+  if (tag.statistics->views < kFewViews || (covariance && is_loose(covariance->by_noise, tag.size_m)))
     flags.push_back("weak");
   if (rejected_share > kManyRejected) flags.push_back("outliers");
   return flags;
@@ -146,10 +150,12 @@ TagMap to_map(const Observations& observations, const PartSolution& solution, co
     tag.key = observations.tags[t];
     tag.size_m = observations.sizes_m[t];
     tag.T_map_tag = solution.state.T_map_tag[t];
-    if (!solution.covariances.empty()) tag.covariance = solution.covariances[i];
+    std::optional<TagCovariance> covariance;
+    if (!solution.covariances.empty()) covariance = solution.covariances[i];
+    if (covariance) tag.covariance = covariance->by_noise + covariance->by_bias;
     tag.statistics = TagStatistics{views[t], solution.residual_rms_px[i], {}};
     tag.statistics->flags =
-        flags_of(tag, 1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t]);
+        flags_of(tag, covariance, 1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t]);
     map.tags.push_back(std::move(tag));
   }
   return map;

@@ -1,12 +1,14 @@
 #include "observations.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
 #include <set>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/tags/tag_family.h"
 
 namespace apriltrack {
 namespace {
@@ -165,6 +167,20 @@ std::map<TagKey, Repetition> count_repetitions(const std::vector<UsableFrame>& f
   return repetitions;
 }
 
+/// Corners need no decoding, but a map does: whoever reads it looks for the printed pattern.
+void require_known_tags(const std::map<TagKey, Repetition>& repetitions) {
+  for (const auto& [tag, repetition] : repetitions) {
+    if (!TagFamily::is_known(tag.family))
+      throw invalid_input("calibrate", fmt::format("detections name the family '{}', which no map can hold; "
+                                                   "name the printed one: {}",
+                                                   tag.family, fmt::join(TagFamily::names(), ", ")));
+    const int num_codes = TagFamily::get(tag.family).num_codes();
+    if (tag.id >= num_codes)
+      throw invalid_input("calibrate", fmt::format("detections name tag {}, but {} has ids 0 to {}",
+                                                   to_string(tag), tag.family, num_codes - 1));
+  }
+}
+
 void report_repetitions(const std::map<TagKey, Repetition>& repetitions, Findings& findings) {
   std::size_t single_tags = 0;
   std::string first_complaint;
@@ -242,6 +258,7 @@ Observations collect_observations(std::span<const FrameDetections> frames, const
 
   require_distinct_times(usable, rig);
   const std::map<TagKey, Repetition> repetitions = count_repetitions(usable);
+  require_known_tags(repetitions);
   report_repetitions(repetitions, findings);
   Observations observations =
       number_views(usable, repetitions, {options.corner_sigma_px, options.edge_end_correlation});

@@ -184,7 +184,7 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
       std::max(kMinScale * kMinScale, (kPriorStrength + whitened_sum) / (kPriorStrength + freedom));
   const double bias = options.corner_bias_px / options.corner_sigma_px;
   for (const TagCovariance& tag : *covariances)
-    solution.covariances.push_back(variance * repetition * tag.by_noise + bias * bias * tag.by_bias);
+    solution.covariances.push_back({variance * repetition * tag.by_noise, bias * bias * tag.by_bias});
 }
 
 }  // namespace

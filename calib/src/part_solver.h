@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "map_state.h"
+#include "tag_covariance.h"
 
 namespace apriltrack {
 
@@ -12,8 +12,8 @@ struct PartSolution {
   int held_tag = 0;
   Part part;  ///< What was kept: outliers, and tags that hung on them alone, are gone.
   MapState state;
-  std::vector<Matrix6d> covariances;    ///< Of part.tags; empty when these are too many.
-  std::vector<double> residual_rms_px;  ///< Of part.tags, per axis.
+  std::vector<TagCovariance> covariances;  ///< Of part.tags; empty when these are too many.
+  std::vector<double> residual_rms_px;     ///< Of part.tags, per axis.
   double total_rms_px = 0.0;
   std::size_t views_offered = 0;          ///< Before outliers were removed.
   std::vector<int> views_offered_by_tag;  ///< Indexed like observations.tags.

@@ -50,6 +50,22 @@ TagKey tag36h11(int id) {
   return {"tag36h11", id};
 }
 
+// Whoever reads a map looks for the printed pattern: what nobody can look for must not get into one.
+TEST(CalibrateMap, RefusesTagsThatNoMapCanHold) {
+  const SyntheticWorld world = test::make_room(4, 12, test::perspective_camera());
+  const auto calibrate_with = [&](const TagKey& stranger) {
+    auto frames = test::exact_detections(world);
+    for (FrameDetections& frame : frames) {
+      for (Detection& detection : frame.detections)
+        if (detection.tag.id == 3) detection.tag = stranger;
+    }
+    return error_of(ErrorKind::kInvalidInput, [&] { calibrate(world, frames); });
+  };
+  EXPECT_THAT(calibrate_with({"aruco", 1}),
+              HasSubstr("'aruco', which no map can hold; name the printed one: "));
+  EXPECT_THAT(calibrate_with(tag36h11(587)), HasSubstr("tag36h11/587, but tag36h11 has ids 0 to 586"));
+}
+
 TEST(CalibrateMap, RecoversARoomExactlyWithoutNoise) {
   const SyntheticWorld world = test::make_room(14, 60, test::perspective_camera());
   const CalibrationResult result = calibrate(world, test::exact_detections(world));

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <map>
 
 #include "apriltrack/base/check.h"
 
@@ -156,27 +157,55 @@ void add_noise(std::vector<FrameDetections>& frames, double sigma_px, RandomStre
   }
 }
 
+namespace {
+
+/// Of the edge that starts at each corner: the errors normal to it at its start and at its end.
+using EdgeEndErrors = std::array<Eigen::Vector2d, 4>;
+
+EdgeEndErrors draw_edge_errors(double sigma_px, double end_correlation, RandomStream& random) {
+  EdgeEndErrors errors;
+  for (Eigen::Vector2d& ends : errors) {
+    const double first = random.normal();
+    const double second =
+        end_correlation * first + std::sqrt(1.0 - end_correlation * end_correlation) * random.normal();
+    ends = sigma_px * Eigen::Vector2d(first, second);
+  }
+  return errors;
+}
+
+void displace_edges(const EdgeEndErrors& errors, std::array<Eigen::Vector2d, 4>& corners_px) {
+  std::array<Eigen::Vector2d, 4> normals;  // of the edge that starts at each corner
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d along = (corners_px[(i + 1) % 4] - corners_px[i]).normalized();
+    normals[i] = {-along.y(), along.x()};
+  }
+  for (std::size_t i = 0; i < 4; ++i) {  // a corner lies on its two displaced edges
+    const std::size_t before = (i + 3) % 4;
+    Eigen::Matrix2d N;
+    N.row(0) = normals[before].transpose();
+    N.row(1) = normals[i].transpose();
+    corners_px[i] += N.inverse() * Eigen::Vector2d(errors[before][1], errors[i][0]);
+  }
+}
+
+}  // namespace
+
 void add_edge_noise(std::vector<FrameDetections>& frames, double sigma_px, double end_correlation,
                     RandomStream& random) {
   for (FrameDetections& frame : frames) {
+    for (Detection& detection : frame.detections)
+      displace_edges(draw_edge_errors(sigma_px, end_correlation, random), detection.corners_px);
+  }
+}
+
+void add_edge_biases(std::vector<FrameDetections>& frames, double sigma_px, double end_correlation,
+                     RandomStream& random) {
+  std::map<TagKey, EdgeEndErrors> errors;
+  for (FrameDetections& frame : frames) {
     for (Detection& detection : frame.detections) {
-      const auto exact = detection.corners_px;
-      std::array<Eigen::Vector2d, 4> normals, end_errors;  // of the edge that starts at each corner
-      for (std::size_t i = 0; i < 4; ++i) {
-        const Eigen::Vector2d along = (exact[(i + 1) % 4] - exact[i]).normalized();
-        normals[i] = {-along.y(), along.x()};
-        const double first = random.normal();
-        const double second =
-            end_correlation * first + std::sqrt(1.0 - end_correlation * end_correlation) * random.normal();
-        end_errors[i] = sigma_px * Eigen::Vector2d(first, second);
-      }
-      for (std::size_t i = 0; i < 4; ++i) {  // a corner lies on its two displaced edges
-        const std::size_t before = (i + 3) % 4;
-        Eigen::Matrix2d N;
-        N.row(0) = normals[before].transpose();
-        N.row(1) = normals[i].transpose();
-        detection.corners_px[i] += N.inverse() * Eigen::Vector2d(end_errors[before][1], end_errors[i][0]);
-      }
+      const auto [own, is_new] = errors.try_emplace(detection.tag);
+      if (is_new) own->second = draw_edge_errors(sigma_px, end_correlation, random);
+      displace_edges(own->second, detection.corners_px);
     }
   }
 }

@@ -44,6 +44,9 @@ void add_noise(std::vector<FrameDetections>& frames, double sigma_px, RandomStre
 /// one edge.
 void add_edge_noise(std::vector<FrameDetections>& frames, double sigma_px, double end_correlation,
                     RandomStream& random);
+/// The same, drawn once for each tag and kept in all of its views.
+void add_edge_biases(std::vector<FrameDetections>& frames, double sigma_px, double end_correlation,
+                     RandomStream& random);
 
 /// Truth in the frame of `origin`, so that it can be held against a map with that tag held.
 Pose T_origin_tag(const TagMap& truth, const TagKey& origin, const TagKey& tag);

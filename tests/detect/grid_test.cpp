@@ -6,6 +6,7 @@
 
 #include "apriltrack/detect/detector.h"
 #include "apriltrack/tags/aprilgrid.h"
+#include "apriltrack/tags/tag_family.h"
 #include "corner_statistics.h"
 #include "plane_renderer.h"
 
@@ -92,6 +93,39 @@ TEST(DetectKalibrGrid, ReportsASquareOnceWhenBothBordersAreSoughtFor) {
       const Eigen::Vector2d opposite = detections[a].corners_px[0] - detections[b].corners_px[2];
       EXPECT_GT(std::min(apart.norm(), opposite.norm()), 5.0);
     }
+  }
+}
+
+/// A tag of `family` on white paper.
+GrayImage print_and_see(const char* family, int id, int view_number) {
+  const TagPattern pattern = TagFamily::get(family).pattern(id);
+  constexpr double kSize_m = 0.1;
+  const PlaneView view(600.0, {159.3, 120.6}, 600.0 * kSize_m / (70.0 + 9.0 * view_number),
+                       (10.0 + 8.0 * view_number) * kDegree, 0.7 * view_number, 0.2);
+  RenderOptions options;
+  options.samples = 3;
+  options.seed = static_cast<std::uint64_t>(view_number + 1);
+  const auto brightness = [&](double x, double y) {
+    return pattern.brightness(2.0 * x / kSize_m, 2.0 * y / kSize_m);
+  };
+  return test::render_plane(320, 240, view, brightness, options);
+}
+
+// The codes of both families are the same, and the library reads most of the one as the other.
+TEST(DetectTwoCellBorder, IsNotReadIntoTagsWithOneCellOfBorder) {
+  Detector grid_detector({.families = {"tag36h11b2"}});
+  Detector both({.families = {"tag36h11b2", "tag36h11"}});
+  for (int view_number = 0; view_number < 6; ++view_number) {
+    const int id = 17 * view_number;
+    const GrayImage plain = print_and_see("tag36h11", id, view_number);
+    EXPECT_TRUE(grid_detector.detect(plain.view()).empty()) << id;
+    const auto seen = both.detect(plain.view());
+    ASSERT_EQ(seen.size(), 1U) << id;
+    EXPECT_EQ(seen[0].tag, (TagKey{"tag36h11", id}));
+
+    const auto grid_tag = grid_detector.detect(print_and_see("tag36h11b2", id, view_number).view());
+    ASSERT_EQ(grid_tag.size(), 1U) << id;
+    EXPECT_EQ(grid_tag[0].tag, (TagKey{"tag36h11b2", id}));
   }
 }
 

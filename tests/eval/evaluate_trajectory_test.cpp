@@ -289,6 +289,7 @@ TEST(EvaluateFrameLog, CountsClaimsAndSilentFailures) {
           row_at(truth[2].timestamp, "tracked", 3), row_at(truth[3].timestamp, "predicted", 4),
           row_at(truth[4].timestamp, "lost", 10)});
   EXPECT_EQ(result.claimed_good, 3);
+  EXPECT_EQ(result.claimed_without_pose, 0);
   EXPECT_EQ(result.claimed_good_but_over_10px, 1);
   EXPECT_EQ(result.claimed_share_of_frames, 0.6);
   EXPECT_EQ(result.statuses,
@@ -296,6 +297,18 @@ TEST(EvaluateFrameLog, CountsClaimsAndSilentFailures) {
   EXPECT_EQ(result.latency_p50_ms, 3.0);
   EXPECT_NEAR(*result.latency_p99_ms, 9.76, 1e-12);
   EXPECT_FALSE(result.nees_over_6_mean.has_value());
+}
+
+TEST(EvaluateFrameLog, CountsClaimsOfPosesThatTheEstimateLacks) {
+  const Trajectory truth = still(Pose(), 5);
+  Trajectory estimate = truth;
+  estimate.erase(estimate.begin() + 1, estimate.begin() + 4);
+  const auto result = evaluate_frame_log(
+      evaluate_ego(truth, estimate),
+      {row_at(truth[0].timestamp, "detected", 1), row_at(truth[1].timestamp, "detected", 1),
+       row_at(truth[2].timestamp, "tracked", 1), row_at(truth[3].timestamp, "predicted", 1)});
+  EXPECT_EQ(result.claimed_without_pose, 2);
+  EXPECT_EQ(result.claimed_good, 1);
 }
 
 TEST(EvaluateFrameLog, RefusesALogOfAnotherRecording) {

@@ -12,9 +12,9 @@
 namespace apriltrack {
 namespace {
 
+using test::message_of;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using test::message_of;
 
 CsvTable read(const std::string& text, const std::vector<std::string>& required = {}) {
   const auto path = test::temporary_folder() / "t.csv";

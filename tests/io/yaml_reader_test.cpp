@@ -9,11 +9,11 @@
 namespace apriltrack {
 namespace {
 
+using test::message_of;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using test::message_of;
 
 YamlNode read(const std::string& text) {
   return YamlNode::read_text(text, "lab.yaml");

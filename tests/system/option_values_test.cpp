@@ -95,8 +95,27 @@ TEST_F(OptionValues, ACameraIsNamedOnce) {
               EndsWith(2, "--camera-name"));
 }
 
-TEST_F(OptionValues, AnEmptyOutputIs2AndThreadsHaveALimit) {
-  EXPECT_THAT(track({"--output", ""}), EndsWith(2, "--output"));
+TEST_F(OptionValues, AnEmptyTextIs2WithTheOptionsOwnName) {
+  EXPECT_THAT(track({"--output", ""}), EndsWith(2, "--output: must not be empty"));
+  EXPECT_THAT(run_program({"map", "diff", "", path("map.yaml")}), EndsWith(2, "TRUE: must not be empty"));
+  EXPECT_THAT(run_program({"evaluate", "--truth", "", "--estimate", path("e.tum")}),
+              EndsWith(2, "--truth: must not be empty"));
+  EXPECT_THAT(run_program({"simulate", "--scene", "single", "--output", ""}),
+              EndsWith(2, "--output: must not be empty"));
+}
+
+TEST_F(OptionValues, MapsThatDoNotFitAreBothNamed) {
+  std::string other = read_text(path("map.yaml"));
+  other.replace(other.find("tag36h11"), 8, "tag25h9");
+  write_text(path("other.yaml"), other);
+  const std::string both = path("map.yaml") + " and " + path("other.yaml");
+  const std::vector<std::string> maps = {path("map.yaml"), path("other.yaml")};
+  EXPECT_THAT(run_with({"map", "diff"}, maps), EndsWith(1, both));
+  EXPECT_THAT(run_with({"map", "align", "--output", path("x.yaml")}, maps), EndsWith(1, both));
+  EXPECT_THAT(run_with({"map", "merge", "--output", path("x.yaml")}, maps), EndsWith(1, both));
+}
+
+TEST_F(OptionValues, ThreadsHaveALimit) {
   EXPECT_THAT(calibrate({"--threads", "20000"}), EndsWith(2, "20000"));
   EXPECT_THAT(run_program({"detect", path("frames"), "--output", path("d.csv"), "--threads", "20000"}),
               EndsWith(2, "20000"));

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 
 #include "apriltrack/tags/tag_map.h"
@@ -43,11 +45,58 @@ TEST_F(Outputs, NoFileOfTheRecordingIsReplaced) {
   for (const char* name : {"truth.tum", "camera.yaml", "map.yaml", "frames.csv"}) {
     const fs::path file = fs::path(room_) / name;
     if (!fs::exists(file)) write_text(file, "timestamp_ns,exposure_s,gain\n");
-    EXPECT_THAT(run_program(track(file)), EndsWith(2, "is an input of this run")) << name;
+    const std::string before = read_text(file);
+    EXPECT_THAT(run_program(track(file)), EndsWith(2, "is a recording's own file")) << name;
+    EXPECT_EQ(read_text(file), before);
   }
   const fs::path older = fs::path(room_) / "older.tum";
   write_text(older, "of an earlier run\n");
   EXPECT_EQ(run_program(track(older)).status, 0);
+}
+
+TEST_F(Outputs, NoFileOfARecordingIsReplacedByARunOfOtherThings) {
+  const fs::path map = fs::path(room_) / "map.yaml";
+  fs::copy(map, folder_ / "other.yaml");
+  EXPECT_THAT(run_program({"map", "align", folder_ / "other.yaml", folder_ / "other.yaml", "--output", map}),
+              EndsWith(2, "is a recording's own file"));
+  EXPECT_THAT(run_program({"map", "merge", folder_ / "other.yaml", map, "--output", folder_ / "other.yaml"}),
+              EndsWith(2, "is an input of this run"));
+  const fs::path euroc = folder_ / "mav0" / "cam0";
+  fs::create_directories(euroc / "data");
+  write_text(euroc / "data.csv", "#timestamp [ns],filename\n");
+  EXPECT_THAT(run_program({"detect", room_, "--output", euroc / "data.csv"}),
+              EndsWith(2, "is a recording's own file"));
+  EXPECT_EQ(read_text(euroc / "data.csv"), "#timestamp [ns],filename\n");
+}
+
+TEST_F(Outputs, StandardOutputIsAddedToAndLinksStay) {
+  const fs::path log = folder_ / "all.tum";
+  write_text(log, "earlier\n");
+  const std::string words = "track '" + room_ + "' --output /dev/stdout --quiet";
+  ASSERT_EQ(
+      std::system((std::string("'" APRILTRACK_PROGRAM "' ") + words + " >> '" + log.string() + "'").c_str()),
+      0);
+  const std::string text = read_text(log);
+  EXPECT_EQ(text.substr(0, 8), "earlier\n");
+  EXPECT_GT(std::count(text.begin(), text.end(), '\n'), 3);
+
+  fs::create_symlink("later.tum", folder_ / "link.tum");
+  EXPECT_EQ(run_program(track(folder_ / "link.tum")).status, 0);
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.tum"));
+  EXPECT_TRUE(fs::is_regular_file(folder_ / "later.tum"));
+}
+
+TEST_F(Outputs, PartsAreRefusedBeforeTheWork) {
+  const auto calibrate = [&](const std::string& output, const std::string& parts) {
+    return run_program({"calibrate", room_, "--tag-size", "0.16", "--output", output, "--parts", parts});
+  };
+  const std::string parts = folder_ / "parts";
+  fs::create_directories(parts);
+  EXPECT_THAT(calibrate(parts + "/part_1.yaml", parts), EndsWith(2, "has the name of a part"));
+  EXPECT_THAT(calibrate(parts + "/part_2.yaml", parts + "/"), EndsWith(2, "has the name of a part"));
+  write_text(folder_ / "file", "keep\n");
+  EXPECT_THAT(calibrate(folder_ / "map.yaml", folder_ / "file"), EndsWith(2, "--parts"));
+  EXPECT_TRUE(fs::is_empty(parts));
 }
 
 TEST_F(Outputs, AFailedRunReplacesNoneOfItsFiles) {
@@ -70,13 +119,14 @@ TEST_F(Outputs, AFailedRunReplacesNoneOfItsFiles) {
 }
 
 TEST_F(Outputs, ADemoReplacesOnlyWhatADemoMade) {
-  EXPECT_EQ(run_program(
-                {"simulate", "--scene", "single", "--frames", "1", "--output", folder_ / "gentle", "--quiet"})
-                .status,
-            0);
-  const std::string truth = read_text(folder_ / "gentle" / "truth.tum");
-  EXPECT_THAT(run_program({"demo", "--output", folder_, "--quiet"}), EndsWith(2, "no demo made it"));
-  EXPECT_EQ(read_text(folder_ / "gentle" / "truth.tum"), truth);
+  const fs::path own = folder_ / "own";
+  fs::create_directories(own);
+  for (const char* name : {"gentle", "map.yaml", "pnp.tum", "blindness.png"}) {
+    write_text(own / name, "keep\n");
+    EXPECT_THAT(run_program({"demo", "--output", own, "--quiet"}), EndsWith(2, "no demo made")) << name;
+    EXPECT_EQ(read_text(own / name), "keep\n");
+    fs::remove(own / name);
+  }
 }
 
 TEST_F(Outputs, AMissingInputIsStatus3WhateverElseIsMissing) {

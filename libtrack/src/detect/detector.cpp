@@ -11,7 +11,9 @@
 #include "corner_refinement.h"
 #include "joined_borders.h"
 #include "library_detector.h"
+#include "light_sampler.h"
 #include "merge.h"
+#include "two_cell_border.h"
 
 namespace apriltrack {
 namespace {
@@ -56,7 +58,9 @@ class Detector::Implementation {
 
   std::vector<Detection> detect(const GrayView& image) {
     std::vector<Detection> detections;
-    for (const Candidate& candidate : merge_same_quads(find(image))) {
+    std::vector<Candidate> candidates = find(image);
+    if (has_grids_) drop_one_cell_borders(image, &candidates);
+    for (const Candidate& candidate : merge_same_quads(std::move(candidates))) {
       const std::optional<Quad> corners = localise(image, candidate);
       if (!corners) continue;
       detections.push_back(candidate.detection);
@@ -111,10 +115,22 @@ class Detector::Implementation {
     }
   }
 
+  /// Before anything is merged: of a tag with one cell of border the wrong reading may have the better
+  /// margin.
+  void drop_one_cell_borders(const GrayView& image, std::vector<Candidate>* candidates) const {
+    const LightSampler light(image, options_.response);
+    std::erase_if(*candidates, [&](const Candidate& candidate) {
+      const TagKey& tag = candidate.detection.tag;
+      return tag.family == kGridFamily &&
+             !has_two_cell_border(light, TagFamily::get(tag.family).pattern(tag.id),
+                                  candidate.detection.corners_px);
+    });
+  }
+
   /// Quads found in linear light are nearer to the truth, so they are tried first. nullopt when no start
   /// leads to edges that look like this tag's: the image cuts the tag or something hides an edge, and the
   /// library's corners are pixels away; or the code was read by chance. Below 1 % of what is found
-  /// (bench/detector_accuracy).
+  /// (bench/detector_accuracy.cpp).
   std::optional<Quad> localise(const GrayView& image, const Candidate& candidate) const {
     std::vector<Candidate> starts = candidate.others;
     starts.insert(starts.begin(), candidate);

@@ -61,7 +61,11 @@ FrameLogEvaluation evaluate_frame_log(const TrajectoryEvaluation& evaluation,
     ++result.statuses[row.status];
     if (row.latency_ms) latencies_ms.push_back(*row.latency_ms);
     const auto found = frames.find(row.timestamp.ns);
-    if (found == frames.end() || !found->second->error || !claims_evidence(row)) continue;
+    if (found == frames.end() || !claims_evidence(row)) continue;
+    if (!found->second->error) {
+      ++result.claimed_without_pose;
+      continue;
+    }
     const FrameScore& frame = *found->second;
     ++result.claimed_good;
     has_corner_errors = has_corner_errors || frame.corner_error_px;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "write_target.h"
 
 namespace apriltrack {
 namespace fs = std::filesystem;
@@ -50,35 +51,6 @@ bool write_all(int fd, std::string_view contents) {
   throw io_error(path.string(), fmt::format("cannot be written: {}{}", system_reason(code), kept));
 }
 
-/// The file that a chain of symbolic links names, whether or not it is there yet.
-fs::path follow_links(const fs::path& path) {
-  constexpr int kMaxLinks = 40;  // as Linux: path_resolution(7)
-  fs::path target = path;
-  for (int i = 0; i < kMaxLinks; ++i) {
-    std::error_code error;
-    if (!fs::is_symlink(fs::symlink_status(target, error))) return target;
-    const fs::path next = fs::read_symlink(target, error);
-    if (error) fail_to_write(path, error.value());
-    target = target.parent_path() / next;  // an absolute `next` takes the place of the whole
-  }
-  fail_to_write(path, ELOOP);
-}
-
-/// /dev/stdout, /dev/fd/N and their like name what this process holds open; beside them nothing can be
-/// written.
-bool is_open_descriptor(const fs::path& path) {
-  std::error_code error;
-  const fs::path folder = fs::canonical(path.parent_path(), error);
-  return !error && folder.string().starts_with("/proc/");
-}
-
-bool goes_through_open_descriptor(const fs::path& path) {
-  std::error_code error;
-  const bool is_link = fs::is_symlink(fs::symlink_status(path, error));
-  return is_open_descriptor(path) ||
-         (is_link && is_open_descriptor(path.parent_path() / fs::read_symlink(path, error)));
-}
-
 /// Appends, because standard output may be a file that holds something already.
 void write_directly(const fs::path& path, std::string_view contents) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC));
@@ -107,8 +79,7 @@ void write_beside_and_rename(const fs::path& path, std::string_view contents, co
 void write_file_atomically(const fs::path& path, std::string_view contents, Durability durability) {
   struct stat existing {};
   const bool exists = ::stat(path.c_str(), &existing) == 0;
-  if (exists && (!S_ISREG(existing.st_mode) || goes_through_open_descriptor(path)))
-    return write_directly(path, contents);
+  if (is_written_directly(path)) return write_directly(path, contents);
   write_beside_and_rename(follow_links(path), contents, exists ? &existing : nullptr, durability);
 }
 

@@ -60,7 +60,8 @@ struct CalibrationResult {
 /// extrinsics only when several of its cameras were used.
 ///
 /// The tags' covariances rest on the residuals that are left (their size, and how much neighbouring frames
-/// repeat them) and on corner_bias_px. @NEES@
+/// repeat them) and on corner_bias_px. Errors that all tags share (a lens that is not the file's) are not in
+/// them.
 ///
 /// Throws Error(kNoResult) when no two tags connect, ids are not unique, or the adjustment does not converge,
 /// and says what to do; Error(kInvalidInput) when a size is missing, a camera is unknown, one of several

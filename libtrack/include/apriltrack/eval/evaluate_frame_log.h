@@ -21,6 +21,7 @@ struct FrameLogEvaluation {
   std::optional<double> latency_p99_ms;
   int claimed_good = 0;
   double claimed_share_of_frames = 0.0;
+  int claimed_without_pose = 0;  ///< Claimed, but the estimate has none: the log is of another run.
   std::optional<int> claimed_good_but_over_10px;  ///< Silent failures; nullopt without corner errors.
   /// Mean over claimed frames; 1 for an honest sigma_position_m.
   std::optional<double> mean_squared_position_error_over_sigma2;

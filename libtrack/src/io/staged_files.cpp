@@ -1,0 +1,45 @@
+#include "apriltrack/io/staged_files.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <system_error>
+
+#include "apriltrack/base/error.h"
+#include "write_target.h"
+
+namespace apriltrack {
+namespace fs = std::filesystem;
+
+StagedFiles::~StagedFiles() {
+  for (const File& file : files_) {
+    std::error_code ignored;
+    fs::remove(file.written, ignored);
+  }
+}
+
+fs::path StagedFiles::stage(const fs::path& path) {
+  if (is_written_directly(path)) return path;
+  const fs::path target = fs::absolute(follow_links(path)).lexically_normal();
+  if (std::ranges::find(files_, target, &File::target) != files_.end())
+    throw invalid_input(path.string(),
+                        "two different things are to be written there: give each its own name");
+  const fs::path written = target.string() + fmt::format(".{}.new", ::getpid());
+  files_.push_back({written, target});
+  return written;
+}
+
+void StagedFiles::commit() {
+  while (!files_.empty()) {
+    const File file = files_.front();
+    std::error_code error;
+    const fs::file_status existing = fs::status(file.target, error);
+    if (fs::exists(existing)) fs::permissions(file.written, existing.permissions(), error);
+    fs::rename(file.written, file.target, error);
+    if (error) throw io_error(file.target.string(), fmt::format("cannot be written: {}", error.message()));
+    files_.erase(files_.begin());
+  }
+}
+
+}  // namespace apriltrack
