@@ -43,6 +43,8 @@ class TagPrediction {
   /// T_camera_tag of the first and last instant.
   const std::vector<Pose>& path() const { return path_; }
   double path_px() const { return path_px_; }
+  /// What every instant shows: the pattern under the blur of an instant. Requires is_visible().
+  const PatternTexture& texture() const { return *texture_; }
 
   /// ray: (x / z, y / z).
   PixelPrediction predict(const Eigen::Vector2f& ray) const;
