@@ -33,6 +33,11 @@ Method paper_method(const MethodOptions& given, const Camera& camera, const TagM
 
 Method blur_method(const MethodOptions& given, const Camera& camera, const TagMap& map,
                    const Console& console) {
+  constexpr std::size_t kFewest = 16;
+  if (given.num_particles && *given.num_particles < kFewest) {
+    throw invalid_input("--particles", fmt::format("must be at least {} for --method blur (is {})", kFewest,
+                                                   *given.num_particles));
+  }
   BlurTrackerOptions options;
   options.mode = given.localizer.mode;
   options.detector = given.localizer.detector;

@@ -1,0 +1,140 @@
+// The blur tracker through the command line: what it follows, and what it refuses.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "apriltrack/tags/tag_map.h"
+#include "program.h"
+#include "support/shared_data.h"
+
+namespace apriltrack::test {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Shown {
+  const char* scene;
+  const char* mode;
+};
+
+/// A short film with blur of up to 30 px, made once for each scene.
+class TrackBlur : public ::testing::TestWithParam<Shown> {
+ protected:
+  TrackBlur() {
+    run_for_json({"simulate", "--scene", GetParam().scene, "--frames", "14", "--speed", "1.5", "--exposure",
+                  "0.02", "--seed", "5", "--output", film_});
+  }
+
+  const fs::path folder_ = temporary_folder();
+  const std::string film_ = folder_ / "film";
+};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, TrackBlur, ::testing::Values(Shown{"room", "ego"}, Shown{"single", "joint"}),
+                         [](const auto& shown) { return std::string(shown.param.scene); });
+
+TEST_P(TrackBlur, IsTheDefaultAndRepeatsItselfOnAnyNumberOfThreads) {
+  std::set<std::string> texts;
+  for (const std::string threads : {"1", "2", "2"}) {
+    const fs::path tum = folder_ / "out.tum";
+    const json summary = run_for_json({"track", film_, "--mode", GetParam().mode, "--seed", "7", "--threads",
+                                       threads, "--output", tum, "--frames-csv", folder_ / "out.csv"});
+    EXPECT_EQ(summary["method"], "blur");
+    EXPECT_EQ(summary["lost"], 0);
+    texts.insert(read_text(tum));
+  }
+  EXPECT_EQ(texts.size(), 1U);
+  const json score = run_for_json({"evaluate", "--truth", film_, "--mode", GetParam().mode, "--estimate",
+                                   folder_ / "out.tum", "--frames-csv", folder_ / "out.csv"});
+  EXPECT_EQ(score["coverage"], 1.0);
+  EXPECT_GE(score["success_5px"].get<double>(), 0.92) << score.dump(1);
+  EXPECT_LE(score["median_px"].get<double>(), 0.3) << score.dump(1);
+}
+
+class TrackBlurErrors : public ::testing::Test {
+ protected:
+  TrackBlurErrors() { run_for_json({"simulate", "--scene", "room", "--frames", "4", "--output", film_}); }
+
+  std::vector<std::string> track(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"track", film_, "--output", folder_ / "out.tum"});
+    return more;
+  }
+
+  /// The film's camera with another line in the place of the one that begins with `key`.
+  std::string camera_with(const std::string& key, const std::string& line) const {
+    std::istringstream text(read_text(fs::path(film_) / "camera.yaml"));
+    const fs::path path = folder_ / "camera.yaml";
+    std::ofstream out(path);
+    int num_changed = 0;
+    for (std::string old; std::getline(text, old);) {
+      const bool is_it = old.find(key + ":") != std::string::npos;
+      if (!is_it) out << old << '\n';
+      if (is_it && !line.empty()) out << "  " << line << '\n';
+      num_changed += is_it ? 1 : 0;
+    }
+    EXPECT_EQ(num_changed, 1) << key;
+    return path;
+  }
+
+  const fs::path folder_ = temporary_folder();
+  const std::string film_ = folder_ / "film";
+};
+
+TEST_F(TrackBlurErrors, AnExposureThatCannotBeIsStatus2) {
+  EXPECT_THAT(run_program(track({"--camera", camera_with("exposure_time", "exposure_time: 0")})),
+              EndsWith(2, "exposure_time"));
+  const ProgramRun run =
+      run_program(track({"--camera", camera_with("exposure_time", "exposure_time: 0.05")}));
+  EXPECT_THAT(
+      run,
+      EndsWith(2, "exposure_time: 0.05 s is longer than the 0.033333 s from the first frame to the next"));
+  EXPECT_FALSE(fs::exists(folder_ / "out.tum"));
+}
+
+TEST_F(TrackBlurErrors, AnExposureThatNobodyTellsIsWarnedOf) {
+  fs::remove(fs::path(film_) / "frames.csv");
+  const ProgramRun run = run_program(track({"--camera", camera_with("exposure_time", "")}));
+  EXPECT_EQ(run.status, 0);
+  EXPECT_NE(run.err.find("no exposure is known: 0.01 s is assumed"), std::string::npos) << run.err;
+}
+
+TEST_F(TrackBlurErrors, ASizeOfAnotherCameraIsStatus2) {
+  const ProgramRun run =
+      run_program(track({"--camera", camera_with("resolution", "resolution: [320, 240]")}));
+  EXPECT_THAT(run, EndsWith(2, "640"));
+  EXPECT_NE(run.err.find("320"), std::string::npos) << run.err;
+}
+
+TEST_F(TrackBlurErrors, NoMappedTagEverSeenIsStatus1WithTheTagsOfBoth) {
+  TagMap map = read_tag_map(fs::path(film_) / "map.yaml");
+  for (MapTag& tag : map.tags) tag.key.id += 100;
+  write_tag_map(folder_ / "other.yaml", map);
+  const ProgramRun run = run_program(track({"--map", folder_ / "other.yaml"}));
+  EXPECT_THAT(run, EndsWith(1, "no tag of the map"));
+  EXPECT_NE(run.err.find("give the map of this place"), std::string::npos) << run.err;
+}
+
+TEST_F(TrackBlurErrors, AWrongFamilyIsToldApartFromAnUnknownOne) {
+  TagMap map = read_tag_map(fs::path(film_) / "map.yaml");
+  for (MapTag& tag : map.tags) tag.key.family = "tag25h9";
+  write_tag_map(folder_ / "other.yaml", map);
+  EXPECT_THAT(run_program(track({"--map", folder_ / "other.yaml"})), EndsWith(1, "family"));
+  std::ofstream(folder_ / "unknown.yaml")
+      << "apriltrack_map: 1\nframe: world\ndefault_family: tag99h1\ntags:\n  - id: 0\n    size: 0.16\n    "
+         "pose:\n"
+         "      position: {x: 0, y: 0, z: 0}\n      orientation: {x: 0, y: 0, z: 0, w: 1}\n";
+  EXPECT_THAT(run_program(track({"--map", folder_ / "unknown.yaml"})), EndsWith(2, "tag99h1"));
+}
+
+TEST_F(TrackBlurErrors, CornersAloneAreForPnp) {
+  EXPECT_THAT(run_program({"track", "--detections", folder_ / "corners.csv", "--method", "blur", "--output",
+                           folder_ / "o.tum"}),
+              EndsWith(2, "--method pnp"));
+  EXPECT_THAT(run_program(track({"--particles", "3"})), EndsWith(2, "--particles: must be at least 16"));
+}
+
+}  // namespace
+}  // namespace apriltrack::test
