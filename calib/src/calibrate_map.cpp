@@ -171,8 +171,8 @@ void report_quality(const Observations& observations, const PartSolution& soluti
                     const CalibrationOptions& options, Findings& findings) {
   if (solution.covariances.empty())
     findings.warnings.push_back(
-        fmt::format("no covariances: the map has {} tags, and the matrix to invert grows with the square of "
-                    "their number (at most {} tags)",
+        fmt::format("no covariances, and no check that the views determine every pose: the map has {} tags, "
+                    "and the matrix to invert grows with the square of their number (at most {} tags)",
                     solution.part.tags.size(), options.max_tags_with_covariance));
   leave_out(observations, solution.lost_tags,
             "its views contradict those of the other tags (a wrong size? moved while filming? an id that is "

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "view_residual.h"
 
@@ -89,18 +90,25 @@ Matrix6d symmetric(const Matrix6d& matrix) {
   return 0.5 * (matrix + matrix.transpose());
 }
 
-/// rows: six rows of the system's inverse, those of the tag at `offset`.
-template <class Rows>
-TagCovariance covariance_from(const ReducedSystem& system, const Rows& rows, Eigen::Index offset) {
-  TagCovariance covariance;
-  covariance.by_noise = symmetric(rows.template middleCols<6>(offset));
+/// rows: those of the inverse that belong to the tags from offset `first` on.
+std::vector<TagCovariance> covariances_from(const ReducedSystem& system, const Eigen::MatrixXd& rows,
+                                            Eigen::Index first) {
+  std::vector<TagCovariance> covariances(static_cast<std::size_t>(rows.rows() / 6));
+  Eigen::MatrixXd d_poses_d_error(rows.rows(), 8);
   for (const auto& [tag, errors] : system.errors) {
-    Matrix6x8d d_pose_d_error = Matrix6x8d::Zero();
-    for (const auto& [column, block] : errors) d_pose_d_error += rows.template middleCols<6>(column) * block;
-    covariance.by_bias += d_pose_d_error * d_pose_d_error.transpose();
+    d_poses_d_error.setZero();
+    for (const auto& [column, block] : errors) d_poses_d_error += rows.middleCols<6>(column) * block;
+    for (std::size_t i = 0; i < covariances.size(); ++i) {
+      const Matrix6x8d own = d_poses_d_error.middleRows<6>(6 * static_cast<Eigen::Index>(i));
+      covariances[i].by_bias += own * own.transpose();
+    }
   }
-  covariance.by_bias = symmetric(covariance.by_bias);
-  return covariance;
+  for (std::size_t i = 0; i < covariances.size(); ++i) {
+    const Eigen::Index row = 6 * static_cast<Eigen::Index>(i);
+    covariances[i].by_noise = symmetric(rows.block<6, 6>(row, first + row));
+    covariances[i].by_bias = symmetric(covariances[i].by_bias);
+  }
+  return covariances;
 }
 
 }  // namespace
@@ -113,7 +121,7 @@ std::optional<std::vector<TagCovariance>> tag_covariances(const Observations& ob
   const Eigen::VectorXd scale = system.reduced.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   system.reduced.array().colwise() *= scale.array();
   system.reduced.array().rowwise() *= scale.transpose().array();
-  // In place: of many tags this matrix is by far the largest thing there is.
+  // In place: of many tags this matrix is large.
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(system.reduced);
   if (factor.info() != Eigen::Success || !(factor.rcond() > 1e-14)) return std::nullopt;
 
@@ -127,8 +135,11 @@ std::optional<std::vector<TagCovariance>> tag_covariances(const Observations& ob
     factor.solveInPlace(columns);
     columns.array().colwise() *= scale.array();
     const Eigen::MatrixXd rows = columns.transpose();  // the inverse is symmetric
-    for (Eigen::Index k = 0; k < width; k += 6)
-      by_offset[first + k] = covariance_from(system, rows.middleRows<6>(k), first + k);
+    Eigen::Index offset = first;
+    for (TagCovariance& covariance : covariances_from(system, rows, first)) {
+      by_offset[offset] = std::move(covariance);
+      offset += 6;
+    }
   }
 
   std::vector<TagCovariance> covariances;

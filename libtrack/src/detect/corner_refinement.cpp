@@ -6,6 +6,7 @@
 #include "apriltrack/geometry/homography.h"
 #include "edge_fit.h"
 #include "edge_sampling.h"
+#include "tag_quad.h"
 
 namespace apriltrack {
 namespace {
@@ -19,9 +20,6 @@ constexpr double kLensBend_per_px = 3e-5;
 /// edges.
 constexpr double kMaxResidual = 0.3;
 constexpr double kMaxSigmaOffset_px = 0.5;
-
-/// Tag coordinates of the corners.
-const Quad kTagQuad = {Eigen::Vector2d(-1.0, 1.0), {1.0, 1.0}, {1.0, -1.0}, {-1.0, -1.0}};
 
 using EdgeGuesses = std::array<EdgeGuess, kNumCorners>;
 

@@ -121,9 +121,7 @@ class Detector::Implementation {
     const LightSampler light(image, options_.response);
     std::erase_if(*candidates, [&](const Candidate& candidate) {
       const TagKey& tag = candidate.detection.tag;
-      return tag.family == kGridFamily &&
-             !has_two_cell_border(light, TagFamily::get(tag.family).pattern(tag.id),
-                                  candidate.detection.corners_px);
+      return tag.family == kGridFamily && !has_two_cell_border(light, tag.id, candidate.detection.corners_px);
     });
   }
 

@@ -1,83 +1,59 @@
 #include "two_cell_border.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <optional>
+#include <cmath>
 
 #include "apriltrack/geometry/homography.h"
+#include "apriltrack/tags/tag_family.h"
+#include "tag_quad.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr double kMaxBrightShare = 0.25;  // of the second ring; of a one-cell border's tag about half is
+constexpr int kSamplesPerSide = 40;  // a whole number for each cell of both patterns
 
-/// Tag coordinates of the corners.
-const Quad kTagQuad = {Eigen::Vector2d(-1.0, 1.0), {1.0, 1.0}, {1.0, -1.0}, {-1.0, -1.0}};
-
-/// Light at the centres of the cells of the square that the corners bound.
-class CellSampler {
+/// Sums for the correlation of light with a pattern.
+class Correlation {
  public:
-  CellSampler(const LightSampler& light, const Eigen::Matrix3d& homography, int width)
-      : light_(light), homography_(homography), width_(width) {}
-
-  Eigen::Vector2d centre(int column, int row) const {
-    return Eigen::Vector2d(2 * column + 1, 2 * row + 1) / width_ - Eigen::Vector2d::Ones();
+  void add(double light, double pattern) {
+    ++count_;
+    light_ += light;
+    pattern_ += pattern;
+    light_squared_ += light * light;
+    pattern_squared_ += pattern * pattern;
+    product_ += light * pattern;
   }
-  std::optional<double> at(int column, int row) const {
-    return light_.at((homography_ * centre(column, row).homogeneous()).hnormalized());
+  double value() const {
+    const double covariance = count_ * product_ - light_ * pattern_;
+    const double variances =
+        (count_ * light_squared_ - light_ * light_) * (count_ * pattern_squared_ - pattern_ * pattern_);
+    return variances > 0.0 ? covariance / std::sqrt(variances) : 0.0;
   }
-  int last() const { return width_ - 1; }
-  /// 0 for the outermost cells.
-  int ring(int column, int row) const { return std::min({column, row, last() - column, last() - row}); }
 
  private:
-  const LightSampler& light_;
-  const Eigen::Matrix3d& homography_;
-  int width_;
+  double count_ = 0.0, light_ = 0.0, pattern_ = 0.0;
+  double light_squared_ = 0.0, pattern_squared_ = 0.0, product_ = 0.0;
 };
-
-/// Mean light of the code's white cells; nullopt when the image shows none.
-std::optional<double> white_of_code(const CellSampler& cells, const TagPattern& pattern) {
-  double sum = 0.0;
-  int count = 0;
-  for (int row = 0; row <= cells.last(); ++row) {
-    for (int column = 0; column <= cells.last(); ++column) {
-      const Eigen::Vector2d centre = cells.centre(column, row);
-      if (cells.ring(column, row) < 2 || pattern.brightness(centre.x(), centre.y()) < 0.5) continue;
-      if (const auto light = cells.at(column, row)) {
-        sum += *light;
-        ++count;
-      }
-    }
-  }
-  if (count == 0) return std::nullopt;
-  return sum / count;
-}
 
 }  // namespace
 
-bool has_two_cell_border(const LightSampler& light, const TagPattern& pattern, const Quad& corners_px) {
+bool has_two_cell_border(const LightSampler& light, int id, const Quad& corners_px) {
   const auto homography = estimate_homography(kTagQuad, corners_px);
   if (!homography) return false;
-  const CellSampler cells(light, *homography, pattern.width_at_border());
-  const std::optional<double> white = white_of_code(cells, pattern);
-  if (!white) return false;
-  int bright = 0;
-  int count = 0;
-  for (int row = 1; row < cells.last(); ++row) {
-    for (int column = 1; column < cells.last(); ++column) {
-      if (cells.ring(column, row) != 1) continue;
-      // The neighbour in the first ring, so that light which varies over the tag does not matter.
-      const int outer_column = column == 1 ? 0 : column == cells.last() - 1 ? cells.last() : column;
-      const int outer_row = row == 1 ? 0 : row == cells.last() - 1 ? cells.last() : row;
-      const auto inner = cells.at(column, row);
-      const auto outer = cells.at(outer_column, outer_row);
-      if (!inner || !outer) continue;
-      ++count;
-      if (*inner - *outer > 0.5 * (*white - *outer)) ++bright;
+  const TagPattern one_cell = TagFamily::get("tag36h11").pattern(id);
+  const TagPattern two_cells = TagFamily::get("tag36h11b2").pattern(id);
+  Correlation as_one_cell, as_two_cells;
+  for (int row = 0; row < kSamplesPerSide; ++row) {
+    for (int column = 0; column < kSamplesPerSide; ++column) {
+      const Eigen::Vector2d point =
+          Eigen::Vector2d(2 * column + 1, 2 * row + 1) / kSamplesPerSide - Eigen::Vector2d::Ones();
+      const auto seen = light.at((*homography * point.homogeneous()).hnormalized());
+      if (!seen) continue;
+      as_one_cell.add(*seen, one_cell.brightness(point.x(), point.y()));
+      as_two_cells.add(*seen, two_cells.brightness(point.x(), point.y()));
     }
   }
-  return count > 0 && bright <= kMaxBrightShare * count;
+  return as_two_cells.value() > as_one_cell.value();
 }
 
 }  // namespace apriltrack

@@ -26,8 +26,8 @@ struct CalibrationOptions {
   /// not average, and the fit hides most of it from the residuals. Counts for the covariance only; 0 = none.
   /// Of our own renderer's pictures 0.03 is true, of path-traced ones 0.07 (docs/algorithms/calibration.md).
   double corner_bias_px = 0.05;
-  /// Larger maps go without covariances, with a warning: they take 288 bytes times the square of the number
-  /// of tags (1000: 0.3 GB).
+  /// Larger maps go without covariances, with a warning: they take 0.3 kB times the square of the number of
+  /// tags, and 0.4 kB for each two that are seen together (1000 tags: 0.3 to 0.7 GB).
   int max_tags_with_covariance = 1000;
   int min_views = 2;  ///< Tags seen in fewer frames together with others are left out and named.
   int max_iterations = 100;
