@@ -67,7 +67,7 @@ class Search {
     const Matrix12d L = Eigen::LLT<Matrix12d>(proposal.covariance).matrixL();
     std::vector<Particle> cloud(static_cast<std::size_t>(options_.num_particles));
     for (std::size_t i = 0; i < cloud.size(); ++i) {
-      RandomStream random(options_.seed, options_.frame_index, round * cloud.size() + i);
+      RandomStream random(options_.seed, options_.index, round * cloud.size() + i);
       const bool is_wide =
           round == 0 && static_cast<double>(i) < kWideShare * static_cast<double>(cloud.size());
       Vector12d z;

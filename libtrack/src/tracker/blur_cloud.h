@@ -11,7 +11,7 @@ namespace apriltrack {
 struct CloudOptions {
   int num_particles = 240;  ///< In each round.
   std::uint64_t seed = 0;
-  std::uint64_t frame_index = 0;
+  std::uint64_t index = 0;  ///< Of this search among those of the recording: the key of its numbers.
 };
 
 /// States worth a fit, best first, at most six, apart from each other: the survivors of a search around

@@ -14,6 +14,9 @@ namespace {
 
 /// Explained well enough to look no further: what a right state reaches where nothing hides the tags.
 constexpr double kGoodCorrelation = 0.94;
+/// Explained so badly that a second, larger cloud may find what the first missed.
+constexpr double kPoorCorrelation = 0.85;
+constexpr int kMaxClouds = 2;
 constexpr double kMaxPriorCost = 30.0;  // -log of the prior, beyond which its Gaussian is not to be trusted
 constexpr double kMaxPriorDistance = 6.0;  // standard deviations of the pose
 constexpr double kAccelerationShare = 0.7;
@@ -71,8 +74,11 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
     found.push_back(explained(frame, start, belief.has_value(), {}));
   sort_by_score(found);
   if (found.empty()) return found;
-  if (found.front().mean_correlation < kGoodCorrelation) search(frame, belief, found);
-  sort_by_score(found);
+  for (int cloud = 0; cloud < kMaxClouds; ++cloud) {
+    if (found.front().mean_correlation >= (cloud == 0 ? kGoodCorrelation : kPoorCorrelation)) break;
+    search(frame, belief, cloud, found);
+    sort_by_score(found);
+  }
   if (frame.interval_s && !found.front().is_cold) accelerate(frame, found.front());
   return found;
 }
@@ -119,7 +125,7 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
   return explanation;
 }
 
-void BlurExplainer::search(const BlurFrame& frame, const std::optional<MotionBelief>& belief,
+void BlurExplainer::search(const BlurFrame& frame, const std::optional<MotionBelief>& belief, int cloud,
                            std::vector<Explanation>& found) {
   std::vector<Start> bases;
   if (belief) bases.push_back({belief->mean, *belief, false});
@@ -130,7 +136,8 @@ void BlurExplainer::search(const BlurFrame& frame, const std::optional<MotionBel
   std::vector<MotionState> seeds;
   for (const Explanation& explanation : found) seeds.push_back(explanation.fit.state);
   for (const Start& base : bases) {
-    const CloudOptions options{options_.num_particles, options_.seed, frame.index};
+    const CloudOptions options{(1 + cloud) * options_.num_particles, options_.seed,
+                               kMaxClouds * frame.index + static_cast<std::uint64_t>(cloud)};
     for (const MotionState& state : search_cloud(world_, frame.photometric, base.prior, seeds, options))
       found.push_back(explained(frame, {state, base.prior, base.is_cold}, belief.has_value(), {}));
   }

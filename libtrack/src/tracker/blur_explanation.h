@@ -48,7 +48,8 @@ class BlurExplainer {
   };
 
   std::vector<Start> starts(const BlurFrame& frame, const std::optional<MotionBelief>& belief) const;
-  void search(const BlurFrame& frame, const std::optional<MotionBelief>& belief,
+  /// cloud: 0, or 1 for the one after.
+  void search(const BlurFrame& frame, const std::optional<MotionBelief>& belief, int cloud,
               std::vector<Explanation>& found);
   void accelerate(const BlurFrame& frame, Explanation& best);
   Explanation explained(const BlurFrame& frame, const Start& start, bool has_belief,
