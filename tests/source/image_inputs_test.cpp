@@ -11,6 +11,8 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
 
 void write_frames(const fs::path& folder, const std::vector<std::string>& names) {
   int seed = 0;
@@ -80,8 +82,8 @@ TEST(ImageFolder, HandsOutDamagedImagesAsUnreadableFrames) {
   const auto frames = read_all(folder.string());
   EXPECT_THAT(times_of(frames), ElementsAre(1, 2, 3, 4));
   EXPECT_TRUE(frames[0].is_readable());
-  EXPECT_THAT(frames[1].error, HasSubstr("2.jpg: the file is empty"));
-  EXPECT_THAT(frames[2].error, HasSubstr("3.png: is not an image"));
+  EXPECT_EQ(frames[1].error, "the file is empty");
+  EXPECT_THAT(frames[2].error, StartsWith("is not an image"));
   EXPECT_TRUE(frames[1].pixels.is_empty());
   EXPECT_TRUE(frames[3].is_readable());
 }
@@ -132,6 +134,7 @@ TEST(ImageFolder, HandsOutALoopOfLinksAsAnUnreadableFrame) {
     ASSERT_THAT(times_of(frames), ElementsAre(1, 2)) << input;
     EXPECT_TRUE(frames[0].is_readable());
     EXPECT_THAT(frames[1].error, HasSubstr("symbolic links"));
+    EXPECT_THAT(frames[1].error, Not(HasSubstr("2.pgm")));  // which is the frame's name
   }
 }
 
@@ -305,7 +308,7 @@ TEST_F(Euroc, CountsAListedButMissingImageAsUnreadable) {
   write_csv("1,gone.pgm\n2,1403636579813555456.pgm\n");
   const auto frames = read_all(camera_.string());
   ASSERT_THAT(times_of(frames), ElementsAre(1, 2));
-  EXPECT_THAT(frames[0].error, HasSubstr("gone.pgm: no such file"));
+  EXPECT_EQ(frames[0].error, "no such file");
   EXPECT_TRUE(frames[1].is_readable());
 }
 

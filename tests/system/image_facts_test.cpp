@@ -78,12 +78,14 @@ TEST_F(ImageFacts, ACorruptImageAmongGoodOnesIsCountedAndNotTheEnd) {
   write_text(path("frames/2000000000.pgm"), "no image");
   for (const ProgramRun& run : {track(), calibrate(), detect()}) {
     EXPECT_THAT(run, EndsWith(1, "1 of 2 frames"));  // 1: the good image shows no tag
-    EXPECT_THAT(run, EndsWith(1, "2000000000.pgm"));
+    EXPECT_THAT(run, EndsWith(1, "2000000000.pgm: is not an image"));
+    EXPECT_EQ(run.err.find("2000000000.pgm"), run.err.rfind("2000000000.pgm")) << run.err;
   }
 }
 
 TEST_F(ImageFacts, AFolderOfWhichNothingIsReadableIs3) {
   write_text(path("frames/1000000000.pgm"), "no image");
+  EXPECT_THAT(detect(), EndsWith(3, "the first: " + path("frames/1000000000.pgm") + ": is not an image"));
   EXPECT_THAT(track(), EndsWith(3, "frames"));
   EXPECT_THAT(calibrate(), EndsWith(3, "frames"));
   EXPECT_THAT(detect(), EndsWith(3, "frames"));
