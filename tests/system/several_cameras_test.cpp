@@ -118,6 +118,20 @@ TEST_F(OwnCameraFiles, ThatDifferAreRefusedByName) {
   }
 }
 
+TEST_F(OwnCameraFiles, AreNotLentToOtherInputs) {
+  write_sequence("a", pinhole_entry("cam0"));
+  write_sequence("b", pinhole_entry("cam0"));
+  fs::remove(path("b") + "/camera.yaml");
+  for (const std::string& other : {path("b"), path("a") + "/frames"}) {  // one is a folder of images
+    const std::string asked =
+        "--camera: is required: '" + other + "' is no sequence folder with a camera.yaml";
+    EXPECT_THAT(calibrate({path("a"), other}), EndsWith(2, asked));
+    EXPECT_THAT(calibrate({other, path("a")}), EndsWith(2, asked));
+    EXPECT_THAT(calibrate({path("a"), other, "--camera", path("a") + "/camera.yaml"}),
+                EndsWith(1, "no tags"));
+  }
+}
+
 TEST_F(OwnCameraFiles, ThatSayTheSameAreTaken) {
   write_sequence("a", pinhole_entry("cam0") + "  exposure_time: 0.003\n");
   write_sequence("b", "# made later\n" + pinhole_entry("cam0") + "  exposure_time: 0.016\n");
