@@ -69,6 +69,20 @@ TEST_F(Outputs, AFailedRunReplacesNoneOfItsFiles) {
     EXPECT_NE(entry.path().extension(), ".new") << entry.path();
 }
 
+TEST_F(Outputs, OfOneRunAreDifferentFilesButMayBeOneDevice) {
+  const fs::path tum = folder_ / "camera.tum";
+  std::vector<std::string> words = track(tum);
+  words.insert(words.end(), {"--frames-csv", folder_ / "." / "camera.tum"});
+  EXPECT_THAT(run_program(words), EndsWith(2, "--frames-csv: is the file of --output"));
+  write_text(tum, "keep\n");
+  EXPECT_THAT(run_program(words), EndsWith(2, "--frames-csv: is the file of --output"));
+  EXPECT_EQ(read_text(tum), "keep\n");
+  words = track("/dev/null");
+  words.insert(words.end(), {"--frames-csv", "/dev/null"});
+  const ProgramRun run = run_program(words);
+  EXPECT_EQ(run.status, 0) << run.err;
+}
+
 TEST_F(Outputs, ADemoReplacesOnlyWhatADemoMade) {
   EXPECT_EQ(run_program(
                 {"simulate", "--scene", "single", "--frames", "1", "--output", folder_ / "gentle", "--quiet"})
