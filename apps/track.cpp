@@ -47,6 +47,14 @@ struct Arguments {
   }
 };
 
+/// A device or a pipe is no file that one output would take from the other.
+bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;  // check_output has said what is wrong with the names
+  if (fs::exists(a, ignored) && !fs::is_regular_file(a, ignored)) return false;
+  return fs::weakly_canonical(a) == fs::weakly_canonical(b);
+}
+
 void check_arguments(const CLI::App& command, const Arguments& arguments) {
   if (arguments.input.empty() == arguments.detections.empty()) {
     throw invalid_input("track", "give either INPUT or --detections FILE");
@@ -64,8 +72,7 @@ void check_arguments(const CLI::App& command, const Arguments& arguments) {
   check_output(arguments.output, "--output", read);
   if (arguments.frames_csv.empty()) return;
   check_output(arguments.frames_csv, "--frames-csv", read);
-  if (std::filesystem::weakly_canonical(arguments.frames_csv) ==
-      std::filesystem::weakly_canonical(arguments.output))
+  if (is_same_file(arguments.frames_csv, arguments.output))
     throw invalid_input("--frames-csv", "is the file of --output: name another");
 }
 

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "apriltrack/base/error.h"
 #include "bundle_adjustment.h"
+#include "contradictions.h"
 #include "mirror_test.h"
 #include "noise_correlation.h"
 #include "tag_covariance.h"
@@ -87,6 +90,12 @@ std::vector<std::size_t> inliers(const Observations& observations, const std::ve
   return kept;
 }
 
+[[noreturn]] void fail_as_contradictory(const Observations& observations, int held_tag) {
+  throw no_result("calibrate", fmt::format("the observations around {} contradict each other: {}",
+                                           to_string(observations.tags[static_cast<std::size_t>(held_tag)]),
+                                           kWhatToCheck));
+}
+
 /// What of `part` the views still tie to the held tag; an empty part when it stands alone.
 Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,
                   int min_views) {
@@ -123,11 +132,7 @@ Part adjust_cleanly(const Observations& observations, const Part& part, int held
   for (int round = 0; round < kMaxRounds; ++round) {
     Part next =
         connected_to(observations, inliers(observations, part.views, state), held_tag, options.min_views);
-    if (next.tags.size() < 2)
-      throw no_result(
-          "calibrate",
-          fmt::format("the observations around {} contradict each other: {}",
-                      to_string(observations.tags[static_cast<std::size_t>(held_tag)]), kWhatToCheck));
+    if (next.tags.size() < 2) fail_as_contradictory(observations, held_tag);
     if (next.views == kept.views) return kept;
     kept = std::move(next);
     const AdjustmentSummary summary =
@@ -187,22 +192,128 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
     solution.covariances.push_back({variance * repetition * tag.by_noise, bias * bias * tag.by_bias});
 }
 
+/// Everything that the solving of a part needs besides the part.
+struct Task {
+  const Observations& observations;
+  const std::vector<ViewCandidates>& candidates;
+  const CalibrationOptions& options;
+};
+
+/// An adjusted part, and how it agrees with its frames.
+struct Attempt {
+  int held_tag = 0;
+  Part part;
+  MapState state;
+  Contradictions contradictions;
+  std::optional<int> culprit = std::nullopt;  ///< Left out before.
+};
+
+Attempt attempt(const Task& task, const Part& part, int held_tag, const ParallelFor& parallel) {
+  const auto& [observations, candidates, options] = task;
+  Attempt result{.held_tag = held_tag,
+                 .part = {},
+                 .state = start_state(observations, part, held_tag, candidates, parallel),
+                 .contradictions = {}};
+  adjust_robustly(observations, part, held_tag, options, result.state);
+  for (int round = 0; round < kMaxRounds; ++round) {
+    if (turn_mirrored_tags(observations, part, held_tag, result.state).empty()) break;
+    adjust_robustly(observations, part, held_tag, options, result.state);
+  }
+  result.part = adjust_cleanly(observations, part, held_tag, options, result.state);
+  result.contradictions =
+      find_contradictions(observations, part, inliers(observations, part.views, result.state));
+  return result;
+}
+
+/// The same without one tag; nullopt where nothing is left, where it is held by choice, and where what is
+/// left contradicts itself.
+std::optional<Attempt> attempt_without(const Task& task, const Part& part, int tag, int held_tag) {
+  const auto& [observations, candidates, options] = task;
+  std::vector<std::size_t> views = part.views;
+  std::erase_if(views, [&](std::size_t v) { return task.observations.views[v].tag == tag; });
+  Part rest;
+  if (tag != held_tag) {
+    rest = connected_to(observations, views, held_tag, options.min_views);
+  } else if (!options.held_tag || observations.tags[static_cast<std::size_t>(tag)] != *options.held_tag) {
+    std::vector<Part> parts = find_parts(observations, views, options.min_views).parts;
+    if (!parts.empty()) rest = std::move(parts.front());
+  }
+  if (rest.tags.size() < 2) return std::nullopt;
+  try {
+    Attempt result = attempt(task, rest, tag == held_tag ? rest.tags.front() : held_tag, parallel_for(1));
+    if (result.contradictions.are_there()) return std::nullopt;
+    return result;
+  } catch (const Error&) {  // contradictory, or not converged: so this tag is not the cause
+    return std::nullopt;
+  }
+}
+
+/// Tags whose absence might explain the contradictions: any of a small map, for an id that hangs in two
+/// places folds the map, and frames far from both are rejected; of a large one those that are rejected.
+std::vector<int> suspects(const Part& part, const Contradictions& contradictions) {
+  constexpr std::size_t kMaxTrials = 40;
+  if (part.tags.size() <= kMaxTrials) return part.tags;
+  std::set<int> tags(contradictions.tags.begin(), contradictions.tags.end());
+  for (const auto& [a, b] : contradictions.links) tags.insert({a, b});
+  std::vector<int> some(tags.begin(), tags.end());
+  some.resize(std::min(some.size(), kMaxTrials));
+  return some;
+}
+
+[[noreturn]] void fail_with_contradictions(const Observations& observations,
+                                           const Contradictions& contradictions) {
+  const auto name = [&](int tag) { return to_string(observations.tags[static_cast<std::size_t>(tag)]); };
+  std::string what;
+  for (const int tag : contradictions.tags) what += (what.empty() ? "" : ", ") + name(tag);
+  for (const auto& [a, b] : contradictions.links)
+    what += (what.empty() ? "" : ", ") + name(a) + " with " + name(b);
+  throw no_result("calibrate",
+                  fmt::format("{} of {} frames contradict the others, and no one tag is clearly the cause; "
+                              "most contradicted: {}. Does an id hang in two places? {}",
+                              contradictions.contradicting, contradictions.frames, what, kWhatToCheck));
+}
+
+/// The part without the one tag whose absence leaves no contradictions, and the most tags.
+Attempt without_culprit(const Task& task, const Part& part, const Attempt& first, const ParallelFor& parallel,
+                        const LogSink& log) {
+  const Contradictions& contradictions = first.contradictions;
+  const std::vector<int> tags = suspects(part, contradictions);
+  std::vector<std::optional<Attempt>> trials(tags.size());
+  if (2 * contradictions.contradicting <= contradictions.frames)
+    parallel(tags.size(),
+             [&](std::size_t i) { trials[i] = attempt_without(task, part, tags[i], first.held_tag); });
+  std::size_t best = tags.size(), most = 0, num_best = 0;  // of those that help
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const std::size_t kept = trials[i] ? trials[i]->part.tags.size() : 0;
+    if (kept > most) {
+      best = i;
+      most = kept;
+      num_best = 0;
+    }
+    if (kept == most && kept > 0) ++num_best;
+  }
+  if (num_best != 1) fail_with_contradictions(task.observations, contradictions);
+  log(LogLevel::kInfo, fmt::format("{} is left out: with it, {} of {} frames contradict each other",
+                                   to_string(task.observations.tags[static_cast<std::size_t>(tags[best])]),
+                                   contradictions.contradicting, contradictions.frames));
+  Attempt result = std::move(*trials[best]);
+  result.culprit = tags[best];
+  return result;
+}
+
 }  // namespace
 
 PartSolution solve_part(const Observations& observations, const Part& part, int held_tag,
                         const std::vector<ViewCandidates>& candidates, const CalibrationOptions& options,
                         const ParallelFor& parallel, const LogSink& log) {
+  const Task task{observations, candidates, options};
+  Attempt solved = attempt(task, part, held_tag, parallel);
+  if (solved.contradictions.are_there()) solved = without_culprit(task, part, solved, parallel, log);
   PartSolution solution;
-  solution.held_tag = held_tag;
-  solution.state = start_state(observations, part, held_tag, candidates, parallel);
-  adjust_robustly(observations, part, held_tag, options, solution.state);
-  for (int round = 0; round < kMaxRounds; ++round) {
-    const std::vector<int> turned = turn_mirrored_tags(observations, part, held_tag, solution.state);
-    if (turned.empty()) break;
-    log(LogLevel::kInfo, fmt::format("{} tags turned to their mirrored pose", turned.size()));
-    adjust_robustly(observations, part, held_tag, options, solution.state);
-  }
-  solution.part = adjust_cleanly(observations, part, held_tag, options, solution.state);
+  solution.held_tag = solved.held_tag;
+  solution.culprit = solved.culprit;
+  solution.part = std::move(solved.part);
+  solution.state = std::move(solved.state);
   measure_covariances(observations, options, solution);
 
   solution.views_offered = part.views.size();
@@ -211,6 +322,7 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
     ++solution.views_offered_by_tag[static_cast<std::size_t>(observations.views[v].tag)];
   std::set_difference(part.tags.begin(), part.tags.end(), solution.part.tags.begin(),
                       solution.part.tags.end(), std::back_inserter(solution.lost_tags));
+  if (solution.culprit) std::erase(solution.lost_tags, *solution.culprit);
   if (!(solution.total_rms_px < kNonsense_px))
     throw no_result(
         "calibrate",
