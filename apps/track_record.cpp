@@ -111,13 +111,22 @@ TrackRecord::SeveralTags TrackRecord::frames_with_several_tags() const {
   return result;
 }
 
+std::size_t TrackRecord::count(TrackStatus status) const {
+  const std::string word = to_string(status);
+  const auto is_it = [&](const FrameLogRow& row) { return row.status == word; };
+  return static_cast<std::size_t>(std::count_if(rows_.begin(), rows_.end(), is_it));
+}
+
 double TrackRecord::latency_ms(double fraction) const {
   return percentile(latencies_ms_, fraction);
 }
 
 nlohmann::json TrackRecord::summary() const {
   return {{"frames", rows_.size()},
-          {"detected", trajectory_.size()},
+          {"with_pose", trajectory_.size()},
+          {"detected", count(TrackStatus::kDetected)},
+          {"tracked", count(TrackStatus::kTracked)},
+          {"predicted", count(TrackStatus::kPredicted)},
           {"lost", num_lost()},
           {"unreadable", num_unreadable_},
           {"lost_reasons", lost_reasons_},
@@ -127,9 +136,14 @@ nlohmann::json TrackRecord::summary() const {
 }
 
 std::string TrackRecord::text() const {
+  // Of how the poses came about only what a method that tracks has to tell.
+  const std::size_t tracked = count(TrackStatus::kTracked), predicted = count(TrackStatus::kPredicted);
+  const std::string kinds =
+      tracked + predicted == 0 ? "" : fmt::format(" ({} tracked, {} predicted)", tracked, predicted);
   return fmt::format(
-      "{} frames: {} with a pose, {} lost, {} unreadable; latency {:.1f} ms (p50), {:.1f} ms (p99)",
-      rows_.size(), trajectory_.size(), num_lost(), num_unreadable_, latency_ms(0.50), latency_ms(0.99));
+      "{} frames: {} with a pose{}, {} lost, {} unreadable; latency {:.1f} ms (p50), {:.1f} ms (p99)",
+      rows_.size(), trajectory_.size(), kinds, num_lost(), num_unreadable_, latency_ms(0.50),
+      latency_ms(0.99));
 }
 
 }  // namespace apriltrack::app

@@ -40,6 +40,7 @@ class TrackRecord {
 
  private:
   std::size_t num_lost() const { return rows_.size() - trajectory_.size() - num_unreadable_; }
+  std::size_t count(TrackStatus status) const;
   double latency_ms(double fraction) const;
 
   Trajectory trajectory_;

@@ -14,8 +14,10 @@ namespace {
 
 /// Explained well enough to look no further: what a right state reaches where nothing hides the tags.
 constexpr double kGoodCorrelation = 0.94;
-/// Explained so badly that a second, larger cloud may find what the first missed.
+/// Explained so badly that a second, larger cloud may find what the first missed; later after the last
+/// evidence than this the prior is too wide for any.
 constexpr double kPoorCorrelation = 0.85;
+constexpr double kMaxSecondCloudAge_s = 0.1;
 constexpr int kMaxClouds = 2;
 constexpr double kMaxPriorCost = 30.0;  // -log of the prior, beyond which its Gaussian is not to be trusted
 constexpr double kMaxPriorDistance = 6.0;  // standard deviations of the pose
@@ -74,7 +76,8 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
     found.push_back(explained(frame, start, belief.has_value(), {}));
   sort_by_score(found);
   if (found.empty()) return found;
-  for (int cloud = 0; cloud < kMaxClouds; ++cloud) {
+  const bool is_recent = frame.interval_s && *frame.interval_s <= kMaxSecondCloudAge_s;
+  for (int cloud = 0; cloud < (is_recent ? kMaxClouds : 1); ++cloud) {
     if (found.front().mean_correlation >= (cloud == 0 ? kGoodCorrelation : kPoorCorrelation)) break;
     search(frame, belief, cloud, found);
     sort_by_score(found);
