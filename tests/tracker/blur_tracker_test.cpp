@@ -170,6 +170,35 @@ TEST(BlurTrackerStatistics, ClaimsNoPoseThatIsWrong) {
   EXPECT_GE(num_hard, 2) << "no test of strong blur";
 }
 
+TEST(BlurTracker, TheMapsCovarianceWidensThePoses) {
+  const BlurFilm& film = shaken_camera();
+  RandomStream random(9);
+  constexpr int kMaps = 24;
+  double mean = 0.0, mean_untold = 0.0;
+  for (int run = 0; run < kMaps; ++run) {
+    TagMap map = film.scene.map;
+    for (MapTag& tag : map.tags) {
+      Vector6d sigma;
+      sigma << Eigen::Vector3d::Constant(0.002), Eigen::Vector3d::Constant(0.004);  // 0.5 px
+      Vector6d eta;
+      for (Eigen::Index i = 0; i < 6; ++i) eta[i] = sigma[i] * random.normal();
+      tag.T_map_tag = tag.T_map_tag * Pose::exp(eta);
+      tag.covariance = sigma.cwiseAbs2().asDiagonal();
+    }
+    const TrackResult told =
+        BlurTracker(film.scene.camera, map, {}).track(film.frames[0].frame(), film.detections[0]);
+    for (MapTag& tag : map.tags) tag.covariance.reset();
+    const TrackResult untold =
+        BlurTracker(film.scene.camera, map, {}).track(film.frames[0].frame(), film.detections[0]);
+    ASSERT_TRUE(told.pose && untold.pose) << "run " << run;
+    mean += normalised_error(told, film.frames[0].truth) / kMaps;
+    mean_untold += normalised_error(untold, film.frames[0].truth) / kMaps;
+  }
+  EXPECT_GT(mean, 0.3);
+  EXPECT_LT(mean, 3.0);
+  EXPECT_GT(mean_untold, 10.0) << "no test of the map's share";
+}
+
 TEST(BlurTracker, StartsColdAtTheFirstTagThatIsRead) {
   const BlurFilm& film = waved_tag();
   int num_waiting = 0;

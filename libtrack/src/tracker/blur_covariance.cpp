@@ -2,6 +2,10 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <vector>
+
+#include "map_uncertainty.h"
+#include "pose_adjustment.h"
 
 namespace apriltrack {
 namespace {
@@ -42,6 +46,27 @@ Matrix12d fit_covariance(const PhotometricWorld& world, const MotionFit& fit) {
   if (!fit.tags.empty() && factor.rcond() > 1e-14)
     covariance.topLeftCorner<6, 6>() += factor.solve(Matrix6d::Identity());
   return 0.5 * (covariance + covariance.transpose());
+}
+
+Matrix6d map_covariance(const PhotometricWorld& world, const MotionFit& fit) {
+  std::vector<TagObservation> seen(fit.tags.size());
+  std::vector<const TagObservation*> observations;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const MapTag& tag = world.tags[static_cast<std::size_t>(fit.tags[i].tag_index)].tag;
+    seen[i].tag = &tag;
+    seen[i].corners_map = corners_in_map(tag);
+    observations.push_back(&seen[i]);
+  }
+  const Pose T_camera_map = camera_from_map(fit.state.pose, world.mode);
+  const Eigen::LLT<Matrix6d> information(corner_information(world.model, observations, T_camera_map));
+  if (seen.empty() || information.info() != Eigen::Success) return Matrix6d::Zero();
+  const Matrix6d covariance =
+      map_uncertainty(world.model, observations, T_camera_map, information.solve(Matrix6d::Identity()))
+          .covariance;
+  if (!covariance.allFinite()) return Matrix6d::Zero();
+  if (world.mode == TrackMode::kJoint) return covariance;
+  const Matrix6d adjoint = T_camera_map.adjoint();  // to the perturbation of the inverse
+  return adjoint * covariance * adjoint.transpose();
 }
 
 }  // namespace apriltrack

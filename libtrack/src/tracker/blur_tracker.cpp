@@ -86,7 +86,7 @@ class BlurTracker::Implementation {
     } else if (belief) {
       result.status = TrackStatus::kPredicted;
       result.pose = belief->mean.pose;
-      result.covariance = belief->covariance.topLeftCorner<6, 6>();
+      result.covariance = belief->covariance.topLeftCorner<6, 6>() + map_covariance_;
     } else {
       belief_.reset();
       result.reason = detections.empty() ? "no tag seen, and no recent pose to look from"
@@ -163,7 +163,8 @@ class BlurTracker::Implementation {
     MotionBelief belief{best.fit.state, fit_covariance(*world_, best.fit)};
     belief.mean.acceleration.setZero();
     result.pose = belief.mean.pose;
-    result.covariance = belief.covariance.topLeftCorner<6, 6>();
+    map_covariance_ = map_covariance(*world_, best.fit);
+    result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_;
     result.tags_tracked = static_cast<int>(best.fit.tags.size());
     for (const Explanation& other : found) {
       const double odds = std::exp(other.score - best.score);
@@ -189,7 +190,8 @@ class BlurTracker::Implementation {
   std::optional<Detector> detector_;  ///< Made by prepare(): detections from a file need none.
   std::optional<PhotometricWorld> world_;
   std::optional<BlurExplainer> explainer_;
-  std::optional<MotionBelief> belief_;  ///< At evidence_time_.
+  std::optional<MotionBelief> belief_;          ///< At evidence_time_.
+  Matrix6d map_covariance_ = Matrix6d::Zero();  ///< What the map adds to it.
   Timestamp evidence_time_;
   ContrastMemory contrasts_;
   bool is_confirmed_ = false;  ///< Evidence in every frame since one with a detection that agrees.
