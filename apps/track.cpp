@@ -146,14 +146,16 @@ MethodOptions method_options(const Arguments& arguments) {
 }
 
 /// Single tags still give poses in the map of another place: who reads only these would not notice.
-void warn_of_contradictions(const TrackRecord& record, const Console& console) {
+void warn_of_contradictions(const TrackRecord& record, const Console& console,
+                            std::vector<std::string>& warnings) {
   const auto [frames, without_pose] = record.frames_with_several_tags();
   constexpr std::size_t kFew = 3;
   if (without_pose < kFew || 5 * without_pose < frames) return;
-  console.warning(
+  warnings.push_back(
       fmt::format("in {} of {} frames with several tags these do not agree on a pose: is this the map of "
                   "this place, with the right tag sizes? Poses from single tags cannot tell",
                   without_pose, frames));
+  console.warning(warnings.back());
 }
 
 void finish(const Arguments& arguments, const TrackRecord& record, bool was_interrupted,
@@ -191,7 +193,7 @@ void run(const CLI::App& command, const Arguments& arguments) {
   if (!has_images) detections = load_detections(arguments.detections, rig, camera.name);
   const bool was_interrupted = has_images ? track_images(arguments, camera, method, record)
                                           : track_detections(arguments, detections, method, record);
-  warn_of_contradictions(record, arguments.console);
+  warn_of_contradictions(record, arguments.console, warnings);
   record.check_has_pose(has_images ? arguments.input : arguments.detections, map);
   StagedFiles outputs;
   write_tum(outputs.stage(arguments.output), record.trajectory());

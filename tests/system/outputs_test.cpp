@@ -1,6 +1,6 @@
 // What a run may replace, and what not.
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -168,7 +168,14 @@ TEST_F(Outputs, TheMapOfAnotherPlaceIsToldOf) {
   std::vector<std::string> words = track(folder_ / "o.tum");
   EXPECT_EQ(run_program(words).err, "") << "with the right map there is nothing to tell";
   words.insert(words.end(), {"--map", wrong});
-  EXPECT_THAT(run_program(words), EndsWith(0, "frames with several tags these do not agree on a pose"));
+  const std::string contradiction = "frames with several tags these do not agree on a pose";
+  EXPECT_THAT(run_program(words), EndsWith(0, contradiction));
+  const nlohmann::json summary = run_for_json(words);
+  ASSERT_EQ(summary["warnings"].size(), 1U);
+  EXPECT_THAT(summary["warnings"][0].get<std::string>(), ::testing::HasSubstr(contradiction));
+  EXPECT_THAT(
+      run_program({"map", "align", fs::path(room_) / "map.yaml", wrong, "--output", folder_ / "a.yaml"}),
+      EndsWith(0, "are they of one place?"));
 }
 
 }  // namespace
