@@ -10,6 +10,7 @@ namespace apriltrack {
 struct ImageIntegrity {
   std::int64_t width = 0;  ///< 0 when the format is not one of those looked into (PNG, JPEG, PNM, BMP).
   std::int64_t height = 0;
+  int full_scale = 0;  ///< Grey level of white that the header of a PNM file tells; 0 of other formats.
   std::string damage;  ///< Empty when nothing is wrong.
 };
 
