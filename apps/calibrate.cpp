@@ -58,9 +58,11 @@ void run(CLI::App& command, CalibrateOptions& a) {
   const CameraRig rig = read_cameras(camera, a.console.log());
   const TagSizes sizes = tag_sizes(a);
   const std::vector<Recording> recordings = parse_recordings(a.inputs, rig, a.camera_name);
-  const std::vector<std::string> warnings = warnings_of(rig, a.camera_name, recordings);
+  std::vector<std::string> warnings = warnings_of(rig, a.camera_name, recordings);
   for (const std::string& warning : warnings) a.console.warning(warning);
   const Sightings sightings = gather(a, rig, recordings);
+  for (const std::string& warning : sightings.warnings) a.console.warning(warning);
+  warnings.insert(warnings.end(), sightings.warnings.begin(), sightings.warnings.end());
 
   a.calibration.num_threads = a.num_threads;
   if (!a.held_tag.empty()) a.calibration.held_tag = parse_held_tag(a, sightings);

@@ -41,6 +41,16 @@ bool is_same_rig(const fs::path& first, const fs::path& second) {
   return std::ranges::equal(read_cameras(first).cameras, read_cameras(second).cameras, is_same_camera);
 }
 
+Error without_file(const std::string& input, std::size_t num_inputs) {
+  if (num_inputs == 1)
+    return invalid_input("--camera",
+                         "is required: the input is no sequence folder with a camera.yaml of its own");
+  return invalid_input(
+      "--camera", fmt::format("is required: '{}' is no sequence folder with a camera.yaml of its own, and "
+                              "another input's need not be the camera that filmed it",
+                              input));
+}
+
 }  // namespace
 
 fs::path camera_file(const CalibrateOptions& a) {
@@ -48,7 +58,7 @@ fs::path camera_file(const CalibrateOptions& a) {
   std::optional<fs::path> first;
   for (const std::string& input : a.inputs) {
     const auto own = sequence_camera_file(split_input(input).input);
-    if (!own) continue;
+    if (!own) throw without_file(input, a.inputs.size());
     if (!first) {
       first = own;
     } else if (!is_same_rig(*first, *own)) {
@@ -59,8 +69,7 @@ fs::path camera_file(const CalibrateOptions& a) {
     }
   }
   if (first) return *first;
-  throw invalid_input("--camera",
-                      "is required: the input is no sequence folder with a camera.yaml of its own");
+  throw invalid_input("--camera", "is required: a detection file brings no camera.yaml of its own");
 }
 
 }  // namespace apriltrack::app

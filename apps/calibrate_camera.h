@@ -7,7 +7,7 @@
 namespace apriltrack::app {
 
 /// --camera, else the sequence folders' own: the first one's, which the others must equal in all that a
-/// calibration asks (not in exposure). Throws Error(kInvalidInput) where there is none, or two that differ.
+/// calibration asks (not in exposure). Throws Error(kInvalidInput) where an input has none, or two differ.
 std::filesystem::path camera_file(const CalibrateOptions& options);
 
 }  // namespace apriltrack::app

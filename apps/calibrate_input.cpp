@@ -12,6 +12,15 @@
 #include "takes.h"
 
 namespace apriltrack::app {
+namespace {
+
+void bring_to_one_clock(Takes& takes, Sightings& all) {
+  Takes::OneClock result = takes.take_all();
+  all.frames = std::move(result.frames);
+  if (result.warning) all.warnings.push_back(*result.warning);
+}
+
+}  // namespace
 
 Recording split_input(const std::string& input) {
   const std::size_t equals = input.find('=');
@@ -50,6 +59,10 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
   Takes takes;
   for (const Recording& recording : recordings) {
     const Camera& camera = rig.find(recording.camera);
+    if (all.counts.is_interrupted) {  // what was to come tells still whose takes there are
+      takes.add(recording.input, {camera.name}, {});
+      continue;
+    }
     FrameLoopOptions options{detector, &camera, num_threads, "detect " + recording.input};
     options.detector.response = camera.response;
     SourceOptions source_of_camera = source_options;
@@ -60,13 +73,12 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
       if (frame.source.is_readable())
         frames.push_back({frame.source.timestamp, camera.name, std::move(frame.detections)});
     });
-    takes.add(std::move(frames));
+    takes.add(recording.input, {camera.name}, std::move(frames));
     all.counts.readable += counts.readable;
     all.counts.unreadable += counts.unreadable;
     all.counts.is_interrupted = counts.is_interrupted;
-    if (counts.is_interrupted) break;
   }
-  all.frames = takes.take_all();
+  bring_to_one_clock(takes, all);
   return all;
 }
 
@@ -78,10 +90,11 @@ Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig&
     std::vector<FrameDetections> frames = read_rig_detections(path, rig);
     if (!camera_name.empty())
       std::erase_if(frames, [&](const FrameDetections& frame) { return frame.camera != camera_name; });
-    for (const std::string& name : camera_names(frames)) rig.find(name);
-    takes.add(std::move(frames));
+    const std::vector<std::string> cameras = camera_names(frames);
+    for (const std::string& name : cameras) rig.find(name);
+    takes.add(path, {cameras.begin(), cameras.end()}, std::move(frames));
   }
-  all.frames = takes.take_all();
+  bring_to_one_clock(takes, all);
   all.counts.readable = all.frames.size();
   if (!camera_name.empty() && all.frames.empty()) {
     rig.find(camera_name);

@@ -23,6 +23,7 @@ struct Recording {
 struct Sightings {
   std::vector<FrameDetections> frames;  ///< In the order of time, by one clock (see Takes).
   FrameCounts counts;
+  std::vector<std::string> warnings;  ///< What to know of their times.
 };
 
 /// `cam1=PATH` names the camera. A path in which an = merely occurs has none: something of that very name is
@@ -34,12 +35,13 @@ std::vector<Recording> parse_recordings(const std::vector<std::string>& inputs, 
                                         const std::string& camera_name);
 
 /// Detects in every frame of every recording. Throws Error(kIo) when one cannot be read at all,
-/// Error(kInvalidInput) when images do not fit the camera.
+/// Error(kInvalidInput) when images do not fit the camera, or as Takes does.
 Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& rig,
                     const DetectorOptions& detector, const SourceOptions& source_options, int num_threads,
                     const Console& console);
 
-/// Reads detection files with read_rig_detections. camera_name: only this camera's rows; empty: all.
+/// Reads detection files with read_rig_detections. camera_name: only this camera's rows; empty: all. Throws
+/// as Takes does.
 Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig& rig,
                          const std::string& camera_name);
 

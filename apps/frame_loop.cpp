@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
-#include <filesystem>
 #include <thread>
 
 #include "apriltrack/base/error.h"
@@ -82,27 +81,6 @@ class ResolutionCheck {
   Size first_;  ///< Of a camera whose file tells no resolution.
 };
 
-/// Names of digits are times in nanoseconds. Where they are so close that no camera took them, they are
-/// numbers.
-class FrameNumberCheck {
- public:
-  void operator()(const SourceFrame& frame) {
-    constexpr std::int64_t kLeastPeriod_ns = 1000;
-    const std::string stem = std::filesystem::path(frame.name).stem().string();
-    const bool is_number = !stem.empty() && stem.find_first_not_of("0123456789") == std::string::npos;
-    if (is_number && before_ && frame.timestamp.ns - before_->ns < kLeastPeriod_ns)
-      throw invalid_input(
-          frame.name,
-          fmt::format("is {} ns after the frame before, as names of digits are times in "
-                      "nanoseconds; if they are frame numbers, give the frame rate with --rate HZ",
-                      frame.timestamp.ns - before_->ns));
-    before_ = frame.timestamp;
-  }
-
- private:
-  std::optional<Timestamp> before_;
-};
-
 class BatchDetector {
  public:
   explicit BatchDetector(const FrameLoopOptions& options)
@@ -116,7 +94,6 @@ class BatchDetector {
     while (batch.size() < kFramesPerThread * detectors_.size()) {
       std::optional<SourceFrame> frame = source.next();
       if (!frame) break;
-      check_number_(*frame);
       check_resolution_(*frame);
       batch.push_back(std::move(*frame));
     }
@@ -142,7 +119,6 @@ class BatchDetector {
     frame.latency_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
-  FrameNumberCheck check_number_;
   ResolutionCheck check_resolution_;
   ParallelFor parallel_for_;
   std::deque<Detector> detectors_;

@@ -39,8 +39,7 @@ struct FrameCounts {
 ///
 /// Ctrl-C ends it early. It warns of that and of unreadable frames before it returns, so that users hear the
 /// cause before what follows from it. Throws Error(kIo) when no frame can be read, Error(kInvalidInput) when
-/// no image has the camera's resolution
-/// (one of many is left out and counted as unreadable), or when names of digits are clearly no times.
+/// no image has the camera's resolution (one of many is left out and counted as unreadable).
 FrameCounts detect_frames(FrameSource& source, const FrameLoopOptions& options, const Console& console,
                           const std::function<void(DetectedFrame)>& sink);
 

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "apriltrack/eval/combine_maps.h"
 #include "apriltrack/eval/statistics.h"
 #include "map_command.h"
@@ -21,16 +23,41 @@ void note(TagMap& map, const std::string& key, const std::string& value) {
   map.provenance.emplace_back(key, value);
 }
 
+/// Maps of one place differ by millimetres; those of two places that share ids, or with a tag that moved, by
+/// more.
+void warn_of_misfit(const MapComparison& fit, const Console& console) {
+  const MergeOptions limits;
+  const TagDifference& worst = fit.tags[fit.worst];
+  if (worst.position_m > limits.max_position_difference_m ||
+      fit.rotation_rad.max > limits.max_rotation_difference_rad)
+    console.warning(
+        fmt::format("the maps differ by up to {:.1f} mm ({}) and {:.2f} deg: are they of one place?",
+                    kMmPerM * worst.position_m, to_string(worst.key), kDegPerRad * fit.rotation_rad.max));
+  for (const TagDifference& tag : fit.tags) {
+    if (std::abs(tag.size_difference_m) > 1e-9)
+      console.warning(fmt::format("tag {}: sizes differ by {:.3f} mm", to_string(tag.key),
+                                  kMmPerM * tag.size_difference_m));
+  }
+}
+
 void run_align(const MapOptions& options) {
   check_output(options.output, "--output", {options.first, options.second});
   AlignedMap aligned = with_both_maps(
       options, [](const TagMap& reference, const TagMap& map) { return align_map(reference, map); });
   note(aligned.map, "aligned_onto", options.first);
+  warn_of_misfit(aligned.fit, options.console);
   write_tag_map(options.output, aligned.map);
-  options.console.finish(
-      {{"common_tags", aligned.common_tags}, {"tags", aligned.map.tags.size()}, {"output", options.output}},
-      fmt::format("{}: {} tags, brought onto {} by {} common tags", options.output, aligned.map.tags.size(),
-                  options.first, aligned.common_tags));
+  const double rms_mm = kMmPerM * aligned.fit.position_m.rms;
+  const double rms_deg = kDegPerRad * aligned.fit.rotation_rad.rms;
+  options.console.finish({{"common_tags", aligned.common_tags},
+                          {"position_rms_mm", round_to_decimals(rms_mm, 4)},
+                          {"rotation_rms_deg", round_to_decimals(rms_deg, 4)},
+                          {"tags", aligned.map.tags.size()},
+                          {"output", options.output}},
+                         fmt::format("{}: {} tags, brought onto {} by {} common tags, which then differ by "
+                                     "{:.1f} mm and {:.2f} deg RMS",
+                                     options.output, aligned.map.tags.size(), options.first,
+                                     aligned.common_tags, rms_mm, rms_deg));
 }
 
 json conflicts_json(const std::vector<MapConflict>& conflicts) {

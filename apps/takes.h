@@ -1,7 +1,7 @@
 #pragma once
 
-#include <cstddef>
-#include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -11,22 +11,43 @@ namespace apriltrack::app {
 
 /// Brings recordings to one clock.
 ///
-/// Recordings of different cameras share a clock: together they are a take. A camera's second recording is of
-/// the second take, whose clock may start anew; then all of that take is moved behind the end of the take
-/// before, so that no moments of different takes are taken for one. Whether and how far, can only be said
-/// once all recordings are there: of each take the camera that filmed longest counts.
+/// Recordings of all cameras share a clock, and keep their times, unless a camera says otherwise: it cannot
+/// have filmed twice at one time. Where two recordings of one camera overlap, clocks began anew, and
+/// recordings are of takes: the k-th of the camera with most recordings is of the k-th take. One of a camera
+/// with fewer is of the take that its times overlap, where these and the order of its camera's recordings
+/// leave but one. A take that does not begin after the take before has ended is moved behind it as a whole.
+///
+/// In which order recordings of different cameras are added makes no difference.
 class Takes {
  public:
-  /// One recording, or file of detections; where it has several cameras they filmed together.
-  void add(std::vector<FrameDetections> frames);
+  /// One recording, or file of detections; where it has several cameras they filmed together. name: what
+  /// messages call it. cameras: counted even where there are no frames of them.
+  void add(const std::string& name, const std::set<std::string>& cameras,
+           std::vector<FrameDetections> frames);
 
-  /// All frames in the order of time, those of one moment in the order of the cameras' names: the same in
-  /// whatever order recordings of different cameras were added. Leaves nothing.
-  std::vector<FrameDetections> take_all();
+  struct OneClock {
+    std::vector<FrameDetections> frames;  ///< In the order of time, then of the cameras' names.
+    std::optional<std::string> warning;   ///< What was moved, and how far.
+  };
+  /// Leaves nothing. Throws Error(kInvalidInput) when clocks began anew and it cannot be told with which take
+  /// a recording goes.
+  OneClock take_all();
+
+  struct Span {
+    Timestamp first;
+    Timestamp last;
+  };
+  struct Input {
+    std::string name;
+    std::set<std::string> cameras;
+    std::vector<FrameDetections> frames;
+    std::optional<Span> span;  ///< None without frames.
+
+    std::optional<Span> span_of(const std::string& camera) const;
+  };
 
  private:
-  std::vector<std::vector<FrameDetections>> takes_;
-  std::map<std::string, std::size_t> num_takes_;  ///< By camera.
+  std::vector<Input> inputs_;
 };
 
 }  // namespace apriltrack::app

@@ -43,6 +43,14 @@ struct Arguments {
   Console console;
 };
 
+/// A device or a pipe is no file that one output would take from the other.
+bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;  // check_output has said what is wrong with the names
+  if (fs::exists(a, ignored) && !fs::is_regular_file(a, ignored)) return false;
+  return fs::weakly_canonical(a) == fs::weakly_canonical(b);
+}
+
 void check_arguments(const CLI::App& command, const Arguments& arguments) {
   if (arguments.input.empty() == arguments.detections.empty()) {
     throw invalid_input("track", "give either INPUT or --detections FILE");
@@ -61,8 +69,7 @@ void check_arguments(const CLI::App& command, const Arguments& arguments) {
   check_output(arguments.output, "--output", read);
   if (arguments.frames_csv.empty()) return;
   check_output(arguments.frames_csv, "--frames-csv", read);
-  if (std::filesystem::weakly_canonical(arguments.frames_csv) ==
-      std::filesystem::weakly_canonical(arguments.output))
+  if (is_same_file(arguments.frames_csv, arguments.output))
     throw invalid_input("--frames-csv", "is the file of --output: name another");
 }
 
@@ -122,14 +129,16 @@ bool track_images(const Arguments& arguments, const Camera& camera, Localizer& l
 }
 
 /// Single tags still give poses in the map of another place: who reads only these would not notice.
-void warn_of_contradictions(const TrackRecord& record, const Console& console) {
+void warn_of_contradictions(const TrackRecord& record, const Console& console,
+                            std::vector<std::string>& warnings) {
   const auto [frames, without_pose] = record.frames_with_several_tags();
   constexpr std::size_t kFew = 3;
   if (without_pose < kFew || 5 * without_pose < frames) return;
-  console.warning(
+  warnings.push_back(
       fmt::format("in {} of {} frames with several tags these do not agree on a pose: is this the map of "
                   "this place, with the right tag sizes? Poses from single tags cannot tell",
                   without_pose, frames));
+  console.warning(warnings.back());
 }
 
 void finish(const Arguments& arguments, const TrackRecord& record, bool was_interrupted,
@@ -169,7 +178,7 @@ void run(const CLI::App& command, const Arguments& arguments) {
   if (!has_images) detections = load_detections(arguments.detections, rig, camera.name);
   const bool was_interrupted = has_images ? track_images(arguments, camera, localizer, record)
                                           : track_detections(arguments, detections, localizer, record);
-  warn_of_contradictions(record, arguments.console);
+  warn_of_contradictions(record, arguments.console, warnings);
   record.check_has_pose(has_images ? arguments.input : arguments.detections, map);
   StagedFiles outputs;
   write_tum(outputs.stage(arguments.output), record.trajectory());

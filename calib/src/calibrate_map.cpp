@@ -174,9 +174,14 @@ void report_quality(const Observations& observations, const PartSolution& soluti
         fmt::format("no covariances, and no check that the views determine every pose: the map has {} tags, "
                     "and the matrix to invert grows with the square of their number (at most {} tags)",
                     solution.part.tags.size(), options.max_tags_with_covariance));
+  if (solution.culprit)
+    leave_out(observations, {*solution.culprit},
+              "its views contradict those of the other tags (a wrong size? moved while filming? an id that "
+              "hangs in two places?)",
+              findings);
   leave_out(observations, solution.lost_tags,
-            "its views contradict those of the other tags (a wrong size? moved while filming? an id that is "
-            "there twice?)",
+            solution.culprit ? "tied to the others by that tag, or by frames that contradict them"
+                             : "tied to the others by frames that contradict them",
             findings);
   const double rejected =
       1.0 - static_cast<double>(solution.part.views.size()) / static_cast<double>(solution.views_offered);
@@ -235,12 +240,12 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   report_other_parts(observations, parts, findings);
 
   CalibrationResult result;
-  result.held_tag = key_of(observations, held_tags.front());
   log(LogLevel::kInfo, fmt::format("adjusting {} tags from {} observations", parts.front().tags.size(),
                                    parts.front().views.size()));
   const PartSolution main =
       solve_part(observations, parts.front(), held_tags.front(), candidates, options, parallel, log);
   report_quality(observations, main, options, findings);
+  result.held_tag = key_of(observations, main.held_tag);
   result.map = to_map(observations, main, options.map_frame);
   result.residual_rms_px = main.total_rms_px;
   result.frames_used = count_frames(observations, main.part.views);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,11 +18,13 @@ struct PartSolution {
   double total_rms_px = 0.0;
   std::size_t views_offered = 0;          ///< Before outliers were removed.
   std::vector<int> views_offered_by_tag;  ///< Indexed like observations.tags.
-  std::vector<int> lost_tags;             ///< Their views contradict those of the others.
+  std::optional<int> culprit;             ///< Left out, for with it the frames contradict each other.
+  std::vector<int> lost_tags;             ///< Others that nothing trusted ties to the held tag.
 };
 
-/// Start, robust adjustment, outliers removed, clean adjustment, mirrored tags turned, covariances.
-/// Throws Error(kNoResult) when it does not converge, or converges to nonsense.
+/// Start, robust adjustment, outliers removed, clean adjustment, mirrored tags turned, covariances; all of it
+/// again without the one tag that makes frames contradict each other, if there is one. Throws
+/// Error(kNoResult) when it does not converge, converges to nonsense, or contradictions stay.
 PartSolution solve_part(const Observations& observations, const Part& part, int held_tag,
                         const std::vector<ViewCandidates>& candidates, const CalibrationOptions& options,
                         const ParallelFor& parallel, const LogSink& log);

@@ -118,8 +118,7 @@ TEST(MapCovariance, LeavesCovariancesOutOfMapsOverTheLimitAndSaysSo) {
   const CalibrationResult without = calibrate(9);
   EXPECT_TRUE(with.warnings.empty());
   ASSERT_EQ(without.warnings.size(), 1u);
-  EXPECT_NE(without.warnings[0].find("the map has 10 tags"), std::string::npos)
-      << without.warnings[0];
+  EXPECT_NE(without.warnings[0].find("the map has 10 tags"), std::string::npos) << without.warnings[0];
   ASSERT_EQ(with.map.tags.size(), 10u);
   ASSERT_EQ(without.map.tags.size(), 10u);
   for (std::size_t i = 0; i < 10; ++i) {

@@ -41,11 +41,13 @@ TEST(SequenceWriter, TakesFramesFromSeveralThreads) {
   const SequenceWriter writer(folder, false);
   constexpr int kThreads = 4;
   constexpr int kFramesEach = 8;
+  constexpr std::int64_t kPeriod_ns = 1000;
   const auto write_some = [&](int first) {
     for (int i = 0; i < kFramesEach; ++i) {
       const int time = first * kFramesEach + i;
       const GrayImage image = test_picture(16, 12, time);
-      writer.write_frame({.image = image.view(), .timestamp = {time}, .exposure_s = std::nullopt});
+      writer.write_frame(
+          {.image = image.view(), .timestamp = {kPeriod_ns * time}, .exposure_s = std::nullopt});
     }
   };
   std::vector<std::thread> threads;

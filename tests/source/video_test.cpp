@@ -158,7 +158,8 @@ TEST(Video, HandsOutADamagedFrameAsUnreadableAndGoesOn) {
   EXPECT_EQ(times_of(frames), nanoseconds_of(kIrregular));
   for (std::size_t i = 0; i < frames.size(); ++i)
     EXPECT_EQ(frames[i].is_readable(), i != 4) << frames[i].error;
-  EXPECT_THAT(frames[4].error, HasSubstr("damaged.mov frame 4: cannot be decoded"));
+  EXPECT_THAT(frames[4].name, HasSubstr("damaged.mov frame 4"));
+  EXPECT_THAT(frames[4].error, ::testing::StartsWith("cannot be decoded"));
 }
 
 TEST(Video, WithoutTimesNeedsARate) {

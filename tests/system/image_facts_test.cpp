@@ -6,6 +6,7 @@
 
 #include "one_image.h"
 #include "program.h"
+#include "video_files.h"
 
 namespace apriltrack::test {
 namespace {
@@ -68,7 +69,7 @@ TEST_F(ImageFacts, FrameNumbersAreNotTakenForNanoseconds) {
     return all;
   };
   for (const std::string command : {"detect", "calibrate", "track"}) {
-    EXPECT_THAT(run_program(words(command)), EndsWith(2, "0002.pgm: is 1 ns after the frame before"));
+    EXPECT_THAT(run_program(words(command)), EndsWith(2, "0002.pgm: is 1 ns after 0001.pgm"));
     EXPECT_THAT(run_program(words(command)), EndsWith(2, "--rate HZ"));
     EXPECT_THAT(run_with(words(command), {"--rate", "30"}), EndsWith(1, "no tag")) << command;
   }
@@ -78,12 +79,30 @@ TEST_F(ImageFacts, ACorruptImageAmongGoodOnesIsCountedAndNotTheEnd) {
   write_text(path("frames/2000000000.pgm"), "no image");
   for (const ProgramRun& run : {track(), calibrate(), detect()}) {
     EXPECT_THAT(run, EndsWith(1, "1 of 2 frames"));  // 1: the good image shows no tag
-    EXPECT_THAT(run, EndsWith(1, "2000000000.pgm"));
+    EXPECT_THAT(run, EndsWith(1, "2000000000.pgm: is not an image"));
+    EXPECT_EQ(run.err.find("2000000000.pgm"), run.err.rfind("2000000000.pgm")) << run.err;
+  }
+}
+
+// Matroska rounds times to milliseconds: two of these frames have the same one, which the second cannot have.
+TEST_F(ImageFacts, ADamagedFrameOfAVideoIsCountedWhateverTheVideoIsCalled) {
+  VideoPlan plan;
+  plan.times_ticks = {0, 3000, 3010, 6000};
+  plan.pictures.assign(plan.times_ticks.size(), GrayImage(160, 120, 128));
+  for (const std::string name : {"film.mkv", "20240101.mkv"}) {
+    write_mjpeg_video(path(name), plan);
+    const ProgramRun run =
+        run_program({"detect", path(name), "--camera", path("camera.yaml"), "--output", path("d.csv")});
+    const std::string frame = path(name) + " frame 2: ";
+    EXPECT_THAT(run,
+                EndsWith(1, "1 of 4 frames are left out; the first: " + frame + "its time, 0.033000000"));
+    EXPECT_EQ(run.err.find(frame), run.err.rfind(frame)) << run.err;
   }
 }
 
 TEST_F(ImageFacts, AFolderOfWhichNothingIsReadableIs3) {
   write_text(path("frames/1000000000.pgm"), "no image");
+  EXPECT_THAT(detect(), EndsWith(3, "the first: " + path("frames/1000000000.pgm") + ": is not an image"));
   EXPECT_THAT(track(), EndsWith(3, "frames"));
   EXPECT_THAT(calibrate(), EndsWith(3, "frames"));
   EXPECT_THAT(detect(), EndsWith(3, "frames"));

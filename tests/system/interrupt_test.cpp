@@ -11,6 +11,7 @@
 #include <set>
 #include <thread>
 
+#include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/eval/frame_log.h"
 #include "apriltrack/eval/trajectory.h"
 #include "apriltrack/source/image_file.h"
@@ -114,6 +115,29 @@ TEST_F(Interrupted, CalibrateMakesTheMapOfTheFramesUntilThen) {
   EXPECT_EQ(told["frames"], kPipe);
   EXPECT_EQ(names_in(folder_ / "out"), (std::set<std::string>{"map.detections.csv", "map.yaml"}));
   EXPECT_EQ(read_tag_map(out("map.yaml")).tags.size(), told["tags"].size());
+}
+
+// Which take a recording is of is told by all that were to come, not by those that were reached.
+TEST_F(Interrupted, CalibrateOfSeveralTakesKeepsThemApart) {
+  const fs::path whole = folder_ / "whole";
+  fs::create_directories(whole / "frames");
+  for (const fs::path& image : images_of(recording_))
+    if (image != pipe_) fs::copy(image, whole / "frames");
+  const std::string camera = read_text(recording_ / "camera.yaml");
+  write_text(folder_ / "rig.yaml",
+             camera + "\ncam1" + camera.substr(4) +
+                 "\n  T_cn_cnm1: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n");
+  const ProgramRun run = interrupt({"calibrate", "cam0=" + whole.string(), "cam0=" + whole.string(),
+                                    "cam1=" + recording_.string(), "cam1=" + whole.string(), "--camera",
+                                    folder_ / "rig.yaml", "--tag-size", "0.16", "--output", out("map.yaml")});
+  EXPECT_THAT(run, EndsWith(0, "warning: interrupted"));
+  EXPECT_EQ(json::parse(run.out)["frames"], 2 * (kNumFrames - 1) + kPipe);
+  std::set<std::int64_t> times_ns[2];
+  for (const FrameDetections& frame : read_detections_csv(out("map.detections.csv")))
+    times_ns[frame.camera == "cam0" ? 0 : 1].insert(frame.timestamp.ns);
+  EXPECT_EQ(times_ns[0].size(), 2 * (kNumFrames - 1));
+  EXPECT_EQ(times_ns[1].size(), kPipe);
+  EXPECT_TRUE(std::ranges::includes(times_ns[0], times_ns[1]));
 }
 
 TEST_F(Interrupted, WithoutAnyResultIs1AndTheOldOutputStays) {

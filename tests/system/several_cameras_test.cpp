@@ -118,6 +118,20 @@ TEST_F(OwnCameraFiles, ThatDifferAreRefusedByName) {
   }
 }
 
+TEST_F(OwnCameraFiles, AreNotLentToOtherInputs) {
+  write_sequence("a", pinhole_entry("cam0"));
+  write_sequence("b", pinhole_entry("cam0"));
+  fs::remove(path("b") + "/camera.yaml");
+  for (const std::string& other : {path("b"), path("a") + "/frames"}) {  // one is a folder of images
+    const std::string asked =
+        "--camera: is required: '" + other + "' is no sequence folder with a camera.yaml";
+    EXPECT_THAT(calibrate({path("a"), other}), EndsWith(2, asked));
+    EXPECT_THAT(calibrate({other, path("a")}), EndsWith(2, asked));
+    EXPECT_THAT(calibrate({path("a"), other, "--camera", path("a") + "/camera.yaml"}),
+                EndsWith(1, "no tags"));
+  }
+}
+
 TEST_F(OwnCameraFiles, ThatSayTheSameAreTaken) {
   write_sequence("a", pinhole_entry("cam0") + "  exposure_time: 0.003\n");
   write_sequence("b", "# made later\n" + pinhole_entry("cam0") + "  exposure_time: 0.016\n");
@@ -132,8 +146,9 @@ TEST_F(OwnCameraFiles, AreFoundInAFolderWithAnEqualsSign) {
 
 // ---- Whose clock
 
-/// Camera cam0 made two recordings, each from time zero, and cam1, at the same place, one that goes on while
-/// the second one of cam0 would follow its first. Moments of different recordings of cam0 must never be one.
+using Times_ns = std::set<long long>;
+
+/// Recordings of two cameras at one place, so that what they see at one moment is the same.
 class SeveralTakes : public SeveralCameras {
  protected:
   void SetUp() override {
@@ -141,43 +156,144 @@ class SeveralTakes : public SeveralCameras {
     write_text(path("rig.yaml"), pinhole_entry("cam0") + pinhole_entry("cam1") + kSamePlace);
   }
 
-  void film_wall(const std::string& file, const std::string& camera, int first_view, int num_views) const {
-    std::string rows = kDetectionsHeader;
+  static std::string rows(const std::string& camera, int first_view, int num_views, long long start_ns) {
+    std::string text;
     for (int i = 0; i < num_views; ++i) {
       for (const int id : {0, 1, 2})
-        rows += wall_row(kPeriod_ns * i, camera_from_wall(first_view + i), id, camera);
+        text += wall_row(start_ns + kPeriod_ns * i, camera_from_wall(first_view + i), id, camera);
     }
-    write_text(path(file), rows);
+    return text;
   }
 
-  /// end_ns: of cam1's recording. num_later: how many frames the second recording of cam0 has.
-  void expect_second_take_behind(const std::string& observations, long long end_ns, int num_later) const {
-    int later = 0;
-    for (const FrameDetections& frame : read_detections_csv(path(observations))) {
-      EXPECT_TRUE(frame.camera == "cam0" || frame.timestamp.ns <= end_ns) << frame.timestamp.ns;
-      if (frame.timestamp.ns > end_ns) ++later;
+  void film_wall(const std::string& file, const std::string& camera, int first_view, int num_views,
+                 long long start_ns = 0) const {
+    write_text(path(file), kDetectionsHeader + rows(camera, first_view, num_views, start_ns));
+  }
+
+  ProgramRun calibrate(const Words& files) const {
+    Words words = {"calibrate", "--camera", path("rig.yaml"), "--tag-size",
+                   "0.16",      "--output", path("map.yaml")};
+    for (const std::string& file : files) words.insert(words.end(), {"--detections", path(file)});
+    return run_program(words);
+  }
+
+  static Times_ns times_from(long long start_ns, int num_views) {
+    Times_ns times_ns;
+    for (int i = 0; i < num_views; ++i) times_ns.insert(start_ns + kPeriod_ns * i);
+    return times_ns;
+  }
+
+  static Times_ns joined(Times_ns a, const Times_ns& b) {
+    a.insert(b.begin(), b.end());
+    return a;
+  }
+
+  /// When the calibration took a camera to have seen tags.
+  Times_ns times_of(const std::string& camera) const {
+    Times_ns times_ns;
+    for (const FrameDetections& frame : read_detections_csv(path("map.detections.csv"))) {
+      if (frame.camera != camera) continue;
+      EXPECT_TRUE(times_ns.insert(frame.timestamp.ns).second) << camera << " twice at " << frame.timestamp.ns;
     }
-    EXPECT_EQ(later, num_later) << observations;
+    return times_ns;
+  }
+
+  /// In every order of the files these times, and moments that are shared are those of the truth.
+  void expect_times(const std::vector<Words>& orders, const Times_ns& cam0_ns, const Times_ns& cam1_ns,
+                    const Words& warnings) const {
+    for (const Words& files : orders) {
+      SCOPED_TRACE(::testing::PrintToString(files));
+      const ProgramRun run = calibrate(files);
+      ASSERT_EQ(run.status, 0) << run.err;
+      EXPECT_EQ(times_of("cam0"), cam0_ns);
+      EXPECT_EQ(times_of("cam1"), cam1_ns);
+      expect_distances_of_wall(read_tag_map(path("map.yaml")));
+      for (const std::string& warning : warnings) EXPECT_THAT(run.err, ::testing::HasSubstr(warning));
+      EXPECT_EQ(run.err.find("clocks began anew") == std::string::npos, warnings.empty()) << run.err;
+    }
+  }
+
+  void expect_refused(const std::vector<Words>& orders, const std::string& words) const {
+    for (const Words& files : orders) {
+      EXPECT_THAT(calibrate(files), EndsWith(2, words)) << ::testing::PrintToString(files);
+      EXPECT_FALSE(fs::exists(path("map.yaml")));
+    }
   }
 };
 
-TEST_F(SeveralTakes, OfDetectionsAreKeptApartInAnyOrderOfTheArguments) {
+constexpr long long kSecond_ns = 1'000'000'000;
+
+TEST_F(SeveralTakes, OfOneClockKeepTheirTimes) {
+  film_wall("mono.csv", "cam0", 0, 10, 1000 * kSecond_ns);
+  film_wall("st0.csv", "cam0", 40, 10, 2000 * kSecond_ns);
+  film_wall("st1.csv", "cam1", 40, 10, 2000 * kSecond_ns);
+  expect_times({{"mono.csv", "st0.csv", "st1.csv"},
+                {"st1.csv", "mono.csv", "st0.csv"},
+                {"st0.csv", "st1.csv", "mono.csv"}},
+               joined(times_from(1000 * kSecond_ns, 10), times_from(2000 * kSecond_ns, 10)),
+               times_from(2000 * kSecond_ns, 10), {});
+}
+
+// The second take begins behind the longer one of the first.
+TEST_F(SeveralTakes, WhoseClockBeganAnewAreKeptApart) {
   film_wall("a0.csv", "cam0", 0, 10);
   film_wall("a1.csv", "cam0", 40, 10);
   film_wall("b0.csv", "cam1", 0, 30);
-  const std::map<std::string, Words> orders = {{"last", {"a0.csv", "a1.csv", "b0.csv"}},
-                                               {"first", {"b0.csv", "a0.csv", "a1.csv"}},
-                                               {"between", {"a0.csv", "b0.csv", "a1.csv"}}};
-  for (const auto& [name, files] : orders) {
-    Words words = {"calibrate", "--camera", path("rig.yaml"),    "--tag-size",
-                   "0.16",      "--output", path(name + ".yaml")};
-    for (const std::string& file : files) words.insert(words.end(), {"--detections", path(file)});
-    run_for_json(words);
-    expect_distances_of_wall(read_tag_map(path(name + ".yaml")));
-    expect_second_take_behind(name + ".detections.csv", 29 * kPeriod_ns, 10);
-  }
-  for (const std::string name : {"last", "between"})
-    EXPECT_EQ(read_text(path(name + ".detections.csv")), read_text(path("first.detections.csv"))) << name;
+  film_wall("b1.csv", "cam1", 40, 5);
+  constexpr long long kBehind_ns = 29 * kPeriod_ns + kSecond_ns;
+  expect_times({{"a0.csv", "a1.csv", "b0.csv", "b1.csv"},
+                {"b0.csv", "b1.csv", "a0.csv", "a1.csv"},
+                {"a0.csv", "b0.csv", "b1.csv", "a1.csv"}},
+               joined(times_from(0, 10), times_from(kBehind_ns, 10)),
+               joined(times_from(0, 30), times_from(kBehind_ns, 5)),
+               {path("a1.csv") + " (cam0) by 3.900000000 s", path("b1.csv") + " (cam1) by 3.900000000 s"});
+}
+
+TEST_F(SeveralTakes, OfWhichACameraFilmedFewerAreRefusedWhereItsTimesDoNotTell) {
+  film_wall("a0.csv", "cam0", 0, 10);
+  film_wall("a1.csv", "cam0", 40, 10);
+  film_wall("b1.csv", "cam1", 40, 10);
+  const std::vector<Words> orders = {
+      {"a0.csv", "a1.csv", "b1.csv"}, {"b1.csv", "a0.csv", "a1.csv"}, {"a0.csv", "b1.csv", "a1.csv"}};
+  const std::string untold = path("b1.csv") + ": with which take it goes cannot be told";
+  expect_refused(orders, untold);
+  expect_refused(orders, "its own times fall into 2 of the takes; shift the time stamps");
+  film_wall("b1.csv", "cam1", 40, 10, 100 * kSecond_ns);
+  expect_refused(orders, untold);
+  expect_refused(orders, "its own times fall into none of the takes");
+
+  // The way out that it names.
+  write_text(path("take1.csv"), kDetectionsHeader + rows("cam0", 0, 10, 0));
+  write_text(path("take2.csv"), kDetectionsHeader + rows("cam0", 40, 10, 0) + rows("cam1", 40, 10, 0));
+  const Times_ns second_ns = times_from(9 * kPeriod_ns + kSecond_ns, 10);
+  expect_times({{"take1.csv", "take2.csv"}}, joined(times_from(0, 10), second_ns), second_ns,
+               {path("take2.csv") + " (cam0, cam1) by 1.900000000 s"});
+}
+
+TEST_F(SeveralTakes, OfWhichACameraFilmedFewerAreToldByItsTimes) {
+  film_wall("a0.csv", "cam0", 0, 10);
+  film_wall("a1.csv", "cam0", 40, 10, 5 * kPeriod_ns);
+  film_wall("b1.csv", "cam1", 45, 5, 10 * kPeriod_ns);
+  constexpr long long kBehind_ns = 9 * kPeriod_ns + kSecond_ns;
+  expect_times(
+      {{"a0.csv", "a1.csv", "b1.csv"}, {"b1.csv", "a0.csv", "a1.csv"}, {"a0.csv", "b1.csv", "a1.csv"}},
+      joined(times_from(0, 10), times_from(kBehind_ns, 10)), times_from(kBehind_ns + 5 * kPeriod_ns, 5),
+      {path("a1.csv") + " (cam0) by 1.400000000 s", path("b1.csv") + " (cam1) by 1.400000000 s"});
+}
+
+// Its times alone leave the first and the third take to b2: but it was filmed after b1, of the second.
+TEST_F(SeveralTakes, OfWhichACameraFilmedFewerAreToldByTheirOrder) {
+  film_wall("a0.csv", "cam0", 0, 10);
+  film_wall("a1.csv", "cam0", 20, 10, 10 * kSecond_ns);
+  film_wall("a2.csv", "cam0", 40, 10);
+  film_wall("b1.csv", "cam1", 20, 10, 10 * kSecond_ns);
+  film_wall("b2.csv", "cam1", 40, 10);
+  constexpr long long kBehind_ns = 11 * kSecond_ns + 9 * kPeriod_ns;
+  const Times_ns later_ns = joined(times_from(10 * kSecond_ns, 10), times_from(kBehind_ns, 10));
+  expect_times({{"a0.csv", "a1.csv", "a2.csv", "b1.csv", "b2.csv"},
+                {"b1.csv", "a0.csv", "b2.csv", "a1.csv", "a2.csv"}},
+               joined(times_from(0, 10), later_ns), later_ns,
+               {path("a2.csv") + " (cam0) by 11.900000000 s", path("b2.csv") + " (cam1) by 11.900000000 s"});
 }
 
 TEST_F(SeveralTakes, OfImagesAreKeptApartInAnyOrderOfTheArguments) {
@@ -193,18 +309,33 @@ TEST_F(SeveralTakes, OfImagesAreKeptApartInAnyOrderOfTheArguments) {
   };
   for (int i = 0; i < kFrames; ++i) copy("b0", i, frames[i]);
   for (int i = 0; i < 8; ++i) copy("a0", i, frames[i]);
-  for (int i = 0; i < 6; ++i) copy("a1", i, frames[kFrames - 1 - i]);  // backwards
+  for (const std::string folder : {"a1", "b1"}) {
+    for (int i = 0; i < 6; ++i) copy(folder, i, frames[kFrames - 1 - i]);  // backwards
+  }
 
   const std::string camera = read_text(path("room") + "/camera.yaml");
   write_text(path("rig.yaml"), camera + "\ncam1" + camera.substr(4) + "\n" + kSamePlace);
-  const Words words = {"calibrate", "--camera", path("rig.yaml"), "--tag-size", "0.16", "--rate", "1"};
+  const Words words = {"calibrate", "--camera", path("rig.yaml"), "--tag-size",    "0.16",
+                       "--rate",    "1",        "--output",       path("map.yaml")};
   const Words a = {"cam0=" + path("a0"), "cam0=" + path("a1")};
-  const std::string b = "cam1=" + path("b0");
-  EXPECT_EQ(run(words, {"--output", path("last.yaml"), a[0], a[1], b}).status, 0);
-  EXPECT_EQ(run(words, {"--output", path("first.yaml"), b, a[0], a[1]}).status, 0);
-  for (const std::string name : {"last", "first"})
-    expect_second_take_behind(name + ".detections.csv", (kFrames - 1) * 1'000'000'000LL, 6);
-  EXPECT_EQ(read_text(path("last.detections.csv")), read_text(path("first.detections.csv")));
+  const Words b = {"cam1=" + path("b0"), "cam1=" + path("b1")};
+  Times_ns second_ns;
+  for (int i = 0; i < 6; ++i) second_ns.insert((kFrames + i) * kSecond_ns);
+  std::string first_written;
+  for (const Words& order : {Words{a[0], a[1], b[0], b[1]}, Words{b[0], a[0], b[1], a[1]}}) {
+    const ProgramRun done = run(words, order);
+    EXPECT_EQ(done.status, 0);
+    EXPECT_THAT(done.err, ::testing::HasSubstr(path("a1") + " (cam0) by 12.000000000 s"));
+    for (const std::string name : {"cam0", "cam1"}) {
+      Times_ns late_ns = times_of(name);
+      late_ns.erase(late_ns.begin(), late_ns.lower_bound(kFrames * kSecond_ns));
+      EXPECT_EQ(late_ns, second_ns) << name;
+    }
+    const std::string written = read_text(path("map.detections.csv"));
+    if (first_written.empty()) first_written = written;
+    EXPECT_EQ(written, first_written);
+  }
+  EXPECT_THAT(run(words, {a[0], a[1], b[0]}), EndsWith(2, path("b0") + ": with which take it goes"));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/eval/compare_maps.h"
@@ -50,8 +51,8 @@ void MergeOptions::check() const {
 }
 
 AlignedMap align_map(const TagMap& reference, const TagMap& map) {
-  const MapComparison comparison = compare_maps(reference, map);
-  AlignedMap aligned{map, comparison.T_truth_estimate, static_cast<int>(comparison.tags.size())};
+  MapComparison fit = compare_maps(reference, map);
+  AlignedMap aligned{map, fit.T_truth_estimate, static_cast<int>(fit.tags.size()), std::move(fit)};
   aligned.map.frame = reference.frame;
   // A right perturbation lives in the tag's own frame: a motion of the world does not touch its covariance.
   for (MapTag& tag : aligned.map.tags) tag.T_map_tag = aligned.T_reference_map * tag.T_map_tag;

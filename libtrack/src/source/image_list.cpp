@@ -4,6 +4,16 @@
 #include "apriltrack/source/image_file.h"
 
 namespace apriltrack {
+namespace {
+
+/// What is wrong, without the name that the message begins with: the frame has it already.
+std::string cause_of(const Error& error, const std::string& name) {
+  const std::string message = error.what();
+  const std::string where = name + ": ";
+  return message.starts_with(where) ? message.substr(where.size()) : message;
+}
+
+}  // namespace
 
 std::optional<SourceFrame> ImageListSource::next() {
   if (position_ >= entries_.size()) return std::nullopt;
@@ -16,7 +26,7 @@ std::optional<SourceFrame> ImageListSource::next() {
   try {
     frame.pixels = read_image(entry.path);
   } catch (const Error& error) {
-    frame.error = error.what();
+    frame.error = cause_of(error, frame.name);
   }
   return frame;
 }

@@ -14,7 +14,7 @@ namespace apriltrack {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int64_t kLeastFramePeriod_ns = 1000;
+constexpr std::uint64_t kLeastFramePeriod_ns = 1000;
 
 std::vector<ImageEntry> entries_by_rate(const std::vector<fs::path>& images, double rate_hz) {
   std::vector<ImageEntry> entries;
@@ -32,25 +32,39 @@ Timestamp require_time(const fs::path& path) {
   return *time;
 }
 
+/// In the order of time.
 std::vector<ImageEntry> entries_by_name(const std::vector<fs::path>& images) {
   std::vector<ImageEntry> entries;
   for (const fs::path& path : images) entries.push_back({.path = path, .timestamp = require_time(path)});
   std::ranges::stable_sort(entries, {}, &ImageEntry::timestamp);
-  const auto same_time = [](const ImageEntry& a, const ImageEntry& b) { return a.timestamp == b.timestamp; };
-  const auto repeated = std::ranges::adjacent_find(entries, same_time);
-  if (repeated != entries.end()) {
-    throw invalid_input(repeated->path.string(),
-                        fmt::format("has the same time in its name, {} ns, as {}", repeated->timestamp.ns,
-                                    std::next(repeated)->path.filename().string()));
-  }
   return entries;
 }
 
-bool are_frame_numbers(const std::vector<fs::path>& images) {
-  const auto by_time = [](const fs::path& a, const fs::path& b) { return require_time(a) < require_time(b); };
-  const auto [first, last] = std::ranges::minmax_element(images, by_time);
-  const auto num_periods = static_cast<std::int64_t>(images.size()) - 1;
-  return require_time(*last).ns - require_time(*first).ns < num_periods * kLeastFramePeriod_ns;
+bool are_no_frame_period_apart(const ImageEntry& a, const ImageEntry& b) {
+  return nanoseconds_apart(a.timestamp, b.timestamp) < kLeastFramePeriod_ns;
+}
+
+[[noreturn]] void refuse_times(const ImageEntry& before, const ImageEntry& after) {
+  const std::string name = before.path.filename().string();
+  const std::uint64_t period_ns = nanoseconds_apart(before.timestamp, after.timestamp);
+  if (period_ns == 0) {
+    throw invalid_input(after.path.string(),
+                        fmt::format("has the same time in its name, {} ns, as {}", after.timestamp.ns, name));
+  }
+  throw invalid_input(
+      after.path.string(),
+      fmt::format("is {} ns after {}, as names of digits are times in nanoseconds; if they are "
+                  "frame numbers, give the frame rate with --rate HZ",
+                  period_ns, name));
+}
+
+std::vector<ImageEntry> entries_by_digits(const std::vector<fs::path>& images,
+                                          std::optional<double> rate_hz) {
+  std::vector<ImageEntry> entries = entries_by_name(images);
+  const auto close = std::ranges::adjacent_find(entries, are_no_frame_period_apart);
+  if (close == entries.end()) return entries;
+  if (rate_hz) return entries_by_rate(images, *rate_hz);
+  refuse_times(*close, *std::next(close));
 }
 
 }  // namespace
@@ -58,9 +72,7 @@ bool are_frame_numbers(const std::vector<fs::path>& images) {
 std::vector<ImageEntry> give_times(const std::vector<fs::path>& images, std::optional<double> rate_hz,
                                    const std::string& where) {
   const auto num_digits = std::ranges::count_if(images, is_named_by_digits);
-  if (num_digits == std::ssize(images)) {
-    return rate_hz && are_frame_numbers(images) ? entries_by_rate(images, *rate_hz) : entries_by_name(images);
-  }
+  if (num_digits == std::ssize(images)) return entries_by_digits(images, rate_hz);
   const std::string odd = std::ranges::find_if_not(images, is_named_by_digits)->filename().string();
   if (num_digits > 0) {
     throw invalid_input(where,

@@ -10,9 +10,9 @@
 namespace apriltrack {
 
 /// Gives images their times: from names that are all digits (nanoseconds), else from the rate, in natural
-/// order. Names less than a microsecond apart are no times of a camera: with a rate they are taken for frame
-/// numbers. where: what messages call the set. Throws Error(kInvalidInput) when there is no rate and no time,
-/// when only some names are times, or when two images have the same time.
+/// order. Where two of them are less than a microsecond apart they are no times of a camera: with a rate they
+/// are taken for frame numbers. where: what messages call the set. Throws Error(kInvalidInput) when there is
+/// no rate and no time, when only some names are times, or when without a rate two are so close.
 std::vector<ImageEntry> give_times(const std::vector<std::filesystem::path>& images,
                                    std::optional<double> rate_hz, const std::string& where);
 

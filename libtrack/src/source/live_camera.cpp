@@ -24,9 +24,9 @@ SourceFrame retrieve_frame(cv::VideoCapture& capture, std::string name) {
   cv::Mat picture;
   try {
     if (capture.retrieve(picture)) frame.pixels = gray_of(picture);
-    if (frame.pixels.is_empty()) frame.error = frame.name + ": cannot be decoded";
+    if (frame.pixels.is_empty()) frame.error = "cannot be decoded";
   } catch (const cv::Exception& error) {
-    frame.error = fmt::format("{}: cannot be decoded: {}", frame.name, error.err);
+    frame.error = fmt::format("cannot be decoded: {}", error.err);
   }
   return frame;
 }
@@ -44,8 +44,7 @@ class LiveCamera : public SkippableSource {
     if (!pass_over()) return std::nullopt;
     SourceFrame frame = retrieve_frame(capture_, fmt::format("{} frame {}", name_, num_grabbed_ - 1));
     frame.timestamp = clock_.time();
-    if (frame.error.empty() && !time_error_.empty())
-      frame.error = fmt::format("{}: {}", frame.name, time_error_);
+    if (frame.error.empty()) frame.error = time_error_;
     return frame;
   }
 

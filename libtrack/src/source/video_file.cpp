@@ -26,12 +26,11 @@ class VideoFile : public SkippableSource {
     SourceFrame frame;
     frame.name = fmt::format("{} frame {}", name_, num_passed_ - 1);
     frame.timestamp = clock_.time();
-    std::string error = error_;
-    if (error.empty()) {
+    frame.error = error_;
+    if (frame.error.empty()) {
       frame.pixels = decoder_.picture();
-      if (frame.pixels.is_empty()) error = "its pixels cannot be converted to grey";
+      if (frame.pixels.is_empty()) frame.error = "its pixels cannot be converted to grey";
     }
-    if (!error.empty()) frame.error = fmt::format("{}: {}", frame.name, error);
     return frame;
   }
 

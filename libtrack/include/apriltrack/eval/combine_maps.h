@@ -3,6 +3,7 @@
 #include <numbers>
 #include <vector>
 
+#include "apriltrack/eval/compare_maps.h"
 #include "apriltrack/geometry/pose.h"
 #include "apriltrack/tags/tag_map.h"
 
@@ -13,6 +14,7 @@ struct AlignedMap {
       map;  ///< In the reference's frame. Covariances stand as they were: they speak of the tags' own frames.
   Pose T_reference_map;
   int common_tags = 0;
+  MapComparison fit;  ///< How the common tags lie to each other afterwards.
 };
 
 /// Moves a map by the rigid motion that brings its tags nearest to the same tags of `reference`.

@@ -16,7 +16,7 @@ struct SourceFrame {
   std::optional<double> exposure_s;
   double gain = 1.0;
   std::string name;   ///< File, or video and frame number: what a message calls this frame.
-  std::string error;  ///< Why it could not be decoded; empty for a good frame.
+  std::string error;  ///< Why it could not be decoded, without its name; empty for a good frame.
 
   bool is_readable() const { return error.empty(); }
   /// A view for the library's functions; this object must outlive it.

@@ -1,0 +1,154 @@
+#include "part_adjustment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "apriltrack/base/error.h"
+#include "bundle_adjustment.h"
+#include "mirror_test.h"
+#include "view_residual.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kCoarseLoss = 30.0;       // views are some ten pixels off at the start
+constexpr double kFineLossPerSigma = 6.0;  // a good view's whitened norm is sqrt(8)
+constexpr double kMaxViewRms = 4.0;        // sigmas; one in 1e18 good views
+constexpr double kMaxComponent = 6.0;      // sigmas; one corner off, the rest of the tag in place
+constexpr int kMaxRounds = 4;
+
+/// Standard deviation of the whitened residuals, from their median: half of them may be wrong. Where there
+/// are few, the fit makes many of them vanish, and the median with them: the expected sigma counts as well.
+double robust_scale(const Observations& observations, const std::vector<std::size_t>& views,
+                    const MapState& state) {
+  std::vector<double> magnitudes;
+  for (const std::size_t v : views) {
+    bool is_valid = false;
+    const Vector8d whitened = whitened_residual(observations, observations.views[v], state, is_valid);
+    for (int i = 0; is_valid && i < 8; ++i) magnitudes.push_back(std::abs(whitened[i]));
+  }
+  if (magnitudes.empty()) return 1.0;
+  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
+  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
+  constexpr double kSigmaPerMedian = 1.4826;  // of a normal distribution
+  const double by_median = kSigmaPerMedian * *middle;
+  constexpr double kExpectedResiduals = 15.0;  // two frames of two tags leave 14
+  const double freedom = std::max(0.0, degrees_of_freedom(observations, views));
+  return std::max(kMinScale, std::sqrt((kExpectedResiduals + freedom * by_median * by_median) /
+                                       (kExpectedResiduals + freedom)));
+}
+
+std::vector<std::size_t> inliers(const Observations& observations, const std::vector<std::size_t>& views,
+                                 const MapState& state) {
+  const double scale = robust_scale(observations, views, state);
+  std::vector<std::size_t> kept;
+  for (const std::size_t v : views) {
+    bool is_valid = false;
+    const Vector8d whitened = whitened_residual(observations, observations.views[v], state, is_valid) / scale;
+    const double rms = std::sqrt(whitened.squaredNorm() / 8.0);
+    if (is_valid && rms <= kMaxViewRms && whitened.cwiseAbs().maxCoeff() <= kMaxComponent) kept.push_back(v);
+  }
+  return kept;
+}
+
+[[noreturn]] void fail_as_contradictory(const Observations& observations, int held_tag) {
+  throw no_result("calibrate", fmt::format("the observations around {} contradict each other: {}",
+                                           to_string(observations.tags[static_cast<std::size_t>(held_tag)]),
+                                           kWhatToCheck));
+}
+
+std::vector<int> free_tags(const Part& part, int held_tag) {
+  std::vector<int> tags = part.tags;
+  std::erase(tags, held_tag);
+  return tags;
+}
+
+void adjust_robustly(const Observations& observations, const Part& part, int held_tag,
+                     const CalibrationOptions& options, MapState& state) {
+  // Steps that run out here are no failure yet: the clean adjustment must converge.
+  const auto adjust_with_loss = [&](double loss_scale) {
+    const AdjustmentSummary summary = adjust(observations, part.views, free_tags(part, held_tag),
+                                             {loss_scale, options.max_iterations}, state);
+    if (!summary.is_usable)
+      throw no_result("calibrate", fmt::format("the robust adjustment of {} tags failed ({}); {}",
+                                               part.tags.size(), summary.message, kWhatToCheck));
+  };
+  adjust_with_loss(kCoarseLoss);
+  adjust_with_loss(kFineLossPerSigma * robust_scale(observations, part.views, state));
+}
+
+/// Least squares over the inliers, which are chosen anew until they stay the same.
+Part adjust_cleanly(const Observations& observations, const Part& part, int held_tag,
+                    const CalibrationOptions& options, MapState& state) {
+  Part kept;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    Part next =
+        connected_to(observations, inliers(observations, part.views, state), held_tag, options.min_views);
+    if (next.tags.size() < 2) fail_as_contradictory(observations, held_tag);
+    if (next.views == kept.views) return kept;
+    kept = std::move(next);
+    const AdjustmentSummary summary =
+        adjust(observations, kept.views, free_tags(kept, held_tag),
+               {.loss_scale = 0.0, .max_iterations = options.max_iterations}, state);
+    if (!summary.is_usable || !summary.has_converged)
+      throw no_result("calibrate",
+                      fmt::format("the adjustment of {} tags did not converge ({}); more views of each tag, "
+                                  "from more sides, usually help",
+                                  kept.tags.size(), summary.message));
+  }
+  return kept;
+}
+
+}  // namespace
+
+Vector8d whitened_residual(const Observations& observations, const TagView& view, const MapState& state,
+                           bool& is_valid, Vector8d* residual_px) {
+  Vector8d residual = Vector8d::Zero();
+  is_valid = view_residual(observations.cameras[static_cast<std::size_t>(view.camera)],
+                           observations.sizes_m[static_cast<std::size_t>(view.tag)], view.corners_px,
+                           state.T_map_rig[static_cast<std::size_t>(view.frame)],
+                           state.T_map_tag[static_cast<std::size_t>(view.tag)], &residual, nullptr, nullptr);
+  if (residual_px != nullptr) *residual_px = residual;
+  return view.whitening * residual;
+}
+
+double degrees_of_freedom(const Observations& observations, const std::vector<std::size_t>& views) {
+  std::set<int> tags, frames;
+  for (const std::size_t v : views) {
+    tags.insert(observations.views[v].tag);
+    frames.insert(observations.views[v].frame);
+  }
+  const double unknowns = 6.0 * static_cast<double>(tags.size() + frames.size()) - 6.0;
+  return 8.0 * static_cast<double>(views.size()) - unknowns;
+}
+
+Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,
+                  int min_views) {
+  for (Part& part : find_parts(observations, views, min_views).parts) {
+    if (std::binary_search(part.tags.begin(), part.tags.end(), held_tag)) return std::move(part);
+  }
+  return {};
+}
+
+AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel) {
+  const auto& [observations, candidates, options] = task;
+  AdjustedPart result{.held_tag = held_tag,
+                      .part = {},
+                      .state = start_state(observations, part, held_tag, candidates, parallel),
+                      .contradictions = {}};
+  adjust_robustly(observations, part, held_tag, options, result.state);
+  for (int round = 0; round < kMaxRounds; ++round) {
+    if (turn_mirrored_tags(observations, part, held_tag, result.state).empty()) break;
+    adjust_robustly(observations, part, held_tag, options, result.state);
+  }
+  result.part = adjust_cleanly(observations, part, held_tag, options, result.state);
+  result.contradictions =
+      find_contradictions(observations, part, inliers(observations, part.views, result.state));
+  return result;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "apriltrack/base/parallel.h"
+#include "apriltrack/calib/calibrate_map.h"
+#include "contradictions.h"
+#include "corner_noise.h"
+#include "map_state.h"
+
+namespace apriltrack {
+
+inline constexpr double kMinScale =
+    0.1;  ///< Sigmas are never taken for smaller than a tenth of those expected.
+inline constexpr std::string_view kWhatToCheck =
+    "check the tag family (--family) and the tag sizes, the camera file, and that no tag was moved while "
+    "filming";
+
+/// Everything that the solving of a part needs besides the part.
+struct PartTask {
+  const Observations& observations;
+  const std::vector<ViewCandidates>& candidates;
+  const CalibrationOptions& options;
+};
+
+/// An adjusted part, and how it agrees with its frames.
+struct AdjustedPart {
+  int held_tag = 0;
+  Part part;  ///< What was kept: outliers, and tags that hung on them alone, are gone.
+  MapState state;
+  Contradictions contradictions;
+  std::optional<int> culprit = std::nullopt;  ///< Left out before.
+};
+
+/// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment. Throws
+/// Error(kNoResult) when it does not converge, or when nothing fits.
+AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel);
+
+/// What of `part` the views still tie to the held tag; an empty part when it stands alone.
+Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,
+                  int min_views);
+
+/// residual_px: if given, the same before it is whitened.
+Vector8d whitened_residual(const Observations& observations, const TagView& view, const MapState& state,
+                           bool& is_valid, Vector8d* residual_px = nullptr);
+
+/// Residuals beyond what the unknowns (each frame's pose, and the tags' but one) can make vanish.
+double degrees_of_freedom(const Observations& observations, const std::vector<std::size_t>& views);
+
+}  // namespace apriltrack
