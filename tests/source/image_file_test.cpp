@@ -105,7 +105,9 @@ TEST(ReadImage, ScalesPnmByTheLargestValueOfItsHeader) {
       ASSERT_EQ(image.width(), 9);
       for (int i = 0; i < 9; ++i) {
         const double expected = 255.0 * values[static_cast<std::size_t>(i)] / largest;
-        EXPECT_NEAR(image(i, 0), expected, 0.5001) << "P" << kind << " of " << largest << ", pixel " << i;
+        const bool is_cut = !is_binary && largest < 255;  // OpenCV scales these, and cuts decimals off
+        EXPECT_NEAR(image(i, 0), expected, is_cut ? 0.9999 : 0.5001)
+            << "P" << kind << " of " << largest << ", pixel " << i;
         ++checked;
       }
     }

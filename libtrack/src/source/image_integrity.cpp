@@ -183,8 +183,10 @@ ImageIntegrity inspect_pnm(std::string_view bytes) {
   }
   found.width = *width;
   found.height = *height;
-  found.full_scale = static_cast<int>(*largest);
   const bool is_binary = bytes[1] == '5' || bytes[1] == '6';
+  constexpr std::int64_t kMaxByte = 255;
+  const bool is_scaled_by_decoder = !is_binary && *largest <= kMaxByte;  // OpenCV 4 does so for digits alone
+  if (!is_scaled_by_decoder) found.full_scale = static_cast<int>(*largest);
   if (!is_binary) return found;
   const double bytes_per_pixel = (bytes[1] == '6' ? 3.0 : 1.0) * (*largest > 255 ? 2.0 : 1.0);
   const double needed = bytes_per_pixel * static_cast<double>(*width) * static_cast<double>(*height);
