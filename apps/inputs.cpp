@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/camera/response_tables.h"
 #include "apriltrack/source/frame_source.h"
 
 namespace apriltrack::app {
@@ -15,6 +16,19 @@ std::filesystem::path file_or_own(const std::string& given, const std::optional<
   if (own) return *own;
   throw invalid_input(option,
                       fmt::format("is required: the input is no sequence folder with a {} of its own", name));
+}
+
+std::vector<std::string> camera_inputs(const std::string& given, const std::vector<std::string>& inputs) {
+  std::vector<std::string> files;
+  if (!given.empty()) files.push_back(given);
+  for (const std::string& input : inputs) {
+    const auto own = given.empty() ? sequence_camera_file(input) : std::nullopt;
+    if (own) files.push_back(own->string());
+  }
+  std::vector<std::string> all = files;
+  for (const std::string& file : files)
+    for (const std::filesystem::path& table : response_tables(file)) all.push_back(table.string());
+  return all;
 }
 
 Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console) {

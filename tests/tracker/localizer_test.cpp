@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <functional>
 #include <limits>
 
 #include "apriltrack/base/error.h"
@@ -364,6 +365,61 @@ TEST(Localizer, RefusesAMapWithoutTagsAndUnknownFamilies) {
     EXPECT_EQ(error.kind(), ErrorKind::kInvalidInput);
     EXPECT_THAT(error.what(), testing::HasSubstr("tag99h1/2"));
     EXPECT_THAT(error.what(), testing::HasSubstr("tag36h11"));
+  }
+}
+
+/// A map that a program made: what tags/ refuses in files, it must not pass here.
+TEST(Localizer, RefusesAMapWithValuesThatNoFileMayHave) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<std::pair<std::string, std::function<void(TagMap&)>>> spoilers = {
+      {"tag36h11/2: size_m: must be > 0 and at most 100 (is nan)",
+       [&](TagMap& m) { m.tags[2].size_m = nan; }},
+      {"tag36h11/2: size_m: must be > 0 and at most 100 (is 0)", [](TagMap& m) { m.tags[2].size_m = 0.0; }},
+      {"tag36h11/2: size_m", [](TagMap& m) { m.tags[2].size_m = -0.16; }},
+      {"tag36h11/2: T_map_tag",
+       [&](TagMap& m) {
+         m.tags[2].T_map_tag = Pose(Eigen::Quaterniond::Identity(), {nan, 0.0, 0.0});
+       }},
+      {"tag36h11/2: covariance", [&](TagMap& m) { m.tags[2].covariance = Matrix6d::Constant(nan); }},
+      {"tag36h11/2: covariance", [](TagMap& m) { m.tags[2].covariance = -Matrix6d::Identity(); }},
+      {"tag36h11/900: id", [](TagMap& m) { m.tags[2].key.id = 900; }},
+      {"tag36h11/2 is in it twice", [](TagMap& m) { m.tags.push_back(m.tags[2]); }}};
+  for (const auto& [message, spoil] : spoilers) {
+    TagMap map = test::room();
+    spoil(map);
+    try {
+      Localizer localizer(radtan(), map);
+      ADD_FAILURE() << "not refused: " << message;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kInvalidInput);
+      EXPECT_THAT(error.what(), testing::HasSubstr(message));
+    }
+  }
+}
+
+/// A lone tag after a moving pose: its covariance rests on the blur, and so on the exposure.
+TEST(Localizer, AnExposureThatCannotBeIsAsIfItWereNotTold) {
+  Camera camera = radtan();
+  camera.exposure_s = std::nullopt;
+  const Pose before = Pose::exp((Vector6d() << 0.05, 0, 0, 0, 0, 0.1).finished());
+  const auto sigma_with = [&](std::optional<double> exposure_s, std::optional<double> of_camera_s) {
+    camera.exposure_s = of_camera_s;
+    Localizer localizer(camera, test::room());
+    localizer.localize(test::seen(camera, test::room(), before, {1'000'000'000}));
+    const TrackResult result = localizer.localize(
+        test::seen(camera, test::only(test::room(), {2}), Pose(), {1'033'000'000}), exposure_s);
+    EXPECT_TRUE(result.pose && result.covariance->allFinite()) << result.reason;
+    return result.pose ? std::sqrt(result.covariance->trace()) : 0.0;
+  };
+  const double not_told = sigma_with(std::nullopt, std::nullopt);
+  const double of_camera = sigma_with(std::nullopt, 0.03);
+  ASSERT_GT(of_camera, 1.5 * not_told) << "the exposure must matter, or this proves nothing";
+  ASSERT_LT(sigma_with(0.0, std::nullopt), 0.7 * not_told);
+  for (const double odd_s :
+       {std::numeric_limits<double>::quiet_NaN(), -0.03, -1e300, std::numeric_limits<double>::infinity()}) {
+    EXPECT_EQ(sigma_with(odd_s, std::nullopt), not_told) << odd_s;
+    EXPECT_EQ(sigma_with(odd_s, 0.03), of_camera) << odd_s;
+    EXPECT_EQ(sigma_with(std::nullopt, odd_s), not_told) << odd_s;
   }
 }
 
