@@ -25,7 +25,7 @@ std::vector<std::string> camera_inputs(const std::string& given, const std::vect
     const auto own = given.empty() ? sequence_camera_file(input) : std::nullopt;
     if (own) files.push_back(own->string());
   }
-  std::vector<std::string> all = files;
+  std::vector<std::string> all = {given};
   for (const std::string& file : files)
     for (const std::filesystem::path& table : response_tables(file)) all.push_back(table.string());
   return all;
