@@ -59,7 +59,48 @@ TEST(ImageFolder, KeepsTimesInNamesWhateverTheRate) {
 TEST(ImageFolder, TakesCountedNamesForFrameNumbersWhenARateIsGiven) {
   const auto folder = temporary_folder();
   write_frames(folder, {"0001.pgm", "0002.pgm", "0010.pgm"});
-  EXPECT_THAT(times_of(read_all(folder.string(), {.rate_hz = 10.0})), ElementsAre(0, 100000000, 200000000));
+  EXPECT_THAT(times_of(read_all(folder.string(), {.rate_hz = 10.0})),
+              ElementsAre(100000000, 200000000, 1000000000));
+  const auto gap = temporary_folder() / "gap";
+  write_frames(gap, {"1.pgm", "2.pgm", "3.pgm", "4.pgm", "5.pgm", "6.pgm", "100000.pgm"});
+  EXPECT_THAT(times_of(read_all(gap.string(), {.rate_hz = 15.0})),
+              ElementsAre(66666667, 133333333, 200000000, 266666667, 333333333, 400000000, 6666666666667));
+  const auto apart = temporary_folder() / "apart";
+  write_frames(apart, {"0.pgm", "999.pgm", "1998.pgm"});
+  EXPECT_THAT(times_of(read_all(apart.string(), {.rate_hz = 10.0})),
+              ElementsAre(0, 99900000000, 199800000000));
+}
+
+TEST(ImageFolder, RefusesNumbersThatAreNeitherTimesNorFramesOfTheRate) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"1000000.pgm", "1033333.pgm", "1066666.pgm"}, "33.33 us"},        // microseconds
+      {{"1000.pgm", "2000.pgm", "3000.pgm"}, "1 us"},                     // every thousandth frame
+      {{"1000000000.pgm", "1200000000.pgm", "1400000000.pgm"}, "200 ms"}  // nanoseconds at 5 Hz
+  };
+  const auto folder = temporary_folder();
+  for (const auto& [names, step] : cases) {
+    const auto frames = folder / names[1];
+    write_frames(frames, names);
+    expect_refused(
+        frames, ErrorKind::kInvalidInput,
+        {frames.string(), step + " apart", "--rate 30 says 33.33 ms", "nanoseconds", "frame numbers"},
+        {.rate_hz = 30.0});
+    EXPECT_EQ(read_all(frames.string()).size(), 3u) << "without a rate they are nanoseconds";
+  }
+  const auto endless = folder / "endless";
+  write_frames(endless, {"9000000000000000000.pgm", "9000000000000000001.pgm"});
+  expect_refused(endless, ErrorKind::kInvalidInput, {"9000000000000000000", "64 bits"}, {.rate_hz = 30.0});
+}
+
+TEST(ImageFolder, KeepsTimesWithinThreeTimesTheRatesPeriod) {
+  const auto folder = temporary_folder();
+  write_frames(folder, {"1000000000.pgm", "1033000000.pgm", "1066000000.pgm", "1900000000.pgm"});
+  for (const double rate_hz : {10.2, 30.0, 90.0}) {
+    EXPECT_THAT(times_of(read_all(folder.string(), {.rate_hz = rate_hz})),
+                ElementsAre(1000000000, 1033000000, 1066000000, 1900000000));
+  }
+  for (const double rate_hz : {10.0, 91.0})
+    expect_refused(folder, ErrorKind::kInvalidInput, {"33 ms apart"}, {.rate_hz = rate_hz});
 }
 
 TEST(ImageFolder, RefusesFrameNumbersWithoutARate) {
@@ -69,7 +110,8 @@ TEST(ImageFolder, RefusesFrameNumbersWithoutARate) {
   const auto apart = temporary_folder() / "apart";  // on the average, and yet no times
   write_frames(apart, {"1.pgm", "2.pgm", "9000.pgm"});
   expect_refused(apart, ErrorKind::kInvalidInput, {"2.pgm: is 1 ns after 1.pgm", "--rate HZ"});
-  EXPECT_THAT(times_of(read_all(apart.string(), {.rate_hz = 10.0})), ElementsAre(0, 100000000, 200000000));
+  EXPECT_THAT(times_of(read_all(apart.string(), {.rate_hz = 10.0})),
+              ElementsAre(100000000, 200000000, 900000000000));
 }
 
 TEST(ImageFolder, TakesNamesAMicrosecondApartForTimes) {
@@ -85,6 +127,7 @@ TEST(ImageFolder, RefusesHalfTimedRepeatedAndOverlongNames) {
   const auto repeated = temporary_folder() / "repeated";
   write_frames(repeated, {"5.pgm", "05.pgm"});
   expect_refused(repeated, ErrorKind::kInvalidInput, {"same time", "5 ns"});
+  expect_refused(repeated, ErrorKind::kInvalidInput, {"same time", "5 ns"}, {.rate_hz = 10.0});
   const auto overlong = temporary_folder() / "overlong";
   write_frames(overlong, {"99999999999999999999.pgm"});
   expect_refused(overlong, ErrorKind::kInvalidInput, {"99999999999999999999.pgm", "64 bits"});
