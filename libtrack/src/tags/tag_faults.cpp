@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "apriltrack/tags/tag_family.h"
@@ -47,13 +47,9 @@ std::optional<std::string> fault_of_covariance(const Matrix6d& covariance) {
     return fmt::format("must be symmetric (scaled to unit variances, two mirrored entries differ by {:.3g})",
                        asymmetry);
   }
-  const double smallest =
-      Eigen::SelfAdjointEigenSolver<Matrix6d>(correlation, Eigen::EigenvaluesOnly).eigenvalues()[0];
-  if (!(smallest >= -kCovarianceTolerance)) {
-    return fmt::format(
-        "must be positive semidefinite (scaled to unit variances, its smallest eigenvalue is {:.3g})",
-        smallest);
-  }
+  const Matrix6d lifted = correlation + kCovarianceTolerance * Matrix6d::Identity();
+  if (Eigen::LLT<Matrix6d>(lifted).info() != Eigen::Success)
+    return "must be positive semidefinite: some combination of its six errors has a negative variance";
   return std::nullopt;
 }
 
