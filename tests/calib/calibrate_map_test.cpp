@@ -138,14 +138,10 @@ TEST(CalibrateMap, KeepsFarFrontalTagsFromFlipping) {
   // 12 px tags seen nearly face on: with 0.3 px of noise the wrong planar pose often has the smaller error.
   SyntheticWorld world;
   world.rig.cameras.push_back(test::perspective_camera());
-  for (int i = 0; i < 6; ++i) {
-    MapTag tag;
-    tag.key.id = i;
-    tag.size_m = 0.1;
-    tag.T_map_tag = test::looking_along({0.5 * (i % 3) - 0.5, 0.0, 0.6 * (i / 3)},
-                                        {0.35 * (i % 2 ? 1 : -1), -1.0, 0.25 * (i % 3 - 1)});
-    world.map.tags.push_back(tag);
-  }
+  for (int i = 0; i < 6; ++i)
+    test::add_tag(world, 0.1,
+                  test::looking_along({0.5 * (i % 3) - 0.5, 0.0, 0.6 * (i / 3)},
+                                      {0.35 * (i % 2 ? 1 : -1), -1.0, 0.25 * (i % 3 - 1)}));
   for (int k = 0; k < 40; ++k)
     world.T_world_rig.push_back(
         test::looking_along({1.5 * std::sin(0.4 * k), 4.0 + 0.5 * std::cos(0.3 * k), 0.3},
