@@ -28,6 +28,11 @@ Recording split_input(const std::string& input) {
   const bool is_named = equals != std::string::npos && equals > 0 && input.find('/') > equals &&
                         !std::filesystem::exists(input, ignored);
   if (!is_named) return {"", input, false};
+  if (equals + 1 == input.size())
+    throw invalid_input("INPUT",
+                        fmt::format("'{}' names a camera, but no recording: write {}PATH, without a blank "
+                                    "after the =",
+                                    input, input));
   return {input.substr(0, equals), input.substr(equals + 1), true};
 }
 

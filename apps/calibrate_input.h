@@ -27,7 +27,7 @@ struct Sightings {
 };
 
 /// `cam1=PATH` names the camera. A path in which an = merely occurs has none: something of that very name is
-/// there, or the = is not in its first part.
+/// there, or the = is not in its first part. Throws Error(kInvalidInput) when nothing follows the =.
 Recording split_input(const std::string& input);
 
 /// A PATH that names none is camera_name's, or the first camera's where that is empty.

@@ -85,6 +85,7 @@ void check_parts(const CalibrateOptions& a) {
   std::error_code ignored;
   if (fs::exists(a.parts, ignored) && !fs::is_directory(a.parts, ignored))
     throw invalid_input("--parts", fmt::format("'{}' is a file: name a folder", a.parts));
+  check_output_folder(a.parts);
   const fs::path output = fs::absolute(a.output).lexically_normal();
   const fs::path parts = fs::absolute(fs::path(a.parts) / "part_1.yaml").lexically_normal().parent_path();
   if (output.parent_path() == parts && output.filename().string().starts_with("part_"))
@@ -110,11 +111,14 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
   check_families(a.detector.families);
   a.detector.check();
   a.calibration.check();
-  std::vector<std::string> read = {a.camera, a.tag_sizes, a.config};
+  std::vector<std::string> inputs;
   for (const std::string& input : a.inputs) {
-    read.push_back(split_input(input).input);
-    check_input(read.back());
+    inputs.push_back(split_input(input).input);
+    check_input(inputs.back());
   }
+  std::vector<std::string> read = camera_inputs(a.camera, inputs);
+  read.insert(read.end(), {a.tag_sizes, a.config});
+  read.insert(read.end(), inputs.begin(), inputs.end());
   std::vector<std::string> all_read = read;
   all_read.insert(all_read.end(), a.detections.begin(), a.detections.end());
   check_output(a.output, "--output", all_read);

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,10 @@ std::vector<std::string> settable_names(const CLI::App& command) {
 
 CLI::Option* find_option(CLI::App& command, const std::string& key) {
   for (CLI::Option* option : command.get_options()) {
-    if (is_settable(*option) && option->get_single_name() == key) return option;
+    if (!is_settable(*option)) continue;
+    const std::vector<std::string>& names = option->get_lnames();  // --held-tag has two
+    const bool is_named = option->get_single_name() == key || std::ranges::find(names, key) != names.end();
+    if (is_named) return option;
   }
   return nullptr;
 }

@@ -124,7 +124,9 @@ void finish(const Arguments& arguments, const Record& record) {
 
 void run(const Arguments& arguments) {
   check_families(arguments.detector.families);
-  check_output(arguments.output, "--output", {arguments.input, arguments.camera});
+  std::vector<std::string> read = camera_inputs(arguments.camera, {arguments.input});
+  read.push_back(arguments.input);
+  check_output(arguments.output, "--output", read);
   const Record record = detect(arguments);
   check_result(arguments, record);
   write_detections_csv(arguments.output, record.frames);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/camera/response_tables.h"
 #include "apriltrack/source/frame_source.h"
 
 namespace apriltrack::app {
@@ -15,6 +16,19 @@ std::filesystem::path file_or_own(const std::string& given, const std::optional<
   if (own) return *own;
   throw invalid_input(option,
                       fmt::format("is required: the input is no sequence folder with a {} of its own", name));
+}
+
+std::vector<std::string> camera_inputs(const std::string& given, const std::vector<std::string>& inputs) {
+  std::vector<std::string> files;
+  if (!given.empty()) files.push_back(given);
+  for (const std::string& input : inputs) {
+    const auto own = given.empty() ? sequence_camera_file(input) : std::nullopt;
+    if (own) files.push_back(own->string());
+  }
+  std::vector<std::string> all = {given};
+  for (const std::string& file : files)
+    for (const std::filesystem::path& table : response_tables(file)) all.push_back(table.string());
+  return all;
 }
 
 Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console) {
@@ -38,11 +52,23 @@ std::optional<std::string> rolling_shutter_warning(const Camera& camera) {
              1e3 * half_readout_s, kMotion_px, kRate_hz, kMotion_px * kRate_hz * half_readout_s);
 }
 
+namespace {
+
+/// When the images were taken is not asked: names that are no times get any.
+std::unique_ptr<FrameSource> open_without_times(const std::string& input) {
+  try {
+    return open_source(input);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kInvalidInput) throw;
+    return open_source(input, {.rate_hz = 1.0});
+  }
+}
+
+}  // namespace
+
 Camera with_resolution_of_images(Camera camera, const std::string& input) {
   if (camera.width > 0 && camera.height > 0) return camera;
-  SourceOptions options;
-  options.rate_hz = 1.0;  // when the images were taken is not asked here
-  const std::unique_ptr<FrameSource> source = open_source(input, options);
+  const std::unique_ptr<FrameSource> source = open_without_times(input);
   while (const std::optional<SourceFrame> frame = source->next()) {
     if (!frame->is_readable()) continue;
     camera.width = frame->pixels.width();

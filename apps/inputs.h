@@ -16,6 +16,11 @@ namespace apriltrack::app {
 std::filesystem::path file_or_own(const std::string& given, const std::optional<std::filesystem::path>& own,
                                   std::string_view option, std::string_view name);
 
+/// What a run with this --camera and these INPUTs reads for its cameras: the file given, and the response
+/// tables that it names, or the sequence folders' own files where none is given. For check_output(), which
+/// knows these own files themselves.
+std::vector<std::string> camera_inputs(const std::string& given, const std::vector<std::string>& inputs);
+
 /// The camera called `name`, or the file's first where `name` is empty; odd values are told to the console.
 /// Throws as read_cameras and CameraRig::find do.
 Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console);

@@ -4,8 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <system_error>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/numbers.h"
@@ -23,8 +26,11 @@ CLI::Validator must_be(const std::string& range, const Accepts& accepts) {
   return CLI::Validator(check, "");
 }
 
-bool has_digits_only(const std::string& text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+/// CLI11 makes the largest number of what is larger than that.
+bool is_unsigned_64(const std::string& text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return !text.empty() && error == std::errc() && end == text.data() + text.size();
 }
 
 CLI::Validator number(const std::string& range, double low, double high) {
@@ -41,7 +47,7 @@ CLI::Validator whole_number(long long low, std::optional<long long> high) {
                                  : fmt::format("a whole number of at least {}", low);
   return must_be(range, [low, high](const std::string& text) {
     const auto value = parse_integer(text);
-    if (!value) return !high && has_digits_only(text);  // a seed may be larger than a signed number
+    if (!value) return !high && is_unsigned_64(text);  // a seed may be larger than a signed number
     return *value >= low && (!high || *value <= *high);
   });
 }

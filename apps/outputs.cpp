@@ -38,12 +38,36 @@ bool is_picture(const fs::path& path) {
   return std::find(kPictures.begin(), kPictures.end(), extension) != kPictures.end();
 }
 
+/// A name that is not taken yet, too: a trajectory called frames.csv would be read as exposures ever after.
+/// But a map of its own is what a recording that has none is calibrated for.
 bool is_recordings_own(const fs::path& path) {
   std::error_code error;
-  const fs::path file = fs::canonical(path, error);
-  return !error && std::ranges::any_of(kRecordingFiles, [&](const RecordingFile& own) {
+  const fs::path file = fs::weakly_canonical(path, error);
+  if (error || (file.filename() == "map.yaml" && !fs::exists(file, error))) return false;
+  return std::ranges::any_of(kRecordingFiles, [&](const RecordingFile& own) {
     return file.filename() == own.name && fs::is_directory(file.parent_path() / own.images, error);
   });
+}
+
+/// Where the file is made: a link is followed, as writing does.
+fs::path target_folder(const fs::path& path) {
+  std::error_code error;
+  const fs::path target = fs::weakly_canonical(path, error);
+  return error ? path.parent_path() : target.parent_path();
+}
+
+/// Throws unless files can be made in the folder.
+void check_writable(const fs::path& folder, const std::string& output) {
+  if (::access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) == 0) return;
+  throw io_error(output,
+                 fmt::format("cannot be written: nothing can be made in '{}': {}",
+                             folder.empty() ? "." : folder.string(), std::generic_category().message(errno)));
+}
+
+void check_not_own(const std::string& output, std::string_view option) {
+  if (!is_recordings_own(output)) return;
+  throw invalid_input(
+      option, fmt::format("'{}' is a recording's own file, which no run writes: name another", output));
 }
 
 }  // namespace
@@ -57,21 +81,31 @@ void check_output(const std::string& output, std::string_view option,
   if (fs::is_directory(path, ignored)) throw io_error(output, "is a folder: name a file in it");
   if (!folder.empty() && !fs::is_directory(folder, ignored))
     throw io_error(output, "cannot be written: there is no such folder");
-  if (!fs::exists(path, ignored)) return;
+  // What is no regular file, such as /dev/stdout, is written to as it is; others are written aside first.
+  const bool is_there = fs::exists(path, ignored);
+  if (!is_there || fs::is_regular_file(path, ignored)) check_writable(target_folder(path), output);
+  if (!is_there) return check_not_own(output, option);
   if (::access(path.c_str(), W_OK) != 0)
     throw io_error(output, fmt::format("cannot be written: {}", std::generic_category().message(errno)));
   const bool is_input = std::ranges::any_of(
       inputs, [&](const std::string& input) { return fs::equivalent(path, input, ignored); });
   if (is_input && fs::is_regular_file(path, ignored))
     throw invalid_input(option, fmt::format("'{}' is an input of this run: name another file", output));
-  if (is_recordings_own(path))
-    throw invalid_input(
-        option, fmt::format("'{}' is a recording's own file, which no run replaces: name another", output));
+  check_not_own(output, option);
   if (fs::is_regular_file(path, ignored) && is_picture(path))
     throw invalid_input(option,
                         fmt::format("'{}' is a picture or video, which this would replace: name another "
                                     "file",
                                     output));
+}
+
+void check_output_folder(const std::string& output) {
+  std::error_code ignored;
+  fs::path there = fs::absolute(output).lexically_normal();
+  while (!fs::exists(there, ignored) && there.has_relative_path()) there = there.parent_path();
+  if (!fs::is_directory(there, ignored))
+    throw io_error(output, fmt::format("cannot be made: '{}' is no folder", there.string()));
+  check_writable(there, output);
 }
 
 }  // namespace apriltrack::app

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
 #include "apriltrack/eval/trajectory.h"
+#include "apriltrack/io/atomic_file.h"
 #include "apriltrack/sim/named_scenes.h"
 #include "apriltrack/sim/renderer.h"
 #include "apriltrack/sim/streaks.h"
@@ -25,6 +27,8 @@
 
 namespace apriltrack::app {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxFrames = 1'000'000;
 
@@ -163,19 +167,41 @@ void report(const Scene& scene, const BlurFigures& figures, const SimulateOption
                            options.output, figures.num_frames, scene.name, 100.0 * share, figures.max_px));
 }
 
+constexpr const char* kMark = "made_by_apriltrack_simulate.txt";
+
+/// Whether --force would take away anything: what a sequence folder has, and pictures.
+bool has_recording(const fs::path& folder) {
+  std::error_code ignored;
+  const bool has_frames =
+      fs::is_directory(folder / "frames", ignored) && !fs::is_empty(folder / "frames", ignored);
+  return has_frames ||
+         std::ranges::any_of(std::array{"camera.yaml", "map.yaml", "frames.csv", "truth.tum"},
+                             [&](const char* name) { return fs::exists(folder / name, ignored); });
+}
+
 void check_folder(const SimulateOptions& options) {
   std::error_code ignored;
-  const bool is_full = std::filesystem::is_directory(options.output, ignored) &&
-                       !std::filesystem::is_empty(options.output, ignored);
+  const fs::path folder = options.output;
+  const bool is_full = fs::is_directory(folder, ignored) && !fs::is_empty(folder, ignored);
   if (is_full && !options.is_forced)
-    throw io_error(options.output,
-                   "is not empty: name a new folder, or give --force to replace the recording in it");
+    throw io_error(
+        options.output,
+        "is not empty: name a new folder, or give --force to replace a recording that simulate made");
+  if (is_full && has_recording(folder) && !fs::exists(folder / kMark, ignored))
+    throw invalid_input("--force",
+                        fmt::format("'{}' holds a recording that simulate did not make (it has no {}): "
+                                    "name a new folder",
+                                    options.output, kMark));
 }
 
 void simulate(const SimulateOptions& options) {
   const Scene scene = configured_scene(options);
   check_folder(options);
   const SequenceWriter writer(options.output, options.is_forced);
+  // First of all, so that a run which was ended in between can be replaced, too.
+  write_file_atomically(
+      writer.folder() / kMark,
+      "The recording here was made by `apriltrack simulate`, which replaces it with --force.\n");
   CameraRig rig;
   rig.cameras.push_back(scene.camera);
   writer.write_camera(rig);
@@ -209,7 +235,8 @@ void add_simulate_command(CLI::App& app) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App& command = add_command(app, "simulate", help());
   command.add_option("--scene", options->scene, "What to film: see the list above")->required();
-  command.add_option("--output", options->output, "Folder to write; must be new or empty")->required();
+  command.add_option("--output", options->output, "Folder to write; must be new or empty, unless --force")
+      ->required();
   command.add_option("--frames", options->frames, "How many frames (default: the scene's own)");
   command.add_option("--rate", options->rate_hz, "Frames per second (default: the scene's own)");
   command.add_option("--exposure", options->exposure_s,
@@ -226,7 +253,8 @@ void add_simulate_command(CLI::App& app) {
   command.add_option("--threads", options->num_threads, "0 = all cores; changes no byte")
       ->check(threads())
       ->capture_default_str();
-  command.add_flag("--force", options->is_forced, "Write into a folder that is not empty");
+  command.add_flag("--force", options->is_forced,
+                   "Replace a recording that simulate made; one of your own is never touched");
   options->console.add_options(command);
   command.callback([options] { simulate(*options); });
 }

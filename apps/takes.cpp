@@ -158,8 +158,7 @@ Takes::OneClock Takes::take_all() {
     const std::vector<std::string> moved = move_apart(inputs, assign_takes(inputs, *restart));
     all.warning = fmt::format(
         "one camera filmed both {} and {} at the same times, so that clocks began anew; moved behind the "
-        "takes "
-        "before: {}",
+        "takes before: {}",
         restart->first->name, restart->second->name, fmt::join(moved, ", "));
   }
   for (Input& input : inputs)

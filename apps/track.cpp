@@ -67,8 +67,8 @@ void check_arguments(const CLI::App& command, const Arguments& arguments) {
     refuse_beside_detections(command, {"--rate", "--decimate", "--min-margin", "--max-hamming"});
   }
   if (!arguments.input.empty()) check_input(arguments.input);
-  const std::vector<std::string> read = {arguments.input, arguments.detections, arguments.camera,
-                                         arguments.map};
+  std::vector<std::string> read = camera_inputs(arguments.camera, {arguments.input});
+  read.insert(read.end(), {arguments.input, arguments.detections, arguments.map});
   check_output(arguments.output, "--output", read);
   if (arguments.frames_csv.empty()) return;
   check_output(arguments.frames_csv, "--frames-csv", read);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <optional>
 
@@ -14,6 +15,7 @@ namespace apriltrack {
 namespace {
 
 constexpr double kHighResidual_px = 1.0;
+constexpr double kRejectedOfOneTag = 0.25;
 constexpr double kManyRejected = 0.1;
 constexpr int kFewViews = 5;
 constexpr double kLooseRotation_rad = 0.02;
@@ -167,6 +169,23 @@ int count_frames(const Observations& observations, const std::vector<std::size_t
   return static_cast<int>(std::unique(frames.begin(), frames.end()) - frames.begin());
 }
 
+void warn_of_rejected_tags(const Observations& observations, const PartSolution& solution,
+                           Findings& findings) {
+  std::map<int, int> kept;
+  for (const std::size_t v : solution.part.views) ++kept[observations.views[v].tag];
+  std::string names;
+  for (const auto& [tag, views] : kept) {
+    const int offered = solution.views_offered_by_tag[static_cast<std::size_t>(tag)];
+    if (offered - views > kRejectedOfOneTag * offered)
+      names += fmt::format("{}{} ({} of {})", names.empty() ? "" : ", ", to_string(key_of(observations, tag)),
+                           offered - views, offered);
+  }
+  if (!names.empty())
+    findings.warnings.push_back(
+        "many views were rejected of " + names +
+        ": trust their places less; a wrong size, a bend, or a tag that moved may be the cause");
+}
+
 void report_quality(const Observations& observations, const PartSolution& solution,
                     const CalibrationOptions& options, Findings& findings) {
   if (solution.covariances.empty())
@@ -183,6 +202,7 @@ void report_quality(const Observations& observations, const PartSolution& soluti
             solution.culprit ? "tied to the others by that tag, or by frames that contradict them"
                              : "tied to the others by frames that contradict them",
             findings);
+  warn_of_rejected_tags(observations, solution, findings);
   const double rejected =
       1.0 - static_cast<double>(solution.part.views.size()) / static_cast<double>(solution.views_offered);
   if (rejected > kManyRejected)

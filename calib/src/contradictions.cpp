@@ -42,12 +42,12 @@ struct Count {
 };
 
 std::map<int, FrameTags> frames_of(const Observations& observations, const Part& part,
-                                   const std::vector<std::size_t>& fitting) {
+                                   const std::vector<std::size_t>& gross) {
   std::map<int, FrameTags> frames;
   for (const std::size_t v : part.views) {
     const TagView& view = observations.views[v];
-    const bool fits = std::binary_search(fitting.begin(), fitting.end(), v);
-    (fits ? frames[view.frame].fitting : frames[view.frame].rejected).insert(view.tag);
+    const bool is_gross = std::binary_search(gross.begin(), gross.end(), v);
+    (is_gross ? frames[view.frame].rejected : frames[view.frame].fitting).insert(view.tag);
   }
   return frames;
 }
@@ -55,11 +55,11 @@ std::map<int, FrameTags> frames_of(const Observations& observations, const Part&
 }  // namespace
 
 Contradictions find_contradictions(const Observations& observations, const Part& part,
-                                   const std::vector<std::size_t>& fitting) {
+                                   const std::vector<std::size_t>& gross) {
   Contradictions result;
   std::map<int, Count> tags;
   std::map<std::pair<int, int>, Count> links;
-  for (const auto& [index, frame] : frames_of(observations, part, fitting)) {
+  for (const auto& [index, frame] : frames_of(observations, part, gross)) {
     ++result.frames;
     if (frame.contradicts()) ++result.contradicting;
     const std::set<int> all = frame.all();

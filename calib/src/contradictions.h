@@ -11,20 +11,20 @@ namespace apriltrack {
 /// Where an adjusted part contradicts the frames it was made from, more than outliers that come by chance do.
 struct Contradictions {
   std::size_t frames = 0;         ///< Frames of the part.
-  std::size_t contradicting = 0;  ///< Those in which a view was rejected.
+  std::size_t contradicting = 0;  ///< Those in which a view is far off.
   /// Accused in over a third of their frames: a tag that was moved, or of wrong size.
   std::vector<int> tags;
-  /// Rejected in over half of the frames that show both: the way from one to the other over further tags does
+  /// Far off in over half of the frames that show both: the way from one to the other over further tags does
   /// not end where the pictures have it, as when an id hangs in two places.
   std::vector<std::pair<int, int>> links;
 
   bool are_there() const { return !tags.empty() || !links.empty(); }
 };
 
-/// fitting: those of part.views that fit, sorted. A frame that shows two fitting tags accuses those that do
-/// not fit; one that does not accuses all of its tags, for of two tags that contradict each other the fit
-/// rejects either.
+/// gross: those of part.views that are far off, sorted; the others count as fitting. A frame that shows two
+/// fitting tags accuses the others; one that does not accuses all of its tags, for of two tags that
+/// contradict each other the fit sacrifices either.
 Contradictions find_contradictions(const Observations& observations, const Part& part,
-                                   const std::vector<std::size_t>& fitting);
+                                   const std::vector<std::size_t>& gross);
 
 }  // namespace apriltrack

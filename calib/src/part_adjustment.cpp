@@ -20,6 +20,8 @@ constexpr double kFineLossPerSigma = 6.0;  // a good view's whitened norm is sqr
 constexpr double kMaxViewRms = 4.0;        // sigmas; one in 1e18 good views
 constexpr double kMaxComponent = 6.0;      // sigmas; one corner off, the rest of the tag in place
 constexpr int kMaxRounds = 4;
+constexpr double kGross_px = 1.0;
+constexpr double kGrossPerEdge = 0.1;
 
 /// Standard deviation of the whitened residuals, from their median: half of them may be wrong. Where there
 /// are few, the fit makes many of them vanish, and the median with them: the expected sigma counts as well.
@@ -53,6 +55,22 @@ std::vector<std::size_t> inliers(const Observations& observations, const std::ve
     if (is_valid && rms <= kMaxViewRms && whitened.cwiseAbs().maxCoeff() <= kMaxComponent) kept.push_back(v);
   }
   return kept;
+}
+
+/// Views so far off that no noise, lens or print explains it, against the size that the tag has in the image.
+std::vector<std::size_t> gross_outliers(const Observations& observations,
+                                        const std::vector<std::size_t>& views, const MapState& state) {
+  std::vector<std::size_t> gross;
+  for (const std::size_t v : views) {
+    bool is_valid = false;
+    Vector8d residual_px;
+    const TagView& view = observations.views[v];
+    whitened_residual(observations, view, state, is_valid, &residual_px);
+    const double distance_px = std::sqrt(residual_px.squaredNorm() / 4.0);
+    if (!is_valid || distance_px > kGross_px + kGrossPerEdge * mean_edge_px(view.corners_px))
+      gross.push_back(v);
+  }
+  return gross;
 }
 
 [[noreturn]] void fail_as_contradictory(const Observations& observations, int held_tag) {
@@ -147,7 +165,7 @@ AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, c
   }
   result.part = adjust_cleanly(observations, part, held_tag, options, result.state);
   result.contradictions =
-      find_contradictions(observations, part, inliers(observations, part.views, result.state));
+      find_contradictions(observations, part, gross_outliers(observations, part.views, result.state));
   return result;
 }
 

@@ -133,14 +133,8 @@ TEST(MapCovariance, LeavesCovariancesOutOfMapsOverTheLimitAndSaysSo) {
 SyntheticWorld few_views_of_two_tags(int num_frames) {
   SyntheticWorld world;
   world.rig.cameras.push_back(test::perspective_camera());
-  for (int i = 0; i < 2; ++i) {
-    MapTag tag;
-    tag.key.id = i;
-    tag.size_m = 0.3;
-    const double side = i == 0 ? -1.0 : 1.0;
-    tag.T_map_tag = test::looking_along({0.35 * side, 0.0, 0.0}, {side, 1.0, 0.2 * side});
-    world.map.tags.push_back(tag);
-  }
+  for (const double side : {-1.0, 1.0})
+    test::add_tag(world, 0.3, test::looking_along({0.35 * side, 0.0, 0.0}, {side, 1.0, 0.2 * side}));
   for (int k = 0; k < num_frames; ++k)
     world.T_world_rig.push_back(
         test::looking_along({0.2 * (k - 1), -1.5, 0.3 - 0.3 * k}, {-0.1 * (k - 1), 1.0, 0.2 * k - 0.2}));

@@ -210,6 +210,10 @@ void add_edge_biases(std::vector<FrameDetections>& frames, double sigma_px, doub
   }
 }
 
+void add_tag(SyntheticWorld& world, double size_m, const Pose& T_map_tag) {
+  world.map.tags.push_back(make_tag(static_cast<int>(world.map.tags.size()), size_m, T_map_tag));
+}
+
 Pose T_origin_tag(const TagMap& truth, const TagKey& origin, const TagKey& tag) {
   const MapTag* a = truth.find(origin);
   const MapTag* b = truth.find(tag);

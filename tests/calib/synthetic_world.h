@@ -37,6 +37,9 @@ SyntheticWorld make_facing_walls();
 /// Corners of every tag that a camera sees whole, from the front, at 75 degrees or less.
 std::vector<FrameDetections> exact_detections(const SyntheticWorld& world);
 
+/// Hangs up one more tag; its id is the number of those there before.
+void add_tag(SyntheticWorld& world, double size_m, const Pose& T_map_tag);
+
 /// Independent errors per coordinate.
 void add_noise(std::vector<FrameDetections>& frames, double sigma_px, RandomStream& random);
 

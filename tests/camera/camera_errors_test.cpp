@@ -12,9 +12,9 @@
 namespace apriltrack {
 namespace {
 
+using test::message_of;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using test::message_of;
 
 struct Wrong {
   std::string name;

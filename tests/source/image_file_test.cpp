@@ -79,6 +79,50 @@ TEST(ReadImage, ScalesSixteenBitsDown) {
   EXPECT_EQ(image(2, 0), 255);
 }
 
+/// The PNM formats' definition: a number over the header's largest is the share of white.
+TEST(ReadImage, ScalesPnmByTheLargestValueOfItsHeader) {
+  const auto path = temporary_folder() / "scaled.pgm";
+  int checked = 0;
+  for (const char kind : {'2', '3', '5', '6'}) {
+    for (const int largest : {1, 100, 254, 255, 256, 1023, 4095, 16383, 65535}) {
+      const bool is_colour = kind == '3' || kind == '6';
+      const bool is_binary = kind == '5' || kind == '6';
+      std::string text = std::string("P") + kind + "\n# a camera's\n9 1\n" + std::to_string(largest) + "\n";
+      std::vector<int> values;
+      for (int i = 0; i < 9; ++i) values.push_back(i * largest / 8);
+      for (const int value : values) {
+        for (int channel = 0; channel < (is_colour ? 3 : 1); ++channel) {
+          if (!is_binary) {
+            text += std::to_string(value) + " ";
+            continue;
+          }
+          if (largest > 255) text += static_cast<char>(value >> 8);
+          text += static_cast<char>(value & 0xFF);
+        }
+      }
+      write_text(path, text);
+      const GrayImage image = read_image(path);
+      ASSERT_EQ(image.width(), 9);
+      for (int i = 0; i < 9; ++i) {
+        const double expected = 255.0 * values[static_cast<std::size_t>(i)] / largest;
+        const bool is_cut = !is_binary && largest < 255;  // OpenCV scales these, and cuts decimals off
+        EXPECT_NEAR(image(i, 0), expected, is_cut ? 0.9999 : 0.5001)
+            << "P" << kind << " of " << largest << ", pixel " << i;
+        ++checked;
+      }
+    }
+  }
+  EXPECT_EQ(checked, 4 * 9 * 9);
+}
+
+TEST(ReadImage, RefusesAPnmWhoseLargestValueIsNone) {
+  const auto folder = temporary_folder();
+  write_text(folder / "zero.pgm", "P5\n2 1\n0\nab");
+  write_text(folder / "large.pgm", "P2\n2 1\n65536\n0 1\n");
+  expect_unreadable(folder / "zero.pgm", {"zero.pgm", "[1, 65535]", "is 0"});
+  expect_unreadable(folder / "large.pgm", {"large.pgm", "65536"});
+}
+
 TEST(ReadImage, TellsAMissingFileAFolderAndAnEmptyFileApart) {
   const auto folder = temporary_folder();
   write_text(folder / "empty.png", "");

@@ -28,6 +28,14 @@ void write_pgm(const fs::path& path, const GrayImage& image) {
   write_text(path, bytes.str());
 }
 
+void write_frames(const fs::path& folder, const std::vector<std::string>& names) {
+  int seed = 0;
+  for (const std::string& name : names) {
+    fs::create_directories(folder);
+    write_pgm(folder / name, test_picture(8, 6, seed++));
+  }
+}
+
 std::string read_bytes(const fs::path& path) {
   std::ostringstream bytes;
   bytes << std::ifstream(path, std::ios::binary).rdbuf();

@@ -19,6 +19,8 @@ GrayImage test_picture(int width, int height, int seed = 0);
 /// Binary PGM written byte by byte, so that reading is judged against bytes and not against our own writer.
 void write_pgm(const std::filesystem::path& path, const GrayImage& image);
 void write_text(const std::filesystem::path& path, const std::string& text);
+/// Pictures that differ from each other, one per name.
+void write_frames(const std::filesystem::path& folder, const std::vector<std::string>& names);
 std::string read_bytes(const std::filesystem::path& path);
 
 /// All frames that a source hands out.

@@ -93,8 +93,10 @@ TEST_F(Connection, AFailedRunKeepsTheOldMapWithItsObservations) {
   film({{0, 1, 2}});
   write_text(path("map.detections.csv"), "old\n");
   write_text(path("map.yaml"), "old\n");
-  write_text(path("parts"), "a file in place of the folder\n");
-  EXPECT_THAT(run_program(words({"--parts", path("parts")})), EndsWith(3, "parts"));
+  fs::create_directories(path("parts"));
+  fs::create_symlink("/dev/full",
+                     path("parts/part_1.yaml"));  // written after the observations, before the map
+  EXPECT_THAT(run_program(words({"--parts", path("parts")})), EndsWith(3, "part_1.yaml"));
   EXPECT_EQ(read_text(path("map.detections.csv")), "old\n");
   EXPECT_EQ(read_text(path("map.yaml")), "old\n");
   EXPECT_FALSE(fs::exists(path("map.detections.csv.new")));

@@ -82,6 +82,41 @@ TEST_F(OptionValues, TheLargestSeedIsTaken) {
             0);
 }
 
+TEST_F(OptionValues, ASeedBeyond64BitsIsNotTakenForAnother) {
+  for (const std::string seed : {"18446744073709551616", "99999999999999999999999"}) {
+    EXPECT_THAT(run_program({"simulate", "--scene", "single", "--frames", "1", "--seed", seed, "--output",
+                             path("s")}),
+                EndsWith(2, "--seed: must be a whole number of at least 0"));
+    EXPECT_THAT(run_program({"demo", "--seed", seed, "--output", path("s")}),
+                EndsWith(2, "(is '" + seed + "')"));
+  }
+}
+
+TEST_F(OptionValues, ACameraWithoutItsRecordingIsNamed) {
+  EXPECT_THAT(run_program({"calibrate", "cam0=", path("frames"), "--camera", path("camera.yaml"),
+                           "--tag-size", "0.16", "--output", path("new_map.yaml")}),
+              EndsWith(2, "'cam0=' names a camera, but no recording"));
+}
+
+TEST_F(OptionValues, AConfigFileKnowsAnOptionByBothItsNames) {
+  for (const std::string name : {"held-tag", "origin"}) {
+    write_text(path("options.yaml"), name + ": -1\n");
+    EXPECT_THAT(calibrate({"--config", path("options.yaml")}),
+                EndsWith(2, "--held-tag: must be ID or family/ID, ID from 0 to 2147483647 (is '-1')"))
+        << name;
+  }
+}
+
+TEST_F(OptionValues, JsonIsJsonWhateverBytesAPathHas) {
+  const ProgramRun run = run_program(
+      {"simulate", "--scene", "single", "--frames", "1", "--json", "--quiet", "--output", path("caf\xE9")});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const nlohmann::json summary = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(summary.is_object()) << run.out;
+  EXPECT_EQ(summary["frames"], 1);
+  EXPECT_TRUE(summary["output"].get<std::string>().ends_with("caf\xEF\xBF\xBD"));
+}
+
 TEST_F(OptionValues, AFamilyGivenTwiceIs2) {
   EXPECT_THAT(run_with({"detect", path("frames"), "--output", path("d.csv"), "--family", "tag25h9",
                         "--family", "tag25h9"},

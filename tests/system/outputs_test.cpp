@@ -54,6 +54,111 @@ TEST_F(Outputs, NoFileOfTheRecordingIsReplaced) {
   EXPECT_EQ(run_program(track(older)).status, 0);
 }
 
+TEST_F(Outputs, NamesThatARecordingGivesMeaningToAreRefusedEvenWhereNoneIsThere) {
+  for (const char* name : {"truth.tum", "frames.csv", "camera.yaml"}) {
+    const fs::path file = fs::path(room_) / name;
+    fs::remove(file);
+    std::vector<std::string> words = track(file);
+    if (std::string(name) == "camera.yaml") words.insert(words.end(), {"--camera", folder_ / "own.yaml"});
+    if (std::string(name) != "camera.yaml" && !fs::exists(folder_ / "own.yaml"))
+      fs::copy(fs::path(room_) / "camera.yaml", folder_ / "own.yaml");
+    EXPECT_THAT(run_program(words), EndsWith(2, "is a recording's own file")) << name;
+    EXPECT_FALSE(fs::exists(file)) << name;
+  }
+  const fs::path euroc = folder_ / "mav0" / "cam0";
+  fs::create_directories(euroc / "data");
+  for (const char* name : {"data.csv", "sensor.yaml"}) {
+    EXPECT_THAT(run_program({"detect", room_, "--output", euroc / name}),
+                EndsWith(2, "is a recording's own file"));
+    EXPECT_FALSE(fs::exists(euroc / name)) << name;
+  }
+}
+
+TEST_F(Outputs, ARecordingWithoutAMapMayGetOne) {
+  const fs::path map = fs::path(room_) / "map.yaml";
+  fs::remove(map);
+  const std::vector<std::string> words = {"calibrate", room_,         "--tag-size", "0.16",   "--output",
+                                          map,         "--min-views", "2",          "--quiet"};
+  EXPECT_EQ(run_program(words).status, 0);
+  const std::string before = read_text(map);
+  EXPECT_FALSE(before.empty());
+  EXPECT_THAT(run_program(words), EndsWith(2, "is a recording's own file"));
+  EXPECT_EQ(read_text(map), before);
+}
+
+TEST_F(Outputs, AResponseTableOfTheCameraIsAnInput) {
+  const fs::path table = folder_ / "light.txt";
+  std::string text;
+  for (int i = 0; i < 256; ++i) text += std::to_string(i) + "\n";
+  write_text(table, text);
+  const fs::path camera = folder_ / "camera.yaml";
+  write_text(camera, read_text(fs::path(room_) / "camera.yaml"));
+  std::string lines = read_text(camera);
+  lines.replace(lines.find("response: srgb"), 14, "response: light.txt");
+  write_text(camera, lines);
+  const std::vector<std::vector<std::string>> runs = {
+      {"track", room_, "--camera", camera, "--output", table},
+      {"track", room_, "--camera", camera, "--output", folder_ / "o.tum", "--frames-csv", table},
+      {"detect", room_, "--camera", camera, "--output", table},
+      {"calibrate", room_, "--camera", camera, "--tag-size", "0.16", "--output", table}};
+  for (const auto& words : runs) {
+    EXPECT_THAT(run_program(words), EndsWith(2, "is an input of this run")) << words[0];
+    EXPECT_EQ(read_text(table), text);
+  }
+  // The recording's own camera file, which is read where none is given.
+  write_text(fs::path(room_) / "camera.yaml", lines);
+  write_text(fs::path(room_) / "light.txt", text);
+  EXPECT_THAT(run_program({"detect", room_, "--output", fs::path(room_) / "light.txt"}),
+              EndsWith(2, "is an input of this run"));
+}
+
+TEST_F(Outputs, ForceReplacesOnlyWhatSimulateMade) {
+  const auto simulate = [](const fs::path& folder) {
+    return run_program(
+        {"simulate", "--scene", "single", "--frames", "1", "--output", folder, "--force", "--quiet"});
+  };
+  const fs::path own = folder_ / "own";
+  for (const char* name : {"frames/1000000000.png", "camera.yaml", "map.yaml", "frames.csv", "truth.tum"}) {
+    write_text(own / name, "keep\n");
+    EXPECT_THAT(simulate(own),
+                EndsWith(2, "--force: '" + own.string() + "' holds a recording that simulate did not make"));
+    EXPECT_EQ(read_text(own / name), "keep\n") << name;
+    fs::remove_all(own);
+  }
+  write_text(own / "notes.txt", "keep\n");
+  EXPECT_EQ(simulate(own).status, 0) << "nothing to lose";
+  EXPECT_EQ(simulate(own).status, 0) << "what simulate made";
+  EXPECT_EQ(read_text(own / "notes.txt"), "keep\n");
+}
+
+TEST_F(Outputs, AFolderThatCannotBeWrittenIsToldBeforeTheWork) {
+  const fs::path locked = folder_ / "locked";
+  fs::create_directories(locked);
+  write_text(locked / "there.tum", "keep\n");
+  fs::permissions(locked, fs::perms::owner_read | fs::perms::owner_exec);
+  write_text(fs::path(room_) / "frames" / "0.png", "no picture");  // the work would tell of it
+  const std::vector<std::vector<std::string>> runs = {
+      track(locked / "o.tum"),
+      track(locked / "there.tum"),
+      {"track", room_, "--output", folder_ / "o.tum", "--frames-csv", locked / "log.csv"},
+      {"detect", room_, "--output", locked / "o.csv"},
+      {"calibrate", room_, "--tag-size", "0.16", "--output", locked / "o.yaml"},
+      {"calibrate", room_, "--tag-size", "0.16", "--output", folder_ / "o.yaml", "--parts", locked},
+      {"calibrate", room_, "--tag-size", "0.16", "--output", folder_ / "o.yaml", "--parts",
+       locked / "a" / "b"}};
+  for (const auto& words : runs) {
+    const ProgramRun run = run_program_bound_by_permissions(words);
+    EXPECT_THAT(run, EndsWith(3, "nothing can be made in '" + locked.string() + "'")) << words[0];
+    EXPECT_EQ(run.err.find("0.png"), std::string::npos) << run.err;
+  }
+  fs::permissions(locked, fs::perms::owner_all);
+  EXPECT_EQ(read_text(locked / "there.tum"), "keep\n");
+  write_text(folder_ / "file", "keep\n");
+  EXPECT_THAT(run_program({"calibrate", room_, "--tag-size", "0.16", "--output", folder_ / "o.yaml",
+                           "--parts", folder_ / "file" / "parts"}),
+              EndsWith(3, "is no folder"));
+}
+
 TEST_F(Outputs, NoFileOfARecordingIsReplacedByARunOfOtherThings) {
   const fs::path map = fs::path(room_) / "map.yaml";
   fs::copy(map, folder_ / "other.yaml");

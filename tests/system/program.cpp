@@ -1,5 +1,7 @@
 #include "program.h"
 
+#include <linux/capability.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -27,13 +29,29 @@ bool limit_file_size(std::size_t max_bytes) {
   return std::signal(SIGXFSZ, SIG_IGN) != SIG_ERR && ::setrlimit(RLIMIT_FSIZE, &limit) == 0;
 }
 
+/// The bounding set limits what root keeps across execv (capabilities(7)); others have nothing to lose.
+bool give_up_override() {
+  return ::geteuid() != 0 || ::prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, 0, 0, 0) == 0;
+}
+
+/// What a run is denied.
+struct Limits {
+  std::optional<std::size_t> max_bytes;
+  bool is_bound_by_permissions = false;
+};
+
+bool apply(const Limits& limits) {
+  return (!limits.max_bytes || limit_file_size(*limits.max_bytes)) &&
+         (!limits.is_bound_by_permissions || give_up_override());
+}
+
 [[noreturn]] void become(const std::vector<std::string>& words, const fs::path& out, const fs::path& err,
-                         std::optional<std::size_t> max_bytes) {
+                         const Limits& limits) {
   std::vector<char*> arguments{const_cast<char*>(APRILTRACK_PROGRAM)};
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   const bool is_ready = std::freopen("/dev/null", "r", stdin) && std::freopen(out.c_str(), "w", stdout) &&
-                        std::freopen(err.c_str(), "w", stderr) && (!max_bytes || limit_file_size(*max_bytes));
+                        std::freopen(err.c_str(), "w", stderr) && apply(limits);
   if (is_ready) ::execv(APRILTRACK_PROGRAM, arguments.data());
   ::_exit(127);
 }
@@ -49,11 +67,11 @@ ProgramRun take_captured(int wait_status, const fs::path& out, const fs::path& e
   return ended;
 }
 
-ProgramRun run(const std::vector<std::string>& words, std::optional<std::size_t> max_bytes) {
+ProgramRun run(const std::vector<std::string>& words, const Limits& limits) {
   const fs::path out = capture_file("out");
   const fs::path err = capture_file("err");
   const pid_t child = ::fork();
-  if (child == 0) become(words, out, err, max_bytes);
+  if (child == 0) become(words, out, err, limits);
   int wait_status = 0;
   ::waitpid(child, &wait_status, 0);
   return take_captured(wait_status, out, err);
@@ -77,16 +95,20 @@ void PrintTo(const ProgramRun& run, std::ostream* out) {
 }
 
 ProgramRun run_program(const std::vector<std::string>& words) {
-  return run(words, std::nullopt);
+  return run(words, {});
 }
 
 ProgramRun run_program_on_full_disk(const std::vector<std::string>& words, std::size_t max_bytes) {
-  return run(words, max_bytes);
+  return run(words, {.max_bytes = max_bytes, .is_bound_by_permissions = false});
+}
+
+ProgramRun run_program_bound_by_permissions(const std::vector<std::string>& words) {
+  return run(words, {.max_bytes = std::nullopt, .is_bound_by_permissions = true});
 }
 
 StartedProgram::StartedProgram(const std::vector<std::string>& words)
     : out_(capture_file("out")), err_(capture_file("err")), child_(::fork()) {
-  if (child_ == 0) become(words, out_, err_, std::nullopt);
+  if (child_ == 0) become(words, out_, err_, {});
 }
 
 StartedProgram::~StartedProgram() {

@@ -27,6 +27,10 @@ ProgramRun run_program(const std::vector<std::string>& words);
 /// The same with no file allowed to grow beyond `max_bytes`: to the program, a disk that is full.
 ProgramRun run_program_on_full_disk(const std::vector<std::string>& words, std::size_t max_bytes);
 
+/// The same without root's right to pass over the permissions of files, so that a test of them holds for
+/// root, too.
+ProgramRun run_program_bound_by_permissions(const std::vector<std::string>& words);
+
 /// A run that is not waited for, to be interrupted. What it is in is waited for by what it does, never by a
 /// clock.
 class StartedProgram {

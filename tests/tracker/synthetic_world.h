@@ -26,6 +26,10 @@ inline Camera camera_with(const Distortion& distortion) {
   return camera;
 }
 
+inline Camera radtan() {
+  return camera_with(RadtanDistortion({-0.28, 0.09, 0.0005, -0.0003}));
+}
+
 inline MapTag tag_at(int id, const Pose& T_map_tag) {
   MapTag tag;
   tag.key = {"tag36h11", id};

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <system_error>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/camera.h"
+#include "apriltrack/camera/response_tables.h"
 #include "apriltrack/io/atomic_file.h"
 #include "camera_fields.h"
 
@@ -73,6 +75,20 @@ CameraRig read_cameras(const std::filesystem::path& path, const LogSink& log) {
   CameraRig rig = read_any(read_tree(path), path.parent_path());
   for (const Camera& camera : rig.cameras) warn_of_oddities(camera, path.string(), log);
   return rig;
+}
+
+std::vector<std::filesystem::path> response_tables(const std::filesystem::path& camera_file) {
+  const YamlNode root = read_tree(camera_file);
+  std::vector<std::filesystem::path> tables;
+  if (!root.is_map()) return tables;
+  for (const auto& [key, camera] : root.entries()) {
+    const auto response = camera.is_map() ? camera.find("response") : std::nullopt;
+    if (!response || response->is_map() || response->is_list()) continue;
+    const std::filesystem::path table = camera_file.parent_path() / response->as_string();
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(table, ignored)) tables.push_back(table);
+  }
+  return tables;
 }
 
 }  // namespace apriltrack

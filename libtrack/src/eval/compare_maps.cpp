@@ -104,6 +104,8 @@ void judge_covariances(const std::vector<CommonTag>& common, MapComparison& comp
 }  // namespace
 
 MapComparison compare_maps(const TagMap& truth, const TagMap& estimate) {
+  check_tag_map(truth, "the first map");
+  check_tag_map(estimate, "the second map");
   const std::vector<CommonTag> common = common_tags(truth, estimate);
   if (common.empty()) {
     throw no_result("map",

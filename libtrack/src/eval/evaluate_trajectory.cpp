@@ -24,7 +24,7 @@ void check_scene(const CornerScene& scene) {
   if (scene.camera.width <= 0 || scene.camera.height <= 0)
     throw invalid_input("camera " + scene.camera.name,
                         "resolution is missing; it tells which tags are in the image");
-  if (scene.map.tags.empty()) throw invalid_input("map", "has no tag, so that there is no corner to measure");
+  check_tag_map(scene.map);
 }
 
 /// Positions by a straight line and orientations by the shortest turn, not along one twist: the definition by

@@ -20,7 +20,7 @@ class Canvas {
   void box(cv::Rect2d area, const cv::Scalar& colour);
   /// at: left, middle or right end of the letters' base line. Returns where the letters end.
   double text(const std::string& words, cv::Point2d at, double height, const cv::Scalar& colour,
-            Align align = Align::kLeft);
+              Align align = Align::kLeft);
   /// Scales the picture into `area`.
   void picture(const GrayView& image, cv::Rect2d area);
 

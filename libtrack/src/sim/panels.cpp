@@ -33,6 +33,7 @@ Panel plain_panel(const Pose& T_body_panel, const Eigen::Vector2d& half_size_m, 
 
 void add_tags(Body& body, const TagMap& map, const TagPrint& print) {
   APRILTRACK_CHECK(print.margin_cells >= 0.0, "margin_cells must be 0 or more");
+  check_tag_map(map);
   for (const MapTag& tag : map.tags) body.panels.push_back(tag_panel(tag, print));
 }
 

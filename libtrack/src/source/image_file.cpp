@@ -31,7 +31,7 @@ void check_regular_file(const std::filesystem::path& path) {
   if (status.type() == std::filesystem::file_type::not_found) throw io_error(path.string(), "no such file");
 }
 
-void check_integrity(const std::string& bytes, const std::string& where) {
+ImageIntegrity checked(const std::string& bytes, const std::string& where) {
   const ImageIntegrity found = inspect_image(bytes);
   if (!found.damage.empty()) throw io_error(where, found.damage);
   // Divided, not multiplied: both sides come from the file and may be as large as 32 bits allow.
@@ -39,14 +39,21 @@ void check_integrity(const std::string& bytes, const std::string& where) {
     throw io_error(where, fmt::format("claims {} x {} pixels; at most {} are read", found.width, found.height,
                                       kMaxPixels));
   }
+  return found;
 }
 
-/// Empty where OpenCV cannot make a picture of the bytes.
-cv::Mat decode(const std::string& bytes, const std::string& where) {
+/// Empty where OpenCV cannot make a picture of the bytes. full_scale: 0 where that of the pixels' type holds.
+cv::Mat decode(const std::string& bytes, int full_scale, const std::string& where) {
   // OpenCV takes a mutable header over constant bytes; it does not write to them.
   const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
   try {
-    return cv::imdecode(view, cv::IMREAD_GRAYSCALE);
+    if (full_scale == 0 || full_scale == 255) return cv::imdecode(view, cv::IMREAD_GRAYSCALE);
+    // OpenCV hands out a PNM file's numbers as they are, whatever its header says of white: 12 bits would be
+    // black.
+    const cv::Mat numbers = cv::imdecode(view, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+    cv::Mat gray;
+    if (!numbers.empty()) numbers.convertTo(gray, CV_8U, 255.0 / full_scale);
+    return gray;
   } catch (const cv::Exception& error) {
     throw io_error(where, fmt::format("cannot be decoded: {}", error.err));
   }
@@ -66,8 +73,7 @@ GrayImage read_image(const std::filesystem::path& path) {
   check_regular_file(path);
   const std::string bytes = read_file(path);
   if (bytes.size() > INT32_MAX) throw io_error(where, "is larger than 2 GiB: no image");
-  check_integrity(bytes, where);
-  const cv::Mat decoded = decode(bytes, where);
+  const cv::Mat decoded = decode(bytes, checked(bytes, where).full_scale, where);
   if (decoded.empty()) throw io_error(where, "is not an image that can be decoded, or is damaged");
   return copy_of(decoded);
 }

@@ -164,7 +164,7 @@ std::optional<std::int64_t> read_pnm_number(std::string_view bytes, std::size_t&
   return value;
 }
 
-/// Binary grey and colour (P5, P6).
+/// Grey and colour, binary (P5, P6) or in digits (P2, P3).
 ImageIntegrity inspect_pnm(std::string_view bytes) {
   ImageIntegrity found;
   std::size_t at = 2;
@@ -175,8 +175,19 @@ ImageIntegrity inspect_pnm(std::string_view bytes) {
     found.damage = fmt::format("{}: its header lacks width, height or largest value", kBroken);
     return found;
   }
+  constexpr std::int64_t kMaxScale = 65535;
+  if (*largest < 1 || *largest > kMaxScale) {
+    found.damage =
+        fmt::format("{}: the largest value must lie in [1, {}] (is {})", kBroken, kMaxScale, *largest);
+    return found;
+  }
   found.width = *width;
   found.height = *height;
+  const bool is_binary = bytes[1] == '5' || bytes[1] == '6';
+  constexpr std::int64_t kMaxByte = 255;
+  const bool is_scaled_by_decoder = !is_binary && *largest <= kMaxByte;  // OpenCV 4 does so for digits alone
+  if (!is_scaled_by_decoder) found.full_scale = static_cast<int>(*largest);
+  if (!is_binary) return found;
   const double bytes_per_pixel = (bytes[1] == '6' ? 3.0 : 1.0) * (*largest > 255 ? 2.0 : 1.0);
   const double needed = bytes_per_pixel * static_cast<double>(*width) * static_cast<double>(*height);
   const double present = static_cast<double>(bytes.size()) - static_cast<double>(at) - 1.0;
@@ -203,7 +214,8 @@ ImageIntegrity inspect_image(std::string_view bytes) {
   if (bytes.empty()) return {.damage = "the file is empty (0 bytes)"};
   if (bytes.starts_with(kPngSignature)) return inspect_png(bytes);
   if (bytes.starts_with(kJpegSignature)) return JpegWalk(bytes).run();
-  if (bytes.starts_with("P5") || bytes.starts_with("P6")) return inspect_pnm(bytes);
+  for (const std::string_view kind : {"P2", "P3", "P5", "P6"})
+    if (bytes.starts_with(kind)) return inspect_pnm(bytes);
   if (bytes.starts_with("BM")) return inspect_bmp(bytes);
   return {};
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/csv.h"
@@ -58,13 +59,66 @@ bool are_no_frame_period_apart(const ImageEntry& a, const ImageEntry& b) {
                   period_ns, name));
 }
 
-std::vector<ImageEntry> entries_by_digits(const std::vector<fs::path>& images,
-                                          std::optional<double> rate_hz) {
+/// Of the differences of neighbours; the smaller of the two in the middle. Requires two entries or more.
+std::uint64_t median_step(const std::vector<ImageEntry>& entries) {
+  std::vector<std::uint64_t> steps;
+  for (std::size_t i = 1; i < entries.size(); ++i)
+    steps.push_back(nanoseconds_apart(entries[i - 1].timestamp, entries[i].timestamp));
+  const auto middle = steps.begin() + (std::ssize(steps) - 1) / 2;
+  std::ranges::nth_element(steps, middle);
+  return *middle;
+}
+
+/// Numbers that were taken for times so far. Counted from frame 0, not from the first that is there: cameras
+/// that were numbered together stay together, whichever frames each of them lost.
+std::vector<ImageEntry> entries_by_number(std::vector<ImageEntry> entries, double rate_hz) {
+  for (ImageEntry& entry : entries) {
+    const long double time_ns = std::round(static_cast<long double>(entry.timestamp.ns) * 1e9L / rate_hz);
+    if (!(std::abs(time_ns) < 9.2e18L)) {
+      throw invalid_input(entry.path.string(),
+                          fmt::format("is frame {} in its name, which at {:g} Hz is a time beyond 64 bits",
+                                      entry.timestamp.ns, rate_hz));
+    }
+    entry.timestamp.ns = static_cast<std::int64_t>(time_ns);
+  }
+  return entries;
+}
+
+std::string in_unit(double time_ns) {
+  if (time_ns < 1e3) return fmt::format("{:g} ns", time_ns);
+  if (time_ns < 1e6) return fmt::format("{:.4g} us", 1e-3 * time_ns);
+  return time_ns < 1e9 ? fmt::format("{:.4g} ms", 1e-6 * time_ns) : fmt::format("{:.4g} s", 1e-9 * time_ns);
+}
+
+/// With a rate, the steps between the names tell what they are: times, if they agree with it but for frames
+/// that were dropped or taken away, or frame numbers.
+std::vector<ImageEntry> entries_by_digits_and_rate(std::vector<ImageEntry> entries, double rate_hz,
+                                                   const std::string& where) {
+  constexpr double kMaxRatio = 3.0;
+  constexpr std::uint64_t kMaxStepOfNumbers = 1000;  // every thousandth frame of a film
+  if (entries.size() < 2) return entries;
+  const auto same = std::ranges::adjacent_find(entries, {}, &ImageEntry::timestamp);
+  if (same != entries.end()) refuse_times(*same, *std::next(same));
+  const double period_ns = 1e9 / rate_hz;
+  const std::uint64_t step = median_step(entries);
+  const double ratio = static_cast<double>(step) / period_ns;
+  if (ratio <= kMaxRatio && ratio >= 1.0 / kMaxRatio) return entries;
+  if (step < kMaxStepOfNumbers) return entries_by_number(std::move(entries), rate_hz);
+  throw invalid_input(
+      where, fmt::format(
+                 "read as nanoseconds, the names of its images are {} apart, but --rate {:g} says {}: rename "
+                 "them to nanoseconds if they are times in another unit; leave out --rate if they are right; "
+                 "frame numbers must be less than {} apart",
+                 in_unit(static_cast<double>(step)), rate_hz, in_unit(period_ns), kMaxStepOfNumbers));
+}
+
+std::vector<ImageEntry> entries_by_digits(const std::vector<fs::path>& images, std::optional<double> rate_hz,
+                                          const std::string& where) {
   std::vector<ImageEntry> entries = entries_by_name(images);
+  if (rate_hz) return entries_by_digits_and_rate(std::move(entries), *rate_hz, where);
   const auto close = std::ranges::adjacent_find(entries, are_no_frame_period_apart);
-  if (close == entries.end()) return entries;
-  if (rate_hz) return entries_by_rate(images, *rate_hz);
-  refuse_times(*close, *std::next(close));
+  if (close != entries.end()) refuse_times(*close, *std::next(close));
+  return entries;
 }
 
 }  // namespace
@@ -72,7 +126,7 @@ std::vector<ImageEntry> entries_by_digits(const std::vector<fs::path>& images,
 std::vector<ImageEntry> give_times(const std::vector<fs::path>& images, std::optional<double> rate_hz,
                                    const std::string& where) {
   const auto num_digits = std::ranges::count_if(images, is_named_by_digits);
-  if (num_digits == std::ssize(images)) return entries_by_digits(images, rate_hz);
+  if (num_digits == std::ssize(images)) return entries_by_digits(images, rate_hz, where);
   const std::string odd = std::ranges::find_if_not(images, is_named_by_digits)->filename().string();
   if (num_digits > 0) {
     throw invalid_input(where,

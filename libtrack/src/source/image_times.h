@@ -9,10 +9,12 @@
 
 namespace apriltrack {
 
-/// Gives images their times: from names that are all digits (nanoseconds), else from the rate, in natural
-/// order. Where two of them are less than a microsecond apart they are no times of a camera: with a rate they
-/// are taken for frame numbers. where: what messages call the set. Throws Error(kInvalidInput) when there is
-/// no rate and no time, when only some names are times, or when without a rate two are so close.
+/// Gives images their times. Names that are all digits are times in nanoseconds; other ones get theirs from
+/// the rate, in natural order. Beside a rate, digits are times where their median step agrees with it within
+/// a factor of 3, else frame numbers where it is below 1000: time = number / rate. where: what messages call
+/// the set. Throws Error(kInvalidInput) when there is no rate and no time, when only some names are times,
+/// when two are the same (without a rate: less than a microsecond apart), or when digits are neither times
+/// nor frame numbers of the rate.
 std::vector<ImageEntry> give_times(const std::vector<std::filesystem::path>& images,
                                    std::optional<double> rate_hz, const std::string& where);
 

@@ -1,19 +1,14 @@
 #include "tag_fields.h"
 
-#include <fmt/format.h>
-
 #include "apriltrack/tags/tag_family.h"
 #include "family_source.h"
+#include "tag_faults.h"
 
 namespace apriltrack {
 
 double read_tag_size(const YamlNode& node) {
   const double size_m = node.as_double();
-  constexpr double kMaxSize_m = 100.0;  // as --tag-size: beyond, it was given in millimetres
-  if (!(size_m > 0.0 && size_m <= kMaxSize_m)) {
-    node.fail(fmt::format("must be > 0 and at most {:g} (is {}); metres, the edge of the detected square",
-                          kMaxSize_m, size_m));
-  }
+  if (const auto fault = fault_of_size(size_m)) node.fail(*fault);
   return size_m;
 }
 
@@ -22,10 +17,7 @@ void expect_known_family(const YamlNode& node, const std::string& family) {
 }
 
 void expect_id_of_family(const YamlNode& node, const TagKey& key) {
-  const int num_codes = TagFamily::get(key.family).num_codes();
-  if (key.id < 0 || key.id >= num_codes) {
-    node.fail(fmt::format("{} has ids 0 to {} (is {})", key.family, num_codes - 1, key.id));
-  }
+  if (const auto fault = fault_of_id(key)) node.fail(*fault);
 }
 
 }  // namespace apriltrack

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <map>
 
 #include "apriltrack/io/yaml_reader.h"
 #include "apriltrack/tags/tag_map.h"
+#include "tag_faults.h"
 #include "tag_fields.h"
 
 namespace apriltrack {
@@ -15,8 +15,6 @@ constexpr int kSchemaVersion = 1;
 /// Quaternions written with four decimals are as far from unit length as this; what is farther off is a
 /// mistake.
 constexpr double kMaxQuaternionNormError = 1e-3;
-/// Of covariances scaled to unit diagonal: what rounding to six digits leaves.
-constexpr double kCovarianceTolerance = 1e-6;
 
 /// For mappings of which nothing but the known keys survives a round trip.
 void expect_only(const YamlNode& node, std::initializer_list<std::string_view> known) {
@@ -56,24 +54,7 @@ Pose read_pose(const YamlNode& node) {
 Matrix6d read_covariance(const YamlNode& node) {
   const std::vector<double> values = node.as_doubles(36);
   const Matrix6d covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(values.data());
-  // Square metres and square radians are compared after scaling each row and column to unit variance.
-  Vector6d inverse_sigma;
-  for (int i = 0; i < 6; ++i) {
-    const double variance = covariance(i, i);
-    if (variance < 0.0) node.fail(fmt::format("variance {} must be >= 0 (is {})", i, variance));
-    inverse_sigma[i] = variance > 0.0 ? 1.0 / std::sqrt(variance) : 1.0;
-  }
-  const Matrix6d correlation = inverse_sigma.asDiagonal() * covariance * inverse_sigma.asDiagonal();
-  if (!((correlation - correlation.transpose()).cwiseAbs().maxCoeff() <= kCovarianceTolerance)) {
-    node.fail("must be symmetric");
-  }
-  const double smallest =
-      Eigen::SelfAdjointEigenSolver<Matrix6d>(correlation, Eigen::EigenvaluesOnly).eigenvalues()[0];
-  if (!(smallest >= -kCovarianceTolerance)) {
-    node.fail(fmt::format(
-        "must be positive semidefinite (scaled to unit variances, its smallest eigenvalue is {:.3g})",
-        smallest));
-  }
+  if (const auto fault = fault_of_covariance(covariance)) node.fail(*fault);
   return covariance;
 }
 

@@ -1,11 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <set>
 
-#include "apriltrack/base/check.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/tags/tag_map.h"
@@ -82,25 +80,10 @@ void write_tag(std::string& out, const MapTag& tag, const std::string& default_f
   for (const auto& [key, text] : tag.extensions) out += fmt::format("    {}: {}\n", key, text);
 }
 
-/// What could not be read again must not be written.
-void check_map(const TagMap& map) {
-  APRILTRACK_CHECK(!map.tags.empty(), "a map needs at least one tag");
-  std::set<TagKey> keys;
-  for (const MapTag& tag : map.tags) {
-    const std::string name = to_string(tag.key);
-    APRILTRACK_CHECK(keys.insert(tag.key).second, "tag " + name + " is in the map twice");
-    APRILTRACK_CHECK(std::isfinite(tag.size_m) && tag.size_m > 0.0,
-                     "tag " + name + " needs a finite size > 0");
-    APRILTRACK_CHECK(tag.T_map_tag.is_finite(), "tag " + name + " needs a finite pose");
-    APRILTRACK_CHECK(!tag.covariance || tag.covariance->allFinite(),
-                     "tag " + name + " needs a finite covariance");
-  }
-}
-
 }  // namespace
 
 void write_tag_map(const std::filesystem::path& path, const TagMap& map) {
-  check_map(map);
+  check_tag_map(map, path.string());  // what could not be read again must not be written
   std::string out(kHeader);
   out += fmt::format("apriltrack_map: 1\nframe: {}\ndefault_family: {}\n", yaml_text(map.frame),
                      yaml_text(map.default_family));

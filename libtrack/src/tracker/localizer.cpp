@@ -21,6 +21,13 @@ constexpr double kUnknownExposure_s = 0.01;     // indoor webcams: 5 to 30 ms
 constexpr double kMinOdds = 1e-3;               // what is less likely than this is ruled out
 constexpr double kMinLogPriorOfSupport = -5.0;  // 3 sigma from the prediction
 
+/// What is told of the frame, else of the camera; NaN, infinite or negative says nothing.
+std::optional<double> known_exposure_s(std::optional<double> of_frame, std::optional<double> of_camera) {
+  for (const std::optional<double>& exposure_s : {of_frame, of_camera})
+    if (exposure_s && std::isfinite(*exposure_s) && *exposure_s >= 0.0) return exposure_s;
+  return std::nullopt;
+}
+
 struct Choice {
   PoseCandidate candidate;
   std::optional<Matrix6d> cov_T_camera_map;  ///< nullopt where the corners do not determine the pose.
@@ -45,13 +52,11 @@ class Localizer::Implementation {
     prepare();  // the tables are no part of a frame's latency
     const auto start = std::chrono::steady_clock::now();
     const std::vector<Detection> detections = detector_->detect(frame.image);
-    const auto exposure_s = frame.exposure_s ? frame.exposure_s : camera_.exposure_s;
-    return localize(frame.timestamp, detections, exposure_s, start);
+    return localize(frame.timestamp, detections, frame.exposure_s, start);
   }
 
   TrackResult localize(const FrameDetections& frame, std::optional<double> exposure_s) {
-    return localize(frame.timestamp, frame.detections, exposure_s ? exposure_s : camera_.exposure_s,
-                    std::chrono::steady_clock::now());
+    return localize(frame.timestamp, frame.detections, exposure_s, std::chrono::steady_clock::now());
   }
 
   void prepare() {
@@ -62,16 +67,19 @@ class Localizer::Implementation {
 
  private:
   TrackResult localize(Timestamp time, const std::vector<Detection>& detections,
-                       std::optional<double> exposure_s, std::chrono::steady_clock::time_point start) {
+                       std::optional<double> exposure_of_frame_s,
+                       std::chrono::steady_clock::time_point start) {
     TrackResult result;
     result.timestamp = time;
+    const double exposure_s =
+        known_exposure_s(exposure_of_frame_s, camera_.exposure_s).value_or(kUnknownExposure_s);
     const auto observations = observe_mapped_tags(map_, camera_.model, detections);
     std::set<const MapTag*> tags;
     for (const TagObservation& observation : observations) tags.insert(observation.tag);
     result.tags_detected = static_cast<int>(tags.size());
     if (observations.empty()) {
       result.reason = detections.empty() ? "no tag seen" : "no tag of the map seen";
-    } else if (const auto choice = choose(time, observations, exposure_s.value_or(kUnknownExposure_s))) {
+    } else if (const auto choice = choose(time, observations, exposure_s)) {
       report(time, *choice, &result);
     } else {
       result.reason =

@@ -1,12 +1,6 @@
 #include "map_detection.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
-
-#include "apriltrack/base/error.h"
-#include "apriltrack/tags/tag_family.h"
 
 namespace apriltrack {
 namespace {
@@ -25,12 +19,7 @@ std::vector<std::string> families_of(const TagMap& map) {
 }  // namespace
 
 DetectorOptions detector_options_for(const Camera& camera, const TagMap& map, DetectorOptions options) {
-  if (map.tags.empty()) throw invalid_input("map", "has no tags: nothing to localise by");
-  for (const MapTag& tag : map.tags) {
-    if (TagFamily::is_known(tag.key.family)) continue;
-    throw invalid_input("map", fmt::format("tag {}: unknown family; known are {}", to_string(tag.key),
-                                           fmt::join(TagFamily::names(), ", ")));
-  }
+  check_tag_map(map);
   options.families = families_of(map);
   options.response = camera.response;
   return options;

@@ -7,7 +7,7 @@
 namespace apriltrack {
 
 /// `options` with the map's families and the camera's response: how the map's tags are detected in its
-/// images. Throws Error(kInvalidInput) when the map is empty or names an unknown family.
+/// images. Throws what check_tag_map() throws.
 DetectorOptions detector_options_for(const Camera& camera, const TagMap& map, DetectorOptions options);
 
 }  // namespace apriltrack

@@ -23,9 +23,9 @@ class CameraModel {
  public:
   CameraModel(const Pinhole& pinhole, const Distortion& distortion);
 
-  /// Pixel at which a point of the camera frame (metres) is seen; nullopt when it lies behind the camera or outside
-  /// the lens model's valid domain, where the polynomial folds back and would show it at a wrong place.
-  /// jacobian: d pixel / d point, if asked.
+  /// Pixel at which a point of the camera frame (metres) is seen; nullopt when it lies behind the camera or
+  /// outside the lens model's valid domain, where the polynomial folds back and would show it at a wrong
+  /// place. jacobian: d pixel / d point, if asked.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_camera,
                                          Eigen::Matrix<double, 2, 3>* jacobian = nullptr) const;
 

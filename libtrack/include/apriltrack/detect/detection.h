@@ -15,10 +15,12 @@ namespace apriltrack {
 /// One tag found in one image.
 struct Detection {
   TagKey tag;
-  /// Raw (distorted) pixels, (0, 0) = CENTRE of the top-left pixel; bottom-left, bottom-right, top-right, top-left.
+  /// Raw (distorted) pixels, (0, 0) = CENTRE of the top-left pixel; bottom-left, bottom-right, top-right,
+  /// top-left.
   std::array<Eigen::Vector2d, kNumCorners> corners_px;
-  std::optional<int> hamming;             ///< Bits corrected; unknown when corners come from a file without it.
-  std::optional<double> decision_margin;  ///< Grey levels between a bit and its threshold, mean over the bits.
+  std::optional<int> hamming;  ///< Bits corrected; unknown when corners come from a file without it.
+  std::optional<double>
+      decision_margin;  ///< Grey levels between a bit and its threshold, mean over the bits.
 };
 
 /// The detections of one frame of one camera: what a calibration starts from.

@@ -12,17 +12,19 @@ namespace apriltrack {
 
 struct DetectorOptions {
   std::vector<std::string> families = {"tag36h11"};
-  /// Undone before corners are localised; finding uses the raw and the linear image, so that neither's tags are lost.
-  /// linear(): one search, in the image as it is; with refine_edges off that is what the AprilTag library finds.
+  /// Undone before corners are localised; finding uses the raw and the linear image, so that neither's tags
+  /// are lost. linear(): one search, in the image as it is; with refine_edges off that is what the AprilTag
+  /// library finds.
   ResponseCurve response = ResponseCurve::srgb();
-  /// Corners from curves fitted to the tag's edges; a tag whose edges cannot be fitted (hidden, cut by the image) is
-  /// not reported, for its corners would be pixels off. Off: the quad's corners as the library found them, with
-  /// biases of up to a pixel; only to reproduce old results.
+  /// Corners from curves fitted to the tag's edges; a tag whose edges cannot be fitted (hidden, cut by the
+  /// image) is not reported, for its corners would be pixels off. Off: the quad's corners as the library
+  /// found them, with biases of up to a pixel; only to reproduce old results.
   bool refine_edges = true;
-  /// Quads are searched for in an image this many times smaller; 1 finds the smallest tags, 2 is three times faster.
+  /// Quads are searched for in an image this many times smaller; 1 finds the smallest tags, 2 is three times
+  /// faster.
   double decimate = 1.0;
-  /// Grey levels, for a code read without a wrong bit; every corrected bit asks for as much again. Detections below
-  /// are dropped. 5 keeps tags in a twentieth of the usual light and drops what is read into noise.
+  /// Grey levels, for a code read without a wrong bit; every corrected bit asks for as much again. Detections
+  /// below are dropped. 5 keeps tags in a twentieth of the usual light and drops what is read into noise.
   double min_decision_margin = 5.0;
   int max_hamming = 2;  ///< Corrected bits, 0 to 2; detections above are dropped.
 
@@ -39,8 +41,8 @@ class Detector {
   Detector(Detector&&) noexcept;
   Detector& operator=(Detector&&) noexcept;
 
-  /// Sorted by family, id, then centre (x, y); the same image gives the same answer, always. An id that is seen
-  /// twice is reported twice.
+  /// Sorted by family, id, then centre (x, y); the same image gives the same answer, always. An id that is
+  /// seen twice is reported twice.
   std::vector<Detection> detect(const GrayView& image);
 
   const DetectorOptions& options() const;

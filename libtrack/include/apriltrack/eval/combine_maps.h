@@ -18,7 +18,7 @@ struct AlignedMap {
 };
 
 /// Moves a map by the rigid motion that brings its tags nearest to the same tags of `reference`.
-/// Throws Error(kNoResult) when the maps share no tag.
+/// Throws what compare_maps() throws.
 AlignedMap align_map(const TagMap& reference, const TagMap& map);
 
 struct MergeOptions {
@@ -46,7 +46,7 @@ struct MergedMap {
   std::vector<TagKey> without_covariance;
 };
 
-/// Throws Error(kNoResult) when the maps share no tag, Error(kInvalidInput) when a common tag has two sizes.
+/// Throws what compare_maps() throws, and Error(kInvalidInput) when a common tag has two sizes.
 MergedMap merge_maps(const TagMap& base, const TagMap& addition, const MergeOptions& options = {});
 
 }  // namespace apriltrack

@@ -40,7 +40,8 @@ struct MapComparison {
   std::optional<TagKey> held_tag;  ///< The one common tag that the estimate's gauge holds.
 };
 
-/// Throws Error(kNoResult) when the maps share no tag, Error(kInvalidInput) when a covariance has no inverse.
+/// Throws Error(kNoResult) when the maps share no tag, Error(kInvalidInput) when a covariance has no inverse
+/// or a map is not as check_tag_map() wants it.
 MapComparison compare_maps(const TagMap& truth, const TagMap& estimate);
 
 }  // namespace apriltrack

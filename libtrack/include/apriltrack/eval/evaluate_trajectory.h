@@ -88,8 +88,9 @@ struct TrajectoryEvaluation {
 };
 
 /// scene: nullptr to score poses only. Throws Error(kInvalidInput) when the scene's camera has no resolution
-/// or its map no tag; Error(kNoResult) when the truth is empty or shows no tag, when no frame is in both (the
-/// message tells how the times differ), or when positions do not settle an alignment that was asked for.
+/// or its map is not as check_tag_map() wants it; Error(kNoResult) when the truth is empty or shows no tag,
+/// when no frame is in both (the message tells how the times differ), or when positions do not settle an
+/// alignment that was asked for.
 TrajectoryEvaluation evaluate_trajectory(const Trajectory& truth, const Trajectory& estimate,
                                          const CornerScene* scene, const EvaluationOptions& options);
 

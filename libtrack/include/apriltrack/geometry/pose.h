@@ -19,8 +19,8 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 class Pose {
  public:
   Pose() = default;
-  /// rotation need not have unit length; it is normalised here, and its sign is kept. One that has unit length to
-  /// rounding stays as it is, so that a pose read back from a file is the same to the last bit.
+  /// rotation need not have unit length; it is normalised here, and its sign is kept. One that has unit
+  /// length to rounding stays as it is, so that a pose read back from a file is the same to the last bit.
   Pose(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation)
       : rotation_(has_unit_length(rotation) ? rotation : rotation.normalized()), translation_(translation) {}
   /// matrix: a rotation matrix; what is left of scale and skew by rounding is removed.

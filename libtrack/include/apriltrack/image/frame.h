@@ -9,10 +9,11 @@ namespace apriltrack {
 
 /// One image of one camera, as it came: 8-bit grey, in the camera's response.
 struct Frame {
-  GrayView image;                    ///< Not owned; must outlive the call that it is passed to.
-  Timestamp timestamp;               ///< Middle of the exposure.
-  std::optional<double> exposure_s;  ///< Of this frame; else the camera's own value holds.
-  double gain = 1.0;                 ///< Relative to the first frame of the recording.
+  GrayView image;       ///< Not owned; must outlive the call that it is passed to.
+  Timestamp timestamp;  ///< Middle of the exposure.
+  /// Of this frame; else the camera's own value holds. NaN, infinite or negative is as if it were not told.
+  std::optional<double> exposure_s;
+  double gain = 1.0;     ///< Relative to the first frame of the recording.
   int camera_index = 0;  ///< Into the rig's cameras; the camera itself is passed beside the frame.
 };
 

@@ -11,8 +11,9 @@ namespace apriltrack {
 
 struct RenderOptions {
   std::uint64_t seed = 1;
-  /// Instants of the exposure per pixel of the longest path seen. The light between them is carried by the area of the
-  /// pixels and the lens blur; twice as many change the named scenes by less than 0.3 grey levels RMS (measured).
+  /// Instants of the exposure per pixel of the longest path seen. The light between them is carried by the
+  /// area of the pixels and the lens blur; twice as many change the named scenes by less than 0.3 grey levels
+  /// RMS (measured).
   double instants_per_px = 0.8;
   int min_instants = 8;
   int max_instants = 2000;

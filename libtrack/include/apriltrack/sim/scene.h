@@ -109,7 +109,8 @@ struct Scene {
   Pose T_camera_map(double time_s) const;
 };
 
-/// Prints the tags of `map` as decals of `body`, whose frame is the map's.
+/// Prints the tags of `map` as decals of `body`, whose frame is the map's. Throws what check_tag_map()
+/// throws.
 void add_tags(Body& body, const TagMap& map, const TagPrint& print = {});
 
 /// A box with its centre at T_body_box: six plain sides.

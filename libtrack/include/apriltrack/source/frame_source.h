@@ -24,9 +24,11 @@ struct SourceFrame {
 };
 
 struct SourceOptions {
-  std::optional<double> rate_hz = std::nullopt;  ///< For images whose names are no times; in [1e-3, 1e6].
-  std::size_t skip = 0;                          ///< Frames left out at the start.
-  std::size_t step = 1;                          ///< Every step-th frame.
+  /// For images whose names are no times; in [1e-3, 1e6]. Names of digits must agree with it, or be frame
+  /// numbers.
+  std::optional<double> rate_hz = std::nullopt;
+  std::size_t skip = 0;  ///< Frames left out at the start.
+  std::size_t step = 1;  ///< Every step-th frame.
   std::optional<std::size_t> max_frames = std::nullopt;
   /// Which camera's folder of a EuRoC/ASL recording with several; empty: cam0. All other inputs, a single
   /// camera folder among them, have one camera whatever its name.

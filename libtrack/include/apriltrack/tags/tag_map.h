@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -48,11 +49,17 @@ struct TagMap {
 /// Corners in the map frame, in corner order.
 std::array<Eigen::Vector3d, 4> corners_in_map(const MapTag& tag);
 
+/// Throws Error(kInvalidInput) that names the tag, its member and the value unless there are tags, of known
+/// families and with ids that these have, each once; their sizes lie in (0, 100] m; poses and covariances are
+/// finite, and covariances symmetric and positive semidefinite but for rounding. A map that was read has been
+/// checked. where: what the message begins with.
+void check_tag_map(const TagMap& map, std::string_view where = "map");
+
 /// Throws Error(kIo) when the file cannot be read, Error(kInvalidInput) with file, line and key when it is
 /// wrong.
 TagMap read_tag_map(const std::filesystem::path& path);
-/// Numbers are written so that reading them gives the same doubles back. Throws Error(kIo); an existing file
-/// is replaced only when the new one is complete.
+/// Numbers are written so that reading them gives the same doubles back. Throws what check_tag_map() throws,
+/// and Error(kIo); an existing file is replaced only when the new one is complete.
 void write_tag_map(const std::filesystem::path& path, const TagMap& map);
 
 }  // namespace apriltrack

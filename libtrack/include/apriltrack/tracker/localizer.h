@@ -40,7 +40,7 @@ struct LocalizerOptions {
 /// and the result says why.
 class Localizer {
  public:
-  /// Throws Error(kInvalidInput) when the map is empty or names an unknown family.
+  /// Throws Error(kInvalidInput) where the map is not as check_tag_map() wants it, or an option out of range.
   Localizer(const Camera& camera, const TagMap& map, const LocalizerOptions& options = {});
   ~Localizer();
   Localizer(Localizer&&) noexcept;
@@ -54,7 +54,8 @@ class Localizer {
   /// names both.
   TrackResult localize(const Frame& frame);
   /// The same from detections made elsewhere, for instance several frames at a time.
-  /// exposure_s: of this frame; else the camera's own value holds.
+  /// exposure_s: of this frame; else, and where it is NaN, infinite or negative, the camera's own value
+  /// holds.
   TrackResult localize(const FrameDetections& detections, std::optional<double> exposure_s = std::nullopt);
 
   /// What localize(Frame) detects with: the options given, with the map's families and the camera's response.

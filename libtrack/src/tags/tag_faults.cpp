@@ -1,0 +1,56 @@
+#include "tag_faults.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "apriltrack/tags/tag_family.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kMaxSize_m = 100.0;  // as --tag-size: beyond, it was given in millimetres
+/// Of covariances scaled to unit diagonal: what rounding to six digits leaves.
+constexpr double kCovarianceTolerance = 1e-6;
+
+}  // namespace
+
+std::optional<std::string> fault_of_size(double size_m) {
+  if (size_m > 0.0 && size_m <= kMaxSize_m) return std::nullopt;  // false for NaN
+  return fmt::format("must be > 0 and at most {:g} (is {}); metres, the edge of the detected square",
+                     kMaxSize_m, size_m);
+}
+
+std::optional<std::string> fault_of_id(const TagKey& key) {
+  const int num_codes = TagFamily::get(key.family).num_codes();
+  if (key.id >= 0 && key.id < num_codes) return std::nullopt;
+  return fmt::format("{} has ids 0 to {} (is {})", key.family, num_codes - 1, key.id);
+}
+
+std::optional<std::string> fault_of_covariance(const Matrix6d& covariance) {
+  for (int i = 0; i < 36; ++i) {
+    const double value = covariance(i / 6, i % 6);
+    if (!std::isfinite(value))
+      return fmt::format("must be finite (row {}, column {} is {})", i / 6, i % 6, value);
+  }
+  // Square metres and square radians are compared after scaling each row and column to unit variance.
+  Vector6d inverse_sigma;
+  for (int i = 0; i < 6; ++i) {
+    const double variance = covariance(i, i);
+    if (variance < 0.0) return fmt::format("variance {} must be >= 0 (is {})", i, variance);
+    inverse_sigma[i] = variance > 0.0 ? 1.0 / std::sqrt(variance) : 1.0;
+  }
+  const Matrix6d correlation = inverse_sigma.asDiagonal() * covariance * inverse_sigma.asDiagonal();
+  const double asymmetry = (correlation - correlation.transpose()).cwiseAbs().maxCoeff();
+  if (!(asymmetry <= kCovarianceTolerance)) {
+    return fmt::format("must be symmetric (scaled to unit variances, two mirrored entries differ by {:.3g})",
+                       asymmetry);
+  }
+  const Matrix6d lifted = correlation + kCovarianceTolerance * Matrix6d::Identity();
+  if (Eigen::LLT<Matrix6d>(lifted).info() != Eigen::Success)
+    return "must be positive semidefinite: some combination of its six errors has a negative variance";
+  return std::nullopt;
+}
+
+}  // namespace apriltrack

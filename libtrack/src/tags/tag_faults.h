@@ -1,0 +1,23 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "apriltrack/geometry/pose.h"
+#include "apriltrack/tags/tag_key.h"
+
+namespace apriltrack {
+
+// What is wrong with a value, as the end of a sentence that begins with its name; nullopt when it is good.
+// One rule for maps that are read and for maps that a program makes.
+
+/// Metres: finite, > 0, and no number of millimetres.
+std::optional<std::string> fault_of_size(double size_m);
+
+/// Requires a known family.
+std::optional<std::string> fault_of_id(const TagKey& key);
+
+/// Finite, symmetric, positive semidefinite; all but for rounding.
+std::optional<std::string> fault_of_covariance(const Matrix6d& covariance);
+
+}  // namespace apriltrack
