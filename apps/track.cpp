@@ -20,14 +20,14 @@
 namespace apriltrack::app {
 namespace {
 
-const CommandHelp kHelp = {
+const CommandHelp kTrackHelp = {
     "Localises a camera in a map of tags, or a body of tags before a camera.",
     "apriltrack track recording --camera camera.yaml --map map.yaml --output camera.tum --frames-csv "
     "frames.csv\n"
     "apriltrack track room_blur --output camera.tum",
     "A sequence folder, such as room_blur, brings its own camera and map."};
 
-struct Arguments {
+struct TrackArguments {
   std::string input;
   std::string detections;
   std::string camera;
@@ -51,7 +51,7 @@ bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b
   return fs::weakly_canonical(a) == fs::weakly_canonical(b);
 }
 
-void check_arguments(const CLI::App& command, const Arguments& arguments) {
+void check_arguments(const CLI::App& command, const TrackArguments& arguments) {
   if (arguments.input.empty() == arguments.detections.empty()) {
     throw invalid_input("track", "give either INPUT or --detections FILE");
   }
@@ -73,13 +73,13 @@ void check_arguments(const CLI::App& command, const Arguments& arguments) {
     throw invalid_input("--frames-csv", "is the file of --output: name another");
 }
 
-CameraRig load_cameras(const Arguments& arguments) {
+CameraRig load_cameras(const TrackArguments& arguments) {
   return read_cameras(
       file_or_own(arguments.camera, sequence_camera_file(arguments.input), "--camera", "camera.yaml"),
       arguments.console.log());
 }
 
-TagMap load_map(const Arguments& arguments) {
+TagMap load_map(const TrackArguments& arguments) {
   return read_tag_map(file_or_own(arguments.map, sequence_map_file(arguments.input), "--map", "map.yaml"));
 }
 
@@ -97,7 +97,7 @@ std::vector<FrameDetections> load_detections(const std::string& path, const Came
 }
 
 /// Both return whether the user ended them early.
-bool track_detections(const Arguments& arguments, const std::vector<FrameDetections>& frames,
+bool track_detections(const TrackArguments& arguments, const std::vector<FrameDetections>& frames,
                       Localizer& localizer, TrackRecord& record) {
   {
     Progress progress(arguments.console, "track", frames.size());
@@ -113,7 +113,7 @@ bool track_detections(const Arguments& arguments, const std::vector<FrameDetecti
   return was_interrupted;
 }
 
-bool track_images(const Arguments& arguments, const Camera& camera, Localizer& localizer,
+bool track_images(const TrackArguments& arguments, const Camera& camera, Localizer& localizer,
                   TrackRecord& record) {
   const FrameLoopOptions options{localizer.detector_options(), &camera, arguments.num_threads, "track"};
   const std::unique_ptr<FrameSource> source =
@@ -141,7 +141,7 @@ void warn_of_contradictions(const TrackRecord& record, const Console& console,
   console.warning(warnings.back());
 }
 
-void finish(const Arguments& arguments, const TrackRecord& record, bool was_interrupted,
+void finish(const TrackArguments& arguments, const TrackRecord& record, bool was_interrupted,
             const std::vector<std::string>& warnings) {
   nlohmann::json summary = record.summary();
   summary["mode"] = arguments.mode;
@@ -159,7 +159,7 @@ void finish(const Arguments& arguments, const TrackRecord& record, bool was_inte
   arguments.console.finish(summary, text);
 }
 
-void run(const CLI::App& command, const Arguments& arguments) {
+void run(const CLI::App& command, const TrackArguments& arguments) {
   check_arguments(command, arguments);
   const CameraRig rig = load_cameras(arguments);
   const Camera& camera =
@@ -190,8 +190,8 @@ void run(const CLI::App& command, const Arguments& arguments) {
 }  // namespace
 
 void add_track_command(CLI::App& app) {
-  CLI::App& command = add_command(app, "track", kHelp);
-  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = add_command(app, "track", kTrackHelp);
+  const auto arguments = std::make_shared<TrackArguments>();
   command.add_option("INPUT", arguments->input,
                      "Sequence folder, folder of images, glob, EuRoC mav0 folder, video file, or camera:N");
   command.add_option("--detections", arguments->detections, "detections.csv in place of INPUT");
