@@ -15,7 +15,7 @@
 namespace apriltrack::app {
 namespace {
 
-const CommandHelp kHelp = {
+const CommandHelp kCalibrateHelp = {
     "Builds a tag map from images in which tags are seen together.",
     "apriltrack calibrate video.mp4 --camera camera.yaml --tag-size 0.16 --output map.yaml\n"
     "apriltrack calibrate --detections detections.csv --camera camera.yaml --tag-sizes tag_sizes.yaml "
@@ -76,7 +76,7 @@ void run(CLI::App& command, CalibrateOptions& a) {
 }  // namespace
 
 void add_calibrate_command(CLI::App& app) {
-  CLI::App& command = add_command(app, "calibrate", kHelp);
+  CLI::App& command = add_command(app, "calibrate", kCalibrateHelp);
   const auto options = std::make_shared<CalibrateOptions>();
   add_calibrate_options(command, *options);
   command.callback([&command, options] { run(command, *options); });

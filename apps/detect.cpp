@@ -19,14 +19,14 @@
 namespace apriltrack::app {
 namespace {
 
-const CommandHelp kHelp = {
+const CommandHelp kDetectHelp = {
     "Finds tags and writes their corners, for calibrate --detections and track --detections.",
     "apriltrack detect recording --camera camera.yaml --output detections.csv\n"
     "apriltrack detect 'photos/*.jpg' --rate 1 --family tag36h11 --family tag25h9 --output detections.csv",
     "--family may be given several times; Kalibr's printed grids are tag36h11b2. Images whose names are no\n"
     "times need --rate."};
 
-struct Arguments {
+struct DetectArguments {
   std::string input;
   std::string camera;
   std::string camera_name;
@@ -54,7 +54,7 @@ struct Record {
   }
 };
 
-std::optional<Camera> load_camera(const Arguments& arguments) {
+std::optional<Camera> load_camera(const DetectArguments& arguments) {
   std::optional<std::filesystem::path> path = sequence_camera_file(arguments.input);
   if (!arguments.camera.empty()) path = arguments.camera;
   if (!path) return std::nullopt;
@@ -72,7 +72,7 @@ ResponseCurve parse_response(const std::string& text) {
                       fmt::format("must be srgb, linear, or gamma:G with G in [0.2, 5] (is '{}')", text));
 }
 
-DetectorOptions detector_options(const Arguments& arguments, const std::optional<Camera>& camera) {
+DetectorOptions detector_options(const DetectArguments& arguments, const std::optional<Camera>& camera) {
   DetectorOptions options = arguments.detector;
   options.refine_edges = !arguments.no_refine;
   if (camera) options.response = camera->response;
@@ -81,7 +81,7 @@ DetectorOptions detector_options(const Arguments& arguments, const std::optional
   return options;
 }
 
-Record detect(const Arguments& arguments) {
+Record detect(const DetectArguments& arguments) {
   const std::optional<Camera> camera = load_camera(arguments);
   std::string name = camera ? camera->name : "cam0";
   if (!arguments.camera_name.empty()) name = arguments.camera_name;
@@ -96,7 +96,7 @@ Record detect(const Arguments& arguments) {
   return record;
 }
 
-void check_result(const Arguments& arguments, const Record& record) {
+void check_result(const DetectArguments& arguments, const Record& record) {
   if (!record.frames.empty()) return;
   throw no_result(
       arguments.input,
@@ -105,7 +105,7 @@ void check_result(const Arguments& arguments, const Record& record) {
                   fmt::join(arguments.detector.families, ", "), record.counts.readable));
 }
 
-void finish(const Arguments& arguments, const Record& record) {
+void finish(const DetectArguments& arguments, const Record& record) {
   nlohmann::json tags = nlohmann::json::array();
   for (const TagKey& tag : record.tags) tags.push_back(to_string(tag));
   const nlohmann::json summary = {{"frames", record.counts.readable},
@@ -122,7 +122,7 @@ void finish(const Arguments& arguments, const Record& record) {
                                        record.num_detections, record.tags.size(), arguments.output));
 }
 
-void run(const Arguments& arguments) {
+void run(const DetectArguments& arguments) {
   check_families(arguments.detector.families);
   std::vector<std::string> read = camera_inputs(arguments.camera, {arguments.input});
   read.push_back(arguments.input);
@@ -136,8 +136,8 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_detect_command(CLI::App& app) {
-  CLI::App& command = add_command(app, "detect", kHelp);
-  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = add_command(app, "detect", kDetectHelp);
+  const auto arguments = std::make_shared<DetectArguments>();
   command
       .add_option("INPUT", arguments->input, "Sequence folder, images, glob, EuRoC folder, video or camera:N")
       ->required();

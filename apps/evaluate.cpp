@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const CommandHelp kHelp = {
+const CommandHelp kEvaluateHelp = {
     "Scores a trajectory against the truth.",
     "apriltrack evaluate --truth room --estimate camera.tum --frames-csv frames.csv",
     "Position and rotation (not aligned unless asked), coverage, and the corner error in pixels at\n"
@@ -150,7 +150,7 @@ void run_evaluate(const EvaluateOptions& options) {
 }  // namespace
 
 void add_evaluate_command(CLI::App& app) {
-  CLI::App& command = add_command(app, "evaluate", kHelp);
+  CLI::App& command = add_command(app, "evaluate", kEvaluateHelp);
   auto options = std::make_shared<EvaluateOptions>();
   command
       .add_option("--truth", options->truth,

@@ -20,14 +20,14 @@
 namespace apriltrack::app {
 namespace {
 
-const CommandHelp kHelp = {
+const CommandHelp kTrackHelp = {
     "Localises a camera in a map of tags, or a body of tags before a camera.",
     "apriltrack track recording --camera camera.yaml --map map.yaml --output camera.tum --frames-csv "
     "frames.csv\n"
     "apriltrack track room_blur --output camera.tum",
     "A sequence folder, such as room_blur, brings its own camera and map."};
 
-struct Arguments {
+struct TrackArguments {
   std::string input;
   std::string detections;
   std::string camera;
@@ -55,7 +55,7 @@ bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b
   return fs::weakly_canonical(a) == fs::weakly_canonical(b);
 }
 
-void check_arguments(const CLI::App& command, const Arguments& arguments) {
+void check_arguments(const CLI::App& command, const TrackArguments& arguments) {
   if (arguments.input.empty() == arguments.detections.empty()) {
     throw invalid_input("track", "give either INPUT or --detections FILE");
   }
@@ -76,13 +76,13 @@ void check_arguments(const CLI::App& command, const Arguments& arguments) {
     throw invalid_input("--frames-csv", "is the file of --output: name another");
 }
 
-CameraRig load_cameras(const Arguments& arguments) {
+CameraRig load_cameras(const TrackArguments& arguments) {
   return read_cameras(
       file_or_own(arguments.camera, sequence_camera_file(arguments.input), "--camera", "camera.yaml"),
       arguments.console.log());
 }
 
-TagMap load_map(const Arguments& arguments) {
+TagMap load_map(const TrackArguments& arguments) {
   return read_tag_map(file_or_own(arguments.map, sequence_map_file(arguments.input), "--map", "map.yaml"));
 }
 
@@ -100,7 +100,7 @@ std::vector<FrameDetections> load_detections(const std::string& path, const Came
 }
 
 /// Both return whether the user ended them early.
-bool track_detections(const Arguments& arguments, const std::vector<FrameDetections>& frames,
+bool track_detections(const TrackArguments& arguments, const std::vector<FrameDetections>& frames,
                       const Method& method, TrackRecord& record) {
   {
     Progress progress(arguments.console, "track", frames.size());
@@ -118,7 +118,7 @@ bool track_detections(const Arguments& arguments, const std::vector<FrameDetecti
   return was_interrupted;
 }
 
-bool track_images(const Arguments& arguments, const Camera& camera, const Method& method,
+bool track_images(const TrackArguments& arguments, const Camera& camera, const Method& method,
                   TrackRecord& record) {
   const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
   const std::unique_ptr<FrameSource> source =
@@ -138,7 +138,7 @@ bool track_images(const Arguments& arguments, const Camera& camera, const Method
   return detect_frames(*source, options, arguments.console, track).is_interrupted;
 }
 
-MethodOptions method_options(const Arguments& arguments) {
+MethodOptions method_options(const TrackArguments& arguments) {
   MethodOptions options = arguments.options;
   options.name = arguments.method();
   options.localizer.mode = arguments.mode == "joint" ? TrackMode::kJoint : TrackMode::kEgo;
@@ -158,7 +158,7 @@ void warn_of_contradictions(const TrackRecord& record, const Console& console,
   console.warning(warnings.back());
 }
 
-void finish(const Arguments& arguments, const TrackRecord& record, bool was_interrupted,
+void finish(const TrackArguments& arguments, const TrackRecord& record, bool was_interrupted,
             const std::vector<std::string>& warnings) {
   nlohmann::json summary = record.summary();
   summary["mode"] = arguments.mode;
@@ -176,7 +176,7 @@ void finish(const Arguments& arguments, const TrackRecord& record, bool was_inte
   arguments.console.finish(summary, text);
 }
 
-void run(const CLI::App& command, const Arguments& arguments) {
+void run(const CLI::App& command, const TrackArguments& arguments) {
   check_arguments(command, arguments);
   const CameraRig rig = load_cameras(arguments);
   const Camera& camera =
@@ -205,8 +205,8 @@ void run(const CLI::App& command, const Arguments& arguments) {
 }  // namespace
 
 void add_track_command(CLI::App& app) {
-  CLI::App& command = add_command(app, "track", kHelp);
-  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = add_command(app, "track", kTrackHelp);
+  const auto arguments = std::make_shared<TrackArguments>();
   command.add_option("INPUT", arguments->input,
                      "Sequence folder, folder of images, glob, EuRoC mav0 folder, video file, or camera:N");
   command.add_option("--detections", arguments->detections, "detections.csv in place of INPUT");

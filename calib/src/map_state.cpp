@@ -12,7 +12,7 @@ namespace apriltrack {
 namespace {
 
 // Poses chained along the tree are a few pixels off before any adjustment, flips and misreads tens of pixels.
-constexpr double kErrorScale_px = 4.0;
+constexpr double kChainedErrorScale_px = 4.0;
 constexpr double kFailedProjection_px = 1000.0;
 constexpr int kRounds = 2;
 constexpr std::size_t kMaxProposers =
@@ -106,7 +106,7 @@ void place_tag(const Observations& observations, const std::vector<std::size_t>&
 double robust_error(const Observations& observations, const TagView& view, const Pose& T_map_rig,
                     const Pose& T_map_tag) {
   const auto cost = [](double error_px) {
-    const double ratio = error_px / kErrorScale_px;
+    const double ratio = error_px / kChainedErrorScale_px;
     return std::log1p(ratio * ratio);
   };
   Vector8d residual;

@@ -10,7 +10,7 @@ namespace {
 // The weight stays well above zero: what other views say must be able to overrule one view's residuals, which
 // carry biases (blur, lens model) that are larger than the corner noise.
 // Twice the expected corner sigma (0.15 px), for those biases' sake.
-constexpr double kErrorScale_px = 0.3;
+constexpr double kViewErrorScale_px = 0.3;
 constexpr double kMinWeight = 0.05;
 
 ViewCandidates solve_view(const TagView& view, const RigCamera& camera, double size_m) {
@@ -20,8 +20,8 @@ ViewCandidates solve_view(const TagView& view, const RigCamera& camera, double s
   const Pose T_rig_camera = camera.T_camera_rig.inverse();
   const PlanarPoses poses = solve_planar_pnp(*rays, size_m);
   for (const PlanarPose& pose : poses) {
-    const double error = pose.rms_error_rad * camera.model.pinhole().fx / kErrorScale_px;
-    const double best = poses[0].rms_error_rad * camera.model.pinhole().fx / kErrorScale_px;
+    const double error = pose.rms_error_rad * camera.model.pinhole().fx / kViewErrorScale_px;
+    const double best = poses[0].rms_error_rad * camera.model.pinhole().fx / kViewErrorScale_px;
     const double likelihood_ratio = std::exp(-0.5 * 8.0 * (error * error - best * best));
     result.candidates.push_back({T_rig_camera * pose.T_camera_tag, std::max(kMinWeight, likelihood_ratio)});
   }

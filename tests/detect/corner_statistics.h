@@ -9,6 +9,10 @@
 
 namespace apriltrack::test {
 
+/// What a sharp tag's corners may be off: outwards from its middle on average, and per axis.
+inline constexpr double kMaxBias_px = 0.03;
+inline constexpr double kMaxRms_px = 0.16;
+
 /// How far corners are from the truth: outwards from the tag's middle, and per axis.
 class CornerStatistics {
  public:

@@ -13,26 +13,25 @@ namespace apriltrack {
 namespace {
 
 using test::PlaneView;
-using test::RenderOptions;
 using ::testing::HasSubstr;
 
-constexpr double kSize_m = 0.1;
+constexpr double kTagSize_m = 0.1;
 
 /// Nine tags in three rows; the ids repeat.
 GrayImage render_nine(double noise_light) {
   const TagFamily& family = TagFamily::get("tag36h11");
   const std::vector<TagPattern> patterns = {family.pattern(5), family.pattern(2), family.pattern(5)};
   const PlaneView view(500.0, {199.6, 149.7}, 1.1, 0.3, 0.8, 0.1);
-  RenderOptions options;
+  test::RenderOptions options;
   options.samples = 3;
   options.noise_light = noise_light;
   const auto brightness = [&](double x, double y) {
-    const double pitch_m = 1.5 * kSize_m;
+    const double pitch_m = 1.5 * kTagSize_m;
     const int column = static_cast<int>(std::floor(x / pitch_m + 1.5));
     const int row = static_cast<int>(std::floor(y / pitch_m + 1.5));
     if (column < 0 || column > 2 || row < 0 || row > 2) return 1.0;
-    const double u = 2.0 * (x - (column - 1) * pitch_m) / kSize_m;
-    const double v = 2.0 * (y - (row - 1) * pitch_m) / kSize_m;
+    const double u = 2.0 * (x - (column - 1) * pitch_m) / kTagSize_m;
+    const double v = 2.0 * (y - (row - 1) * pitch_m) / kTagSize_m;
     return patterns[static_cast<std::size_t>(column)].brightness(u, v);
   };
   return test::render_plane(400, 300, view, brightness, options);
@@ -98,7 +97,7 @@ TEST(Detector, CorrectsNoMoreBitsThanAllowed) {
   const PlaneView view(500.0, {99.6, 99.3}, 0.6, 0.2, 0.8, 0.1);
   const GrayImage image = test::render_plane(
       200, 200, view,
-      [&](double x, double y) { return bad.brightness(2.0 * x / kSize_m, 2.0 * y / kSize_m); }, {});
+      [&](double x, double y) { return bad.brightness(2.0 * x / kTagSize_m, 2.0 * y / kTagSize_m); }, {});
   for (const int max_hamming : {0, 1, 2}) {
     Detector detector({.max_hamming = max_hamming});
     const auto detections = detector.detect(image.view());
@@ -142,12 +141,12 @@ TEST(Detector, LeavesOutATagThatTheImageCuts) {
   const PlaneView view(500.0, {38.0, 60.0}, 0.6, 0.0, 0.0, 0.02);
   const GrayImage image = test::render_plane(
       120, 120, view,
-      [&](double x, double y) { return pattern.brightness(2.0 * x / kSize_m, 2.0 * y / kSize_m); }, {});
+      [&](double x, double y) { return pattern.brightness(2.0 * x / kTagSize_m, 2.0 * y / kTagSize_m); }, {});
   Detector detector({});
   EXPECT_TRUE(detector.detect(image.view()).empty());
 }
 
-std::string message_of(const DetectorOptions& options) {
+std::string refusal_of(const DetectorOptions& options) {
   try {
     Detector detector(options);
   } catch (const Error& error) {
@@ -158,14 +157,14 @@ std::string message_of(const DetectorOptions& options) {
 }
 
 TEST(DetectorOptions, RefusalsNameTheOptionTheValueAndTheRange) {
-  EXPECT_THAT(message_of({.families = {}}), HasSubstr("families"));
-  EXPECT_THAT(message_of({.families = {"tag36h12"}}), HasSubstr("tag36h11"));
-  EXPECT_THAT(message_of({.families = {"tag36h11", "tag36h11"}}), HasSubstr("once"));
+  EXPECT_THAT(refusal_of({.families = {}}), HasSubstr("families"));
+  EXPECT_THAT(refusal_of({.families = {"tag36h12"}}), HasSubstr("tag36h11"));
+  EXPECT_THAT(refusal_of({.families = {"tag36h11", "tag36h11"}}), HasSubstr("once"));
   for (const double decimate : {0.5, 0.0, -1.0, 2.5, 9.0, std::numeric_limits<double>::quiet_NaN()})
-    EXPECT_THAT(message_of({.decimate = decimate}), HasSubstr("decimate must be"));
+    EXPECT_THAT(refusal_of({.decimate = decimate}), HasSubstr("decimate must be"));
   for (const double margin : {-1.0, 256.0, std::numeric_limits<double>::quiet_NaN()})
-    EXPECT_THAT(message_of({.min_decision_margin = margin}), HasSubstr("[0, 255]"));
-  for (const int hamming : {-1, 3}) EXPECT_THAT(message_of({.max_hamming = hamming}), HasSubstr("[0, 2]"));
+    EXPECT_THAT(refusal_of({.min_decision_margin = margin}), HasSubstr("[0, 255]"));
+  for (const int hamming : {-1, 3}) EXPECT_THAT(refusal_of({.max_hamming = hamming}), HasSubstr("[0, 2]"));
 }
 
 TEST(DetectorOptions, DecimateFindsLargeTagsJustAsWellPlaced) {

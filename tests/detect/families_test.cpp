@@ -13,9 +13,8 @@ namespace {
 using std::numbers::pi;
 using test::CornerStatistics;
 using test::PlaneView;
-using test::RenderOptions;
 
-constexpr double kSize_m = 0.1;
+constexpr double kFamilyTagSize_m = 0.1;
 
 struct Seen {
   GrayImage image;
@@ -25,18 +24,18 @@ struct Seen {
 Seen see(const TagPattern& pattern, int view_number) {
   // The detected square of the standard families is 5/9 of what is printed: same cells, more room.
   const double width_px = 9.0 * pattern.width_at_border() + 7.0 * view_number;
-  const PlaneView view(600.0, {119.3, 120.6}, 600.0 * kSize_m / width_px,
+  const PlaneView view(600.0, {119.3, 120.6}, 600.0 * kFamilyTagSize_m / width_px,
                        (15.0 + 12.0 * view_number) * pi / 180.0, 0.9 * view_number + 0.2,
                        1.3 * view_number + 0.3);
-  RenderOptions options;
+  test::RenderOptions options;
   options.samples = 3;
   options.seed = static_cast<std::uint64_t>(view_number + 1);
   const auto brightness = [&](double x, double y) {
-    return pattern.brightness(2.0 * x / kSize_m, 2.0 * y / kSize_m);
+    return pattern.brightness(2.0 * x / kFamilyTagSize_m, 2.0 * y / kFamilyTagSize_m);
   };
   Seen seen;
   seen.image = test::render_plane(240, 240, view, brightness, options);
-  const auto in_tag = tag_corners(kSize_m);
+  const auto in_tag = tag_corners(kFamilyTagSize_m);
   for (std::size_t k = 0; k < kNumCorners; ++k) seen.corners_px[k] = view.to_pixel(in_tag[k].head<2>());
   return seen;
 }

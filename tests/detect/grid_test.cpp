@@ -16,12 +16,9 @@ namespace {
 
 using test::CornerStatistics;
 using test::PlaneView;
-using test::RenderOptions;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kMinTags = 34;  // of 36, on any one image
-constexpr double kMaxBias_px = 0.03;
-constexpr double kMaxRms_px = 0.16;
 
 struct Grid {
   AprilGrid layout;
@@ -30,7 +27,7 @@ struct Grid {
   Eigen::Vector2d middle = layout.printed_area_m().center();
 
   GrayImage render(const PlaneView& view, std::uint64_t seed) const {
-    RenderOptions options;
+    test::RenderOptions options;
     options.samples = 3;
     options.seed = seed;
     const auto brightness = [&](double x, double y) {
@@ -77,8 +74,8 @@ TEST(DetectKalibrGrid, FindsNearlyAllTagsAtTheirPlaces) {
     }
   }
   EXPECT_EQ(images, 10);
-  EXPECT_LE(std::abs(statistics.radial_bias_px()), kMaxBias_px);
-  EXPECT_LE(statistics.rms_per_axis_px(), kMaxRms_px);
+  EXPECT_LE(std::abs(statistics.radial_bias_px()), test::kMaxBias_px);
+  EXPECT_LE(statistics.rms_per_axis_px(), test::kMaxRms_px);
   EXPECT_LE(statistics.largest_px(), 1.0) << "no tag is somewhere else";
 }
 
@@ -102,20 +99,20 @@ GrayImage print_and_see(const char* family, const std::vector<int>& ids, double 
                         const Eigen::Vector2d& motion_px) {
   std::vector<TagPattern> patterns;
   for (const int id : ids) patterns.push_back(TagFamily::get(family).pattern(id));
-  constexpr double kSize_m = 0.1;
+  constexpr double size_m = 0.1;
   constexpr double kStep_m = 0.15;
-  const PlaneView view(600.0, {319.3, 60.6}, 600.0 * kSize_m / width_px, 10.0 * kDegree, 0.3, turn_rad);
-  RenderOptions options;
+  const PlaneView view(600.0, {319.3, 60.6}, 600.0 * size_m / width_px, 10.0 * kDegree, 0.3, turn_rad);
+  test::RenderOptions options;
   options.samples = 2;
   const double first_m = -0.5 * kStep_m * static_cast<double>(ids.size() - 1);
   const auto paper = [&](double x, double y) {
     const double place = std::round((x - first_m) / kStep_m);
     if (place < 0.0 || place >= static_cast<double>(ids.size())) return 1.0;
     const double tag_x = x - first_m - place * kStep_m;
-    return patterns[static_cast<std::size_t>(place)].brightness(2.0 * tag_x / kSize_m, 2.0 * y / kSize_m);
+    return patterns[static_cast<std::size_t>(place)].brightness(2.0 * tag_x / size_m, 2.0 * y / size_m);
   };
   const auto brightness = [&](double x, double y) {  // three instants of an exposure
-    const Eigen::Vector2d step_m = motion_px * kSize_m / width_px / 3.0;
+    const Eigen::Vector2d step_m = motion_px * size_m / width_px / 3.0;
     return (paper(x, y) + paper(x + step_m.x(), y + step_m.y()) + paper(x - step_m.x(), y - step_m.y())) /
            3.0;
   };

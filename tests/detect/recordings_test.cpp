@@ -20,10 +20,7 @@ namespace {
 
 using test::CornerStatistics;
 
-constexpr double kMaxBias_px = 0.03;
-constexpr double kMaxRms_px = 0.16;
-
-struct Judged {
+struct JudgedRecording {
   CornerStatistics sharp;  ///< Under 2 px of blur.
   int frames = 0;
   int frames_with_tag = 0;
@@ -39,7 +36,7 @@ std::array<Eigen::Vector2d, kNumCorners> corners_px(const Camera& camera, const 
   return corners;
 }
 
-Judged judge(const std::filesystem::path& folder, bool is_joint, std::size_t step) {
+JudgedRecording judge(const std::filesystem::path& folder, bool is_joint, std::size_t step) {
   const Camera camera = read_cameras(folder / "camera.yaml").cameras.front();
   const TagMap map = read_tag_map(folder / "map.yaml");
   const Trajectory truth = read_tum(folder / "truth.tum");
@@ -48,7 +45,7 @@ Judged judge(const std::filesystem::path& folder, bool is_joint, std::size_t ste
   options.step = step;
   const auto source = open_source(folder.string(), options);
   Detector detector({});
-  Judged judged;
+  JudgedRecording judged;
   while (const auto frame = source->next()) {
     const auto near = std::find_if(truth.begin(), truth.end(), [&](const TimedPose& pose) {
       return std::abs(pose.timestamp.ns - frame->timestamp.ns) < 1'000'000;
@@ -79,37 +76,37 @@ Judged judge(const std::filesystem::path& folder, bool is_joint, std::size_t ste
   return judged;
 }
 
-void expect_accurate(const Judged& judged, int min_sharp_tags) {
+void expect_accurate(const JudgedRecording& judged, int min_sharp_tags) {
   EXPECT_EQ(judged.false_tags, 0);
   ASSERT_GE(judged.sharp.num_tags(), min_sharp_tags);
-  EXPECT_LE(std::abs(judged.sharp.radial_bias_px()), kMaxBias_px);
-  EXPECT_LE(judged.sharp.rms_per_axis_px(), kMaxRms_px);
+  EXPECT_LE(std::abs(judged.sharp.radial_bias_px()), test::kMaxBias_px);
+  EXPECT_LE(judged.sharp.rms_per_axis_px(), test::kMaxRms_px);
 }
 
 TEST(DetectRecordings, RoomGentle) {
   APRILTRACK_SHARED_OR_SKIP(folder, "data/room_gentle");
-  const Judged judged = judge(folder, false, 5);
+  const JudgedRecording judged = judge(folder, false, 5);
   expect_accurate(judged, 200);
   EXPECT_EQ(judged.frames_with_tag, judged.frames);
 }
 
 TEST(DetectRecordings, SingleBlur) {
   APRILTRACK_SHARED_OR_SKIP(folder, "data/single_blur");
-  const Judged judged = judge(folder, true, 1);
+  const JudgedRecording judged = judge(folder, true, 1);
   expect_accurate(judged, 10);
   EXPECT_GE(judged.frames_with_tag, 102);  // stock: 102 of 120
 }
 
 TEST(DetectRecordings, BundleBlur) {
   APRILTRACK_SHARED_OR_SKIP(folder, "data/bundle_blur");
-  const Judged judged = judge(folder, true, 1);
+  const JudgedRecording judged = judge(folder, true, 1);
   expect_accurate(judged, 40);
   EXPECT_GE(judged.frames_with_tag, 103);  // stock: 103 of 150
 }
 
 TEST(DetectRecordings, RoomBlurIsSeenMoreOftenThanByTheLibraryAlone) {
   APRILTRACK_SHARED_OR_SKIP(folder, "data/room_blur");
-  const Judged judged = judge(folder, false, 2);
+  const JudgedRecording judged = judge(folder, false, 2);
   EXPECT_EQ(judged.false_tags, 0);
   EXPECT_GE(judged.frames_with_tag, 100);  // stock: 183 of all 360
 }

@@ -11,8 +11,6 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kMaxBias_px = 0.03;
-constexpr double kMaxRms_px = 0.16;
 constexpr double kSharp_px = 2.0;  // of blur
 
 struct Judged {
@@ -44,8 +42,8 @@ void expect_accurate(const Judged& judged, int min_tags) {
   EXPECT_EQ(judged.unknown_tags, 0);
   ASSERT_GE(judged.sharp.num_tags(), min_tags);
   EXPECT_GE(judged.sharp.num_tags(), 0.9 * judged.sharp_tags_shown) << "no tag may be given up to look good";
-  EXPECT_LE(std::abs(judged.sharp.radial_bias_px()), kMaxBias_px);
-  EXPECT_LE(judged.sharp.rms_per_axis_px(), kMaxRms_px);
+  EXPECT_LE(std::abs(judged.sharp.radial_bias_px()), test::kMaxBias_px);
+  EXPECT_LE(judged.sharp.rms_per_axis_px(), test::kMaxRms_px);
 }
 
 TEST(SimulatedAccuracy, TagsOnTheWallsOfARoom) {

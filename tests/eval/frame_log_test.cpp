@@ -39,7 +39,7 @@ FrameLogRow lost_row() {
   return row;
 }
 
-void expect_error(const std::string& text, const std::string& words) {
+void expect_log_error(const std::string& text, const std::string& words) {
   const fs::path path = test::temporary_folder() / "f.csv";
   std::ofstream(path) << text;
   try {
@@ -97,13 +97,13 @@ TEST(FrameLog, FindsColumnsByName) {
 }
 
 TEST(FrameLog, ErrorsNameLineAndColumn) {
-  expect_error("timestamp_ns,state\n1,lost\n", "status");
-  expect_error("timestamp_ns,status\n1,lost\n2,fine\n", "f.csv:3: status: 'fine' is none of");
-  expect_error("timestamp_ns,status,tx,ty,tz,qx,qy,qz,qw\n1,lost,1,,,,,,\n", "f.csv:2: tx ... qw");
-  expect_error("timestamp_ns,status,tx,ty,tz,qx,qy,qz,qw\n1,lost,1,1,1,0,0,0,nan\n", "qw");
-  expect_error("timestamp_ns,status,cov_00\n1,tracked,1\n", "cov_01: is missing");
-  expect_error("timestamp_ns,status,sigma_position_m\n1,tracked,-1\n", "sigma_position_m: must be >= 0");
-  expect_error("timestamp_ns,status,tags_detected\n1,tracked,-1\n", "tags_detected");
+  expect_log_error("timestamp_ns,state\n1,lost\n", "status");
+  expect_log_error("timestamp_ns,status\n1,lost\n2,fine\n", "f.csv:3: status: 'fine' is none of");
+  expect_log_error("timestamp_ns,status,tx,ty,tz,qx,qy,qz,qw\n1,lost,1,,,,,,\n", "f.csv:2: tx ... qw");
+  expect_log_error("timestamp_ns,status,tx,ty,tz,qx,qy,qz,qw\n1,lost,1,1,1,0,0,0,nan\n", "qw");
+  expect_log_error("timestamp_ns,status,cov_00\n1,tracked,1\n", "cov_01: is missing");
+  expect_log_error("timestamp_ns,status,sigma_position_m\n1,tracked,-1\n", "sigma_position_m: must be >= 0");
+  expect_log_error("timestamp_ns,status,tags_detected\n1,tracked,-1\n", "tags_detected");
 }
 
 TEST(FrameLog, RefusesUnknownStatuses) {

@@ -21,7 +21,7 @@ fs::path write(const std::string& text) {
   return path;
 }
 
-void expect_error(const std::string& text, const std::string& words) {
+void expect_tum_error(const std::string& text, const std::string& words) {
   try {
     read_tum(write(text));
     FAIL() << "read without complaint: " << text;
@@ -71,16 +71,16 @@ TEST(Tum, EmptyFilesHaveNoPose) {
 }
 
 TEST(Tum, ErrorsNameFileAndLine) {
-  expect_error("1 0 0 0 0 0 0 1\n2 0 0 0 0 0 1\n", "t.tum:2: has 7 columns");
-  expect_error("1 0 0 0 0 0 0 1\n\n1.000 0 0 0 0 0 0 1\n",
-               "t.tum:3: timestamp 1.000000000 stands in line 1 already");
-  expect_error("1 0 nan 0 0 0 0 1\n", "t.tum:1: ty: 'nan' is not a finite number");
-  expect_error("1 0 0 1,5 0 0 0 1\n", "tz: '1,5'");
-  expect_error("1 0 0 inf 0 0 0 1\n", "tz: 'inf'");
-  expect_error("1 0 0 0 0 0 0 0\n", "length of the quaternion must be 1 (is 0)");
-  expect_error("1 0 0 0 1 1 1 1\n", "length of the quaternion must be 1 (is 2)");
-  expect_error("noon 0 0 0 0 0 0 1\n", "'noon' is no time");
-  expect_error("1403636579763555584 0 0 0 0 0 0 1\n", "looks like nanoseconds");
+  expect_tum_error("1 0 0 0 0 0 0 1\n2 0 0 0 0 0 1\n", "t.tum:2: has 7 columns");
+  expect_tum_error("1 0 0 0 0 0 0 1\n\n1.000 0 0 0 0 0 0 1\n",
+                   "t.tum:3: timestamp 1.000000000 stands in line 1 already");
+  expect_tum_error("1 0 nan 0 0 0 0 1\n", "t.tum:1: ty: 'nan' is not a finite number");
+  expect_tum_error("1 0 0 1,5 0 0 0 1\n", "tz: '1,5'");
+  expect_tum_error("1 0 0 inf 0 0 0 1\n", "tz: 'inf'");
+  expect_tum_error("1 0 0 0 0 0 0 0\n", "length of the quaternion must be 1 (is 0)");
+  expect_tum_error("1 0 0 0 1 1 1 1\n", "length of the quaternion must be 1 (is 2)");
+  expect_tum_error("noon 0 0 0 0 0 0 1\n", "'noon' is no time");
+  expect_tum_error("1403636579763555584 0 0 0 0 0 0 1\n", "looks like nanoseconds");
 }
 
 TEST(Tum, MissingFilesAreIoErrors) {

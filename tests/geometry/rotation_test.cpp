@@ -12,16 +12,28 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Eigen::Vector3d random_direction(RandomStream& random) {
   return Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
 }
 
 /// Angles at which series take over from closed forms, and both ends of the logarithm's range.
 std::vector<double> angles_of_interest() {
-  return {0.0, 1e-300, 1e-12, 1e-8, 0.99e-4, 1.01e-4,    1e-3,       0.1,
-          1.0, 2.0,    3.0,   3.1,  3.14,    kPi - 1e-6, kPi - 1e-9, kPi - 1e-12};
+  return {0.0,
+          1e-300,
+          1e-12,
+          1e-8,
+          0.99e-4,
+          1.01e-4,
+          1e-3,
+          0.1,
+          1.0,
+          2.0,
+          3.0,
+          3.1,
+          3.14,
+          std::numbers::pi - 1e-6,
+          std::numbers::pi - 1e-9,
+          std::numbers::pi - 1e-12};
 }
 
 /// The exponential by its power series: an independent truth for exp of any matrix of modest size.
@@ -76,15 +88,15 @@ TEST(Rotation, HalfATurnHasALogOfLengthPi) {
     Eigen::Quaterniond q(0.0, 0.0, 0.0, 0.0);
     q.vec() = Eigen::Vector3d::Unit(axis);
     const Eigen::Vector3d w = rotation_log(q);
-    EXPECT_NEAR(w.norm(), kPi, 1e-15);
+    EXPECT_NEAR(w.norm(), std::numbers::pi, 1e-15);
     EXPECT_LT((rotation_exp(w).toRotationMatrix() - q.toRotationMatrix()).norm(), 1e-15);
   }
 }
 
 TEST(Rotation, AnglesBeyondHalfATurnComeBackTheShortWay) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1.0, 2.0, -2.0) / 3.0;
-  const Eigen::Vector3d w = rotation_log(rotation_exp((kPi + 0.5) * axis));
-  EXPECT_LT((w + (kPi - 0.5) * axis).norm(), 1e-14);
+  const Eigen::Vector3d w = rotation_log(rotation_exp((std::numbers::pi + 0.5) * axis));
+  EXPECT_LT((w + (std::numbers::pi - 0.5) * axis).norm(), 1e-14);
 }
 
 TEST(Rotation, LeftJacobianIsTheDerivativeOfExp) {

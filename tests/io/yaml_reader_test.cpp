@@ -15,7 +15,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-YamlNode read(const std::string& text) {
+YamlNode parse(const std::string& text) {
   return YamlNode::read_text(text, "lab.yaml");
 }
 
@@ -33,7 +33,7 @@ flags: [true, False]
 )";
 
 TEST(YamlReader, GivesValuesWithLineAndKeyPath) {
-  const YamlNode root = read(kMap);
+  const YamlNode root = parse(kMap);
   EXPECT_TRUE(root.is_map());
   EXPECT_EQ(root.key_path(), "");
   EXPECT_EQ(root.at("frame").as_string(), "world");
@@ -55,19 +55,19 @@ TEST(YamlReader, GivesValuesWithLineAndKeyPath) {
 
 TEST(YamlReader, KeepsTheOrderOfKeys) {
   std::vector<std::string> keys;
-  for (const auto& [key, value] : read("z: 1\na: 2\nm: 3\n").entries()) keys.push_back(key);
+  for (const auto& [key, value] : parse("z: 1\na: 2\nm: 3\n").entries()) keys.push_back(key);
   EXPECT_THAT(keys, ElementsAre("z", "a", "m"));
 }
 
 TEST(YamlReader, RefusesDuplicateKeysAtAnyDepth) {
-  EXPECT_THAT(message_of([] { read("a: 1\nb: 2\na: 3\n"); }),
+  EXPECT_THAT(message_of([] { parse("a: 1\nb: 2\na: 3\n"); }),
               AllOf(HasSubstr("lab.yaml:3: a: "), HasSubstr("line 1")));
-  EXPECT_THAT(message_of([] { read("t:\n- {id: 1,\n   id: 2}\n"); }), HasSubstr("lab.yaml:3: t[0].id: "));
-  EXPECT_NO_THROW(read("- a: 1\n- a: 2\n"));
+  EXPECT_THAT(message_of([] { parse("t:\n- {id: 1,\n   id: 2}\n"); }), HasSubstr("lab.yaml:3: t[0].id: "));
+  EXPECT_NO_THROW(parse("- a: 1\n- a: 2\n"));
 }
 
 TEST(YamlReader, MissingAndUnknownKeysNameTheirPlace) {
-  const YamlNode root = read("cam0:\n  a: 1\n  x_mine: {b: 2}\n  typo: 3\n");
+  const YamlNode root = parse("cam0:\n  a: 1\n  x_mine: {b: 2}\n  typo: 3\n");
   EXPECT_EQ(message_of([&] { root.at("cam0").at("resolution"); }),
             "lab.yaml:1: cam0: 'resolution' is missing");
   EXPECT_THAT(
@@ -81,7 +81,7 @@ TEST(YamlReader, MissingAndUnknownKeysNameTheirPlace) {
 }
 
 TEST(YamlReader, ReadsDecimalNumbersOnly) {
-  const auto as_int = [](const std::string& text) { return read("v: " + text).at("v").as_int(); };
+  const auto as_int = [](const std::string& text) { return parse("v: " + text).at("v").as_int(); };
   EXPECT_EQ(as_int("10"), 10);
   EXPECT_EQ(as_int("-7"), -7);
   EXPECT_EQ(as_int("+7"), 7);
@@ -96,7 +96,7 @@ TEST(YamlReader, ReadsDecimalNumbersOnly) {
 }
 
 TEST(YamlReader, ReadsFiniteNumbersOnly) {
-  const auto as_double = [](const std::string& text) { return read("v: " + text).at("v").as_double(); };
+  const auto as_double = [](const std::string& text) { return parse("v: " + text).at("v").as_double(); };
   EXPECT_EQ(as_double("1."), 1.0);
   EXPECT_EQ(as_double("-.5"), -0.5);
   EXPECT_EQ(as_double("2.5e-3"), 0.0025);
@@ -112,7 +112,7 @@ TEST(YamlReader, ReadsFiniteNumbersOnly) {
 }
 
 TEST(YamlReader, ReadsListsOfNumbers) {
-  const YamlNode root = read("v: [1, 2.5,\n  x]\nw: [1, 2.5]\n");
+  const YamlNode root = parse("v: [1, 2.5,\n  x]\nw: [1, 2.5]\n");
   EXPECT_THAT(root.at("w").as_doubles(), ElementsAre(1.0, 2.5));
   EXPECT_THAT(root.at("w").as_doubles(2), ElementsAre(1.0, 2.5));
   EXPECT_THAT(message_of([&] { root.at("v").as_doubles(); }),
@@ -122,44 +122,44 @@ TEST(YamlReader, ReadsListsOfNumbers) {
 }
 
 TEST(YamlReader, BoolsAreTrueOrFalse) {
-  EXPECT_THAT(message_of([] { read("v: yes").at("v").as_bool(); }),
+  EXPECT_THAT(message_of([] { parse("v: yes").at("v").as_bool(); }),
               HasSubstr("v: must be true or false (is 'yes')"));
 }
 
 TEST(YamlReader, ReadsOpenCvsHeadingWithoutShiftingLines) {
-  const YamlNode root = read(
+  const YamlNode root = parse(
       "%YAML:1.0\n---\nK: !!opencv-matrix\n   rows: 1\n   dt: d\n   data: [ 1., -2.e-01,\n       3. ]\n");
   EXPECT_THAT(root.at("K").at("data").as_doubles(), ElementsAre(1.0, -0.2, 3.0));
   EXPECT_EQ(root.at("K").at("rows").where(), "lab.yaml:4");
-  EXPECT_EQ(read("%YAML:1.0\nv: 2\n").at("v").where(), "lab.yaml:2");
-  EXPECT_EQ(read("%YAML 1.2\n---\nv: 2\n").at("v").as_int(), 2);
+  EXPECT_EQ(parse("%YAML:1.0\nv: 2\n").at("v").where(), "lab.yaml:2");
+  EXPECT_EQ(parse("%YAML 1.2\n---\nv: 2\n").at("v").as_int(), 2);
 }
 
 TEST(YamlReader, EmptyTextIsNull) {
   for (const std::string text : {"", "\n\n", "# only a comment\n", "---\n"}) {
-    EXPECT_TRUE(read(text).is_null()) << text;
-    EXPECT_THAT(message_of([&] { read(text).at("cam0"); }),
+    EXPECT_TRUE(parse(text).is_null()) << text;
+    EXPECT_THAT(message_of([&] { parse(text).at("cam0"); }),
                 HasSubstr(": must be a mapping with a key 'cam0' (is empty)"));
   }
 }
 
 TEST(YamlReader, RefusesWhatIsNoYaml) {
-  EXPECT_THAT(message_of([] { read("a: 1\nb: [1, 2\nc: 3\n"); }),
+  EXPECT_THAT(message_of([] { parse("a: 1\nb: [1, 2\nc: 3\n"); }),
               AllOf(HasSubstr("lab.yaml:"), HasSubstr("is no valid YAML")));
-  EXPECT_THAT(message_of([] { read("a:\n\tb: 1\n"); }), AllOf(HasSubstr("lab.yaml:2"), HasSubstr("tab")));
-  EXPECT_THAT(message_of([] { read("a: *nowhere\n"); }), HasSubstr("lab.yaml:1"));
-  EXPECT_THAT(message_of([] { read("a: 1\n---\nb: 2\n"); }), HasSubstr("second YAML document"));
-  EXPECT_THAT(message_of([] { read("? [1, 2]\n: 3\n"); }), HasSubstr("a key must be"));
-  EXPECT_THAT(message_of([] { read(std::string("\x89PNG\r\n\0\0", 8)); }), HasSubstr("no text file"));
+  EXPECT_THAT(message_of([] { parse("a:\n\tb: 1\n"); }), AllOf(HasSubstr("lab.yaml:2"), HasSubstr("tab")));
+  EXPECT_THAT(message_of([] { parse("a: *nowhere\n"); }), HasSubstr("lab.yaml:1"));
+  EXPECT_THAT(message_of([] { parse("a: 1\n---\nb: 2\n"); }), HasSubstr("second YAML document"));
+  EXPECT_THAT(message_of([] { parse("? [1, 2]\n: 3\n"); }), HasSubstr("a key must be"));
+  EXPECT_THAT(message_of([] { parse(std::string("\x89PNG\r\n\0\0", 8)); }), HasSubstr("no text file"));
 }
 
 TEST(YamlReader, SurvivesHostileText) {
   // Each ends in an Error, none in a crash or in gigabytes.
-  EXPECT_THAT(message_of([] { read(std::string(200'000, '[')); }), HasSubstr("lab.yaml:1"));
-  EXPECT_THAT(message_of([] { read(std::string(200'000, '{')); }), HasSubstr("lab.yaml:1"));
+  EXPECT_THAT(message_of([] { parse(std::string(200'000, '[')); }), HasSubstr("lab.yaml:1"));
+  EXPECT_THAT(message_of([] { parse(std::string(200'000, '{')); }), HasSubstr("lab.yaml:1"));
   std::string dashes;
   for (int i = 0; i < 50'000; ++i) dashes += "- ";
-  EXPECT_THAT(message_of([&] { read(dashes); }), HasSubstr("nested more than 64 deep"));
+  EXPECT_THAT(message_of([&] { parse(dashes); }), HasSubstr("nested more than 64 deep"));
   std::string bomb = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n";
   for (int i = 1; i < 12; ++i) {
     const std::string last = "*a" + std::to_string(i - 1);
@@ -167,26 +167,26 @@ TEST(YamlReader, SurvivesHostileText) {
     for (int k = 0; k < 10; ++k) bomb += last + " ,";
     bomb += "]\n";
   }
-  EXPECT_THAT(message_of([&] { read(bomb); }), HasSubstr("aliases"));
-  EXPECT_THAT(message_of([] { read("a: &x [1, *x]\n"); }), HasSubstr("an alias stands inside"));
+  EXPECT_THAT(message_of([&] { parse(bomb); }), HasSubstr("aliases"));
+  EXPECT_THAT(message_of([] { parse("a: &x [1, *x]\n"); }), HasSubstr("an alias stands inside"));
 }
 
 TEST(YamlReader, ReadsHonestAliases) {
-  const YamlNode root = read("a: &k [1, 2]\nb: *k\n");
+  const YamlNode root = parse("a: &k [1, 2]\nb: *k\n");
   EXPECT_THAT(root.at("b").as_doubles(), ElementsAre(1.0, 2.0));
 }
 
 TEST(YamlReader, ReadsLargeFiles) {
   std::string text = "tags:\n";
   for (int i = 0; i < 20'000; ++i) text += "- {id: " + std::to_string(i) + ", size: 0.16}\n";
-  const auto tags = read(text).at("tags").items();
+  const auto tags = parse(text).at("tags").items();
   ASSERT_EQ(tags.size(), 20'000U);
   EXPECT_EQ(tags.back().at("id").as_int(), 19'999);
   EXPECT_EQ(tags.back().where(), "lab.yaml:20001");
 }
 
 TEST(YamlReader, SeesThroughByteOrderMarkAndCarriageReturns) {
-  const YamlNode root = read(
+  const YamlNode root = parse(
       "\xEF\xBB\xBF"
       "a: 1\r\nb: text\r\n");
   EXPECT_EQ(root.at("a").as_int(), 1);
@@ -202,17 +202,17 @@ TEST(YamlReader, KeepsWhatItDoesNotUnderstandAsYaml) {
       "{text: \"line\\nbreak\", empty: \"\", minus: -0.5, dash: \"-\"}",
   };
   for (const std::string& text : texts) {
-    const std::string kept = read("x_: " + text).at("x_").as_yaml();
+    const std::string kept = parse("x_: " + text).at("x_").as_yaml();
     EXPECT_EQ(kept, text);
-    EXPECT_EQ(read("x_: " + kept).at("x_").as_yaml(), kept);
+    EXPECT_EQ(parse("x_: " + kept).at("x_").as_yaml(), kept);
   }
-  const YamlNode block = read("x_: # comment\n  - a, b\n  - |\n    two\n    lines\n  - 'it''s'\n");
+  const YamlNode block = parse("x_: # comment\n  - a, b\n  - |\n    two\n    lines\n  - 'it''s'\n");
   EXPECT_EQ(block.at("x_").as_yaml(), "[\"a, b\", \"two\\nlines\\n\", \"it's\"]");
 }
 
 TEST(YamlReader, OutlivesItsRoot) {
   std::optional<YamlNode> leaf;
-  { leaf = read("a:\n  b: [1, 2]\n").at("a").at("b"); }
+  { leaf = parse("a:\n  b: [1, 2]\n").at("a").at("b"); }
   EXPECT_EQ(leaf->key_path(), "a.b");
   EXPECT_THAT(leaf->as_doubles(), ElementsAre(1.0, 2.0));
 }

@@ -25,17 +25,17 @@ void expect_same(const TagMap& file, const TagMap& scene) {
   }
 }
 
-constexpr double kCoarseTexel_m = 0.05;  // the walls' paint does not matter here
+constexpr double kCoarsestTexel_m = 0.05;  // the walls' paint does not matter here
 
 TEST(ShippedMaps, RoomIsThatOfTheScenes) {
   const TagMap map = read_tag_map(test::source_path("maps/room_14.yaml"));
-  expect_same(map, make_scene("room", {.texel_m = kCoarseTexel_m}).map);
-  expect_same(map, make_scene("room-gentle", {.texel_m = kCoarseTexel_m}).map);
+  expect_same(map, make_scene("room", {.texel_m = kCoarsestTexel_m}).map);
+  expect_same(map, make_scene("room-gentle", {.texel_m = kCoarsestTexel_m}).map);
 }
 
 TEST(ShippedMaps, CubeIsThatOfTheScene) {
   expect_same(read_tag_map(test::source_path("maps/cube_6.yaml")),
-              make_scene("bundle", {.texel_m = kCoarseTexel_m}).map);
+              make_scene("bundle", {.texel_m = kCoarsestTexel_m}).map);
 }
 
 }  // namespace

@@ -49,10 +49,10 @@ TEST(LocalizersSideBySide, GiveTheSameAsOneByOne) {
 
 /// From pictures: each builds its detector's tables at its first frame.
 TEST(LocalizersSideBySide, GiveTheSameFromPictures) {
-  constexpr int kSide_px = 120;
+  constexpr int kImageSide_px = 120;
   constexpr double kFocal_px = 300.0;
   Camera camera{.model = CameraModel({kFocal_px, kFocal_px, 59.5, 59.5}, NoDistortion{})};
-  camera.width = camera.height = kSide_px;
+  camera.width = camera.height = kImageSide_px;
   camera.exposure_s = 0.0;
   TagMap map;
   for (int id = 0; id < 8; ++id) map.tags.push_back(test::tag_at(id, Pose()));
@@ -68,7 +68,7 @@ TEST(LocalizersSideBySide, GiveTheSameFromPictures) {
       const test::PlaneView view(kFocal_px, {59.0, 60.0}, kFocal_px * test::kTagSize_m / 60.0, 0.8, 1.1,
                                  0.05 * static_cast<double>(i));
       const GrayImage image =
-          test::render_plane(kSide_px, kSide_px, view, picture, {.samples = 2, .seed = thread + 1});
+          test::render_plane(kImageSide_px, kImageSide_px, view, picture, {.samples = 2, .seed = thread + 1});
       results.push_back(
           localizer.localize({.image = image.view(), .timestamp = {i * 33'000'000}, .exposure_s = 0.0}));
     }

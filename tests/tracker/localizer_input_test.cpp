@@ -151,7 +151,8 @@ TEST(Localizer, AnImageOfAnotherResolutionIsLostAndSaysBothSizes) {
   EXPECT_THAT(result.reason, testing::HasSubstr("320 x 240"));
   EXPECT_THAT(result.reason, testing::HasSubstr("640 x 480"));
   // The next frame is none the worse for it.
-  EXPECT_EQ(localizer.localize(test::seen(test::radtan(), test::room(), Pose())).status, TrackStatus::kDetected);
+  EXPECT_EQ(localizer.localize(test::seen(test::radtan(), test::room(), Pose())).status,
+            TrackStatus::kDetected);
 }
 
 }  // namespace

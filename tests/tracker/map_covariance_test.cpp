@@ -58,7 +58,7 @@ LocalizerOptions options_for(TrackMode mode, double corner_sigma_px) {
   return options;
 }
 
-Pose reported(TrackMode mode, const Pose& T_camera_map) {
+Pose pose_of(TrackMode mode, const Pose& T_camera_map) {
   return mode == TrackMode::kEgo ? T_camera_map.inverse() : T_camera_map;
 }
 
@@ -81,7 +81,7 @@ Scatter localise_through_maps(const TagMap& truth, TrackMode mode, double corner
     Localizer localizer(camera, drawn(truth, random), options_for(mode, corner_sigma_px));
     const TrackResult result = localizer.localize(test::with_noise(exact, random, corner_noise_px));
     if (!result.pose || result.tags_tracked != static_cast<int>(truth.tags.size())) continue;
-    const Vector6d xi = (result.pose->inverse() * reported(mode, T_camera_map)).log();
+    const Vector6d xi = (result.pose->inverse() * pose_of(mode, T_camera_map)).log();
     scatter.nees_over_6 += xi.dot(result.covariance->llt().solve(xi)) / 6.0;
     ++scatter.frames;
   }
@@ -90,21 +90,22 @@ Scatter localise_through_maps(const TagMap& truth, TrackMode mode, double corner
   return scatter;
 }
 
-struct Case {
+struct ModeCase {
   const char* name;
   TrackMode mode;
 };
 
-void PrintTo(const Case& parameters, std::ostream* out) {
+void PrintTo(const ModeCase& parameters, std::ostream* out) {
   *out << parameters.name;
 }
 
-class MapCovariance : public testing::TestWithParam<Case> {
+class MapCovariance : public testing::TestWithParam<ModeCase> {
  protected:
   TrackMode mode() const { return GetParam().mode; }
 };
 INSTANTIATE_TEST_SUITE_P(BothModes, MapCovariance,
-                         testing::Values(Case{"Ego", TrackMode::kEgo}, Case{"Joint", TrackMode::kJoint}),
+                         testing::Values(ModeCase{"Ego", TrackMode::kEgo},
+                                         ModeCase{"Joint", TrackMode::kJoint}),
                          [](const auto& test_case) { return test_case.param.name; });
 
 // Chi-squared with 6 degrees of freedom over 6, the mean of 600: sigma 0.024. The claim is a little shy, as

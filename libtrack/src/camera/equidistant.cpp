@@ -8,14 +8,6 @@
 #include "root_finding.h"
 
 namespace apriltrack {
-namespace {
-
-/// At a fold a pixel has no slope by which to find its ray; this far inside it has one of 1e-4, enough for
-/// 1e-9 px.
-constexpr double kInsideFold = 1.0 - 1e-4;
-
-}  // namespace
-
 EquidistantDistortion::EquidistantDistortion(const std::vector<double>& coefficients) {
   APRILTRACK_CHECK(coefficients.size() == 4, "equidistant has 4 coefficients");
   APRILTRACK_CHECK(

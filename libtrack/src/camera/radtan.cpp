@@ -15,10 +15,6 @@ namespace {
 /// Beyond, a point is as good as beside the camera; the polynomials stay far from overflow.
 constexpr double kLargestRadius = 1000.0;
 
-/// At a fold a pixel has no slope by which to find its ray; this far inside it has one of 1e-4, enough for
-/// 1e-9 px.
-constexpr double kInsideFold = 1.0 - 1e-4;
-
 /// 1 + a s + b s^2 + c s^3 as a polynomial in r, s = r^2.
 Polynomial even_polynomial(double a, double b, double c) {
   return {1.0, 0.0, a, 0.0, b, 0.0, c};

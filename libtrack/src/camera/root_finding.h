@@ -7,6 +7,10 @@
 
 namespace apriltrack {
 
+/// At a lens model's fold a pixel has no slope by which to find its ray; this far inside it has one of 1e-4,
+/// enough for 1e-9 px.
+inline constexpr double kInsideFold = 1.0 - 1e-4;
+
 /// Coefficients from the constant term upwards.
 using Polynomial = std::vector<double>;
 

@@ -16,10 +16,6 @@ namespace {
 /// hold no tag, and make it read outside.
 constexpr int kMinImageSide_px = 12;
 
-struct DetectorDeleter {
-  void operator()(apriltag_detector_t* detector) const { apriltag_detector_destroy(detector); }
-};
-
 struct DetectionsDeleter {
   void operator()(zarray_t* detections) const { apriltag_detections_destroy(detections); }
 };
@@ -27,6 +23,10 @@ struct DetectionsDeleter {
 }  // namespace
 
 struct LibraryDetector::State {
+  struct DetectorDeleter {
+    void operator()(apriltag_detector_t* detector) const { apriltag_detector_destroy(detector); }
+  };
+
   // The detector refers to the families until it is destroyed: it comes last, so that it goes first.
   std::vector<NativeFamily> families;
   std::unique_ptr<apriltag_detector_t, DetectorDeleter> detector;

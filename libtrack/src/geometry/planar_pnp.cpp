@@ -1,7 +1,8 @@
 #include "apriltrack/geometry/planar_pnp.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -26,9 +27,27 @@ constexpr double kMinCornerArea = 1e-9;   // of a corner's parallelogram, over t
 constexpr double kSamePose_rad = 1e-4;    // refined minima agree to 1e-7 where they are one
 constexpr double kSamePoseRelative = 1e-4;
 
-/// The rotation that turns `ray` into the z axis.
+/// A rotation that turns `ray` into the z axis: by the quaternion half way; a ray that points backwards is
+/// turned by half a turn about x before.
 Eigen::Matrix3d turn_to_axis(const Eigen::Vector3d& ray) {
-  return Eigen::Quaterniond::FromTwoVectors(ray, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Vector3d half_turn(1.0, ray.z() < 0.0 ? -1.0 : 1.0, ray.z() < 0.0 ? -1.0 : 1.0);
+  const Eigen::Vector3d d = half_turn.asDiagonal() * ray.normalized();
+  const Eigen::Quaterniond shortest(1.0 + d.z(), d.y(), -d.x(), 0.0);
+  return shortest.normalized().toRotationMatrix() * half_turn.asDiagonal();
+}
+
+/// Of a 2x2 matrix, in closed form.
+struct Stretch {
+  double larger = 0.0;  ///< Singular values.
+  double smaller = 0.0;
+  Eigen::Vector2d along_smaller;  ///< Its right singular vector.
+};
+
+Stretch stretch_of(const Eigen::Matrix2d& m) {
+  const double a = m.col(0).squaredNorm(), b = m.col(0).dot(m.col(1)), c = m.col(1).squaredNorm();
+  const double larger = std::sqrt(0.5 * (a + c) + std::hypot(0.5 * (a - c), b));
+  const double angle = 0.5 * std::atan2(2.0 * b, a - c);  // of the larger one's right singular vector
+  return {larger, std::abs(m.determinant()) / larger, {-std::sin(angle), std::cos(angle)}};
 }
 
 /// The rays' points on the plane z = 1 of a camera turned to look along their mean.
@@ -67,10 +86,10 @@ std::array<Pose, 2> poses_at_centre(const Eigen::Matrix3d& H_view_plane,
   const Eigen::Matrix3d R_axis_view = turn_to_axis(H_view_plane.col(2));
   const Eigen::Matrix3d H = R_axis_view * H_view_plane;
   const Eigen::Matrix2d derivative = H.topLeftCorner<2, 2>() / H(2, 2);
-  const Eigen::JacobiSVD<Eigen::Matrix2d> svd(derivative, Eigen::ComputeFullV);
-  const double distance = 1.0 / svd.singularValues()(0);
-  const double ratio = svd.singularValues()(1) * distance;
-  const Eigen::Vector2d row = std::sqrt(std::max(0.0, 1.0 - ratio * ratio)) * svd.matrixV().col(1);
+  const Stretch stretch = stretch_of(derivative);
+  const double distance = 1.0 / stretch.larger;
+  const double ratio = stretch.smaller * distance;
+  const Eigen::Vector2d row = std::sqrt(std::max(0.0, 1.0 - ratio * ratio)) * stretch.along_smaller;
   const Eigen::Matrix3d R_camera_axis = (R_axis_view * R_view_camera).transpose();
 
   std::array<Pose, 2> poses;

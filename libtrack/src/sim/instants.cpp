@@ -7,7 +7,7 @@ namespace apriltrack {
 namespace {
 
 constexpr int kPathSteps = 8;  // straight pieces of a path: bends within an exposure are slight
-constexpr double kNear_m = 0.05;
+constexpr double kNearestPoint_m = 0.05;
 
 /// Where the ray of the camera's middle-time pose meets the room.
 Eigen::Vector3d hit_room(const Room& room, const Pose& T_world_camera, const Eigen::Vector3d& ray_camera) {
@@ -68,7 +68,7 @@ RayBounds view_bounds(const ViewGrid& grid) {
 /// Paths out there, wild where points pass the camera's own plane, are not seen.
 std::optional<Eigen::Vector2d> pixel_near_view(const Eigen::Vector3d& point_camera, const Pinhole& lens,
                                                const RayBounds& view) {
-  if (point_camera.z() < kNear_m) return std::nullopt;
+  if (point_camera.z() < kNearestPoint_m) return std::nullopt;
   const Eigen::Vector2d ray = point_camera.head<2>() / point_camera.z();
   const double margin_x = 0.25 * (view.max_x - view.min_x);
   const double margin_y = 0.25 * (view.max_y - view.min_y);

@@ -6,7 +6,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kNear_m = 0.01;
+constexpr double kNearPlane_m = 0.01;
 constexpr float kEverywhere = 1e9F;
 constexpr float kHorizon = 1e-4F;  // inverse depth below which a plane is not seen, 1/m
 
@@ -74,9 +74,9 @@ void PanelView::set_bounds(const Pose& T_camera_panel) {
   for (int i = 0; i < 4; ++i) {
     const Eigen::Vector3d from = corner(i);
     const Eigen::Vector3d to = corner((i + 1) % 4);
-    if (from.z() >= kNear_m) include(from);
-    if ((from.z() >= kNear_m) != (to.z() >= kNear_m)) {
-      include(from + (kNear_m - from.z()) / (to.z() - from.z()) * (to - from));
+    if (from.z() >= kNearPlane_m) include(from);
+    if ((from.z() >= kNearPlane_m) != (to.z() >= kNearPlane_m)) {
+      include(from + (kNearPlane_m - from.z()) / (to.z() - from.z()) * (to - from));
     }
   }
 }
