@@ -112,6 +112,16 @@ TEST(Chart, LinesEndWhereTheyLeaveThePlot) {
   EXPECT_TRUE(has_colour_at(picture, kVermilion, place(picture, 0.25, 0.5)));
 }
 
+TEST(Chart, LinesBeginWhereTheyEnterThePlot) {
+  Chart chart = linear_chart();
+  chart.series.push_back(
+      {"", kVermilion, ChartMark::kLine, {0.0, 10.0}, {-15.0, 5.0}, {}});  // enters at x = 5
+  const cv::Mat picture = drawn(chart);
+  const cv::Rect line = cv::boundingRect(test::mask_of(picture, kVermilion));
+  EXPECT_NEAR(line.br().y, place(picture, 0.5, 0.0).y, 2.0);
+  EXPECT_NEAR(line.x, place(picture, 0.5, 0.0).x, 3.0);
+}
+
 TEST(Chart, NaNIsAGapInALine) {
   Chart chart = linear_chart();
   const std::vector<double> x = {0, 1, 4, 5, 6, 7, 8, 9};
@@ -121,6 +131,7 @@ TEST(Chart, NaNIsAGapInALine) {
     EXPECT_TRUE(has_colour_at(picture, kVermilion, place(picture, shown, 0.7))) << shown;
   for (const double gap : {0.45, 0.5, 0.55, 0.75, 0.8, 0.85})
     EXPECT_FALSE(has_colour_at(picture, kVermilion, place(picture, gap, 0.7))) << gap;
+  EXPECT_LE(cv::boundingRect(test::mask_of(picture, kVermilion)).height, 5) << "nothing runs off to a gap";
 }
 
 TEST(Chart, OpenAxesHoldAllNumbers) {

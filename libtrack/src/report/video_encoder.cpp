@@ -112,7 +112,6 @@ void VideoEncoder::encode(const AVFrame* frame) {
     const int received = avcodec_receive_packet(codec_.get(), packet_.get());
     if (received == AVERROR(EAGAIN) || received == AVERROR_EOF) return;
     check_written(received, name_);
-    packet_->duration = 1;
     packet_->stream_index = stream_->index;
     av_packet_rescale_ts(packet_.get(), codec_->time_base, stream_->time_base);
     check_written(av_interleaved_write_frame(file_.get(), packet_.get()), name_);
