@@ -9,7 +9,8 @@ find_package(nlohmann_json REQUIRED)
 find_package(apriltag REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio)
-# For the times of video frames, which OpenCV tells wrongly; Debian's libopencv-dev brings it.
+# For the times of video frames, which OpenCV tells wrongly, and to write videos, where OpenCV does not tell of a full
+# disk; Debian's libopencv-dev brings it.
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavformat libavcodec libswscale libavutil)
 find_package(CLI11 REQUIRED)

@@ -1,7 +1,9 @@
 #include "canvas.h"
 
+#include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/image/opencv_bridge.h"
@@ -10,9 +12,9 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kScale = 2.0;  // drawn pixels per point
-constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
-constexpr double kFontUnits = 21.0;  // height of a capital letter at font scale 1, in pixels
+constexpr double kScale = 2.0;    // drawn pixels per point
+constexpr int kFractionBits = 4;  // OpenCV draws lines and circles at 1/16 pixel
+constexpr double kHairline_pt = 1.0;
 
 cv::Point scaled(cv::Point2d p) {
   return {cvRound(kScale * p.x), cvRound(kScale * p.y)};
@@ -22,30 +24,50 @@ cv::Rect scaled(cv::Rect2d r) {
   return {scaled(r.tl()), scaled(r.br())};
 }
 
+/// Drawn pixels have their centres at whole numbers, hence the half.
+cv::Point finely_scaled(cv::Point2d p) {
+  constexpr double kUnits = 1 << kFractionBits;
+  return {cvRound(kUnits * (kScale * p.x - 0.5)), cvRound(kUnits * (kScale * p.y - 0.5))};
+}
+
 }  // namespace
 
 Canvas::Canvas(int width, int height)
     : pixels_(cvRound(kScale * height), cvRound(kScale * width), CV_8UC3, cv::Scalar(255, 255, 255)) {}
 
 void Canvas::line(cv::Point2d a, cv::Point2d b, const cv::Scalar& colour, double width) {
-  cv::line(pixels_, scaled(a), scaled(b), colour, std::max(1, cvRound(kScale * width)), cv::LINE_AA);
+  cv::line(pixels_, finely_scaled(a), finely_scaled(b), colour, std::max(1, cvRound(kScale * width)),
+           cv::LINE_AA, kFractionBits);
 }
 
 void Canvas::box(cv::Rect2d area, const cv::Scalar& colour) {
   cv::rectangle(pixels_, scaled(area), colour, cv::FILLED);
 }
 
+void Canvas::frame(cv::Rect2d area, const cv::Scalar& colour) {
+  box({area.x, area.y, area.width, kHairline_pt}, colour);
+  box({area.x, area.br().y - kHairline_pt, area.width, kHairline_pt}, colour);
+  box({area.x, area.y, kHairline_pt, area.height}, colour);
+  box({area.br().x - kHairline_pt, area.y, kHairline_pt, area.height}, colour);
+}
+
+void Canvas::disc(cv::Point2d centre, double radius, const cv::Scalar& colour) {
+  cv::circle(pixels_, finely_scaled(centre), cvRound(radius * kScale * (1 << kFractionBits)), colour,
+             cv::FILLED, cv::LINE_AA, kFractionBits);
+}
+
 double Canvas::text(const std::string& words, cv::Point2d at, double height, const cv::Scalar& colour,
-                    Align align) {
-  const double font_scale = kScale * height / kFontUnits;
-  const int thickness = std::max(1, cvRound(font_scale * 0.9));
-  int baseline = 0;
-  const int width = cv::getTextSize(words, kFont, font_scale, thickness, &baseline).width;
-  cv::Point start = scaled(at);
-  if (align == Align::kCentre) start.x -= width / 2;
-  if (align == Align::kRight) start.x -= width;
-  cv::putText(pixels_, words, start, kFont, font_scale, colour, thickness, cv::LINE_AA);
-  return (start.x + width) / kScale;
+                    Align align, double halo) {
+  return draw_text(pixels_, words, kScale * at, kScale * height, colour, align, cvRound(kScale * halo)) /
+         kScale;
+}
+
+double Canvas::width_of(const std::string& words, double height) {
+  return text_width(words, kScale * height) / kScale;
+}
+
+std::string Canvas::fitted(const std::string& words, double height, double max_width) {
+  return shortened(words, kScale * height, kScale * max_width);
 }
 
 void Canvas::picture(const GrayView& image, cv::Rect2d area) {

@@ -21,10 +21,6 @@ constexpr double kCaptionHeight = 30.0;
 constexpr double kChartHeight = 260.0;
 constexpr double kFooterHeight = 96.0;
 
-const cv::Scalar kInk(40, 34, 30);
-const cv::Scalar kPaleInk(135, 125, 118);
-const cv::Scalar kGrid(228, 224, 220);
-
 struct Legend {
   FrameOutcome outcome;
   const char* words;

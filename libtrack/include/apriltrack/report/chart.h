@@ -1,0 +1,57 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apriltrack/report/colour.h"
+
+namespace apriltrack {
+
+enum class ChartMark { kLine, kPoints, kLineAndPoints };
+
+/// One thing shown in a chart. An x or y of NaN is a gap.
+struct ChartSeries {
+  std::string
+      name;       ///< In the legend, with "(none)" when there is nothing to draw; empty: not in the legend.
+  Colour colour;  ///< Not of shaded points.
+  ChartMark mark = ChartMark::kLine;
+  std::vector<double> x, y;
+  /// Empty, or a number in [0, 1] for each point, which gives the point its colour: pale yellow for 0 to dark
+  /// violet for 1 (the map viridis turned about, since on white paper dark reads as more: Schloss et al.
+  /// 2019). Points are drawn in the order of their shades. A shaded series is drawn as points, also where its
+  /// mark is kLine.
+  std::vector<double> shade;
+};
+
+struct ChartAxis {
+  std::string label;
+  bool is_logarithmic = false;
+  std::optional<double> low, high;  ///< Where the axis ends; otherwise chosen to hold all numbers.
+  bool has_equal_scale = false;     ///< On either axis: one unit is as long on both. Linear axes only.
+};
+
+/// A thin dashed line across the chart, with its name, such as "5 px".
+struct ChartLevel {
+  double y = 0.0;
+  std::string name;
+};
+
+struct Chart {
+  std::string title;
+  ChartAxis x, y;
+  std::vector<ChartSeries> series;  ///< Later ones are drawn over earlier ones.
+  std::vector<ChartLevel> levels;
+  std::string shade_label;  ///< What shades mean; above the bar of colours.
+};
+
+/// Writes a PNG file 1200 pixels wide and 560 high, or higher where the legend takes several rows. Points
+/// beyond an axis, infinite ones and those <= 0 on a logarithmic axis too, are drawn at its edge; lines are
+/// cut off there. Letters beyond ASCII appear as '?'.
+///
+/// Requires as many x as y, and as many shades or none; shades in [0, 1]; finite ends of axes with low <
+/// high, and > 0 on logarithmic ones; finite levels. Throws Error(kIo).
+void write_chart(const std::filesystem::path& path, const Chart& chart);
+
+}  // namespace apriltrack

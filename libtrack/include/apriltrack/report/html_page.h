@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace apriltrack {
+
+/// The first cell of a row names the row. Columns of numbers, units behind them or not, are set flush right.
+struct HtmlTable {
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;
+  std::string caption;
+};
+
+/// A page that is one file: pictures and videos are inside it (RFC 2397), and it needs no network and no
+/// script. Readable on a phone, in print, and in light and dark surroundings. It is well-formed XML too. All
+/// text is plain: it is escaped, and what XML cannot hold becomes U+FFFD.
+class HtmlPage {
+ public:
+  explicit HtmlPage(std::string title);
+
+  void heading(const std::string& words);
+  void paragraph(const std::string& words);
+  /// Requires rows as long as the header.
+  void table(const HtmlTable& table);
+  /// Both read the file now. Throw Error(kIo), and Error(kInvalidInput) when it is no PNG, or no MP4.
+  void picture(const std::filesystem::path& png, const std::string& caption);
+  void video(const std::filesystem::path& mp4, const std::string& caption);
+  /// Commands or program text, kept line by line.
+  void code(const std::string& text);
+
+  std::string html() const;
+
+ private:
+  std::string title_;
+  std::string body_;
+};
+
+/// Throws Error(kIo).
+void write_html_page(const std::filesystem::path& path, const HtmlPage& page);
+
+}  // namespace apriltrack

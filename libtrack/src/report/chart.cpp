@@ -1,0 +1,158 @@
+#include "apriltrack/report/chart.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apriltrack/base/check.h"
+#include "canvas.h"
+#include "chart_legend.h"
+#include "chart_series.h"
+#include "plot_area.h"
+
+namespace apriltrack {
+namespace {
+
+// Layout in points.
+constexpr double kWidth = 1200.0;
+constexpr double kMargin = 60.0;
+constexpr double kTitleLine = 42.0;
+constexpr double kLegendLine = 74.0;
+constexpr double kPlotHeight = 372.0;
+constexpr double kAxisNameGap = 46.0;  // from the legend to the plot
+constexpr double kFootHeight = 68.0;
+constexpr double kShadeBarSpace = 76.0;
+constexpr double kNameHeight = 10.0;
+constexpr double kTickHeight = 9.0;
+
+void check_axis(const ChartAxis& axis) {
+  for (const auto& end : {axis.low, axis.high}) {
+    APRILTRACK_CHECK(!end || std::abs(*end) <= kLargestNumber, "an axis ends at finite numbers");
+    APRILTRACK_CHECK(!end || !axis.is_logarithmic || *end > 0.0,
+                     "a logarithmic axis ends at numbers above zero");
+  }
+  APRILTRACK_CHECK(!axis.low || !axis.high || *axis.low < *axis.high, "an axis ends above where it begins");
+}
+
+void check_chart(const Chart& chart) {
+  check_axis(chart.x);
+  check_axis(chart.y);
+  APRILTRACK_CHECK(!(chart.x.has_equal_scale || chart.y.has_equal_scale) ||
+                       !(chart.x.is_logarithmic || chart.y.is_logarithmic),
+                   "only linear axes can have equal scales");
+  for (const ChartSeries& series : chart.series) {
+    APRILTRACK_CHECK(series.x.size() == series.y.size(), "a series has as many x as y");
+    APRILTRACK_CHECK(series.shade.empty() || series.shade.size() == series.x.size(),
+                     "a series has no shades, or one for each point");
+    for (const double shade : series.shade)
+      APRILTRACK_CHECK(shade >= 0.0 && shade <= 1.0, "shades are numbers from 0 to 1");
+  }
+  for (const ChartLevel& level : chart.levels)
+    APRILTRACK_CHECK(std::abs(level.y) <= kLargestNumber, "a level is a finite number");
+}
+
+PlotArea plot_area(const Chart& chart, cv::Rect2d box) {
+  std::vector<double> x;
+  std::vector<double> y;
+  for (const ChartSeries& series : chart.series) {
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+      if (std::isnan(series.x[i]) || std::isnan(series.y[i])) continue;
+      x.push_back(series.x[i]);
+      y.push_back(series.y[i]);
+    }
+  }
+  for (const ChartLevel& level : chart.levels) y.push_back(level.y);
+  PlotArea area{range_for(chart.x, x), range_for(chart.y, y), box};
+  if (chart.x.has_equal_scale || chart.y.has_equal_scale) equalise_scales(area, chart.x, chart.y);
+  return area;
+}
+
+/// As many ticks as their labels leave room for.
+std::vector<Tick> horizontal_ticks(const PlotArea& area) {
+  constexpr double kLetterGap = 18.0;
+  for (int max_labels = 11;; --max_labels) {
+    const auto ticks = ticks_for(area.x, max_labels);
+    double last_end = -1e9;
+    bool fits = true;
+    for (const Tick& tick : ticks) {
+      if (tick.label.empty()) continue;
+      const double half = 0.5 * Canvas::width_of(tick.label, kTickHeight);
+      fits = fits && area.place_x(tick.value) - half > last_end + kLetterGap;
+      last_end = area.place_x(tick.value) + half;
+    }
+    if (fits || max_labels <= 2) return ticks;
+  }
+}
+
+void draw_grid(Canvas& canvas, const PlotArea& area, const std::vector<Tick>& x_ticks,
+               const std::vector<Tick>& y_ticks) {
+  for (const bool is_major : {false, true}) {
+    const cv::Scalar& colour = is_major ? kGrid : kFaintGrid;
+    for (const Tick& tick : x_ticks)
+      if (tick.label.empty() != is_major)
+        canvas.box({area.place_x(tick.value) - 0.5, area.box.y, 1.0, area.box.height}, colour);
+    for (const Tick& tick : y_ticks)
+      if (tick.label.empty() != is_major)
+        canvas.box({area.box.x, area.place_y(tick.value) - 0.5, area.box.width, 1.0}, colour);
+  }
+}
+
+void draw_tick_labels(Canvas& canvas, const PlotArea& area, const std::vector<Tick>& x_ticks,
+                      const std::vector<Tick>& y_ticks) {
+  for (const Tick& tick : x_ticks) {
+    canvas.text(tick.label, {area.place_x(tick.value), area.box.br().y + 20.0}, kTickHeight, kPaleInk,
+                Align::kCentre);
+  }
+  for (const Tick& tick : y_ticks) {
+    canvas.text(tick.label, {area.box.x - 9.0, area.place_y(tick.value) + 0.5 * kTickHeight}, kTickHeight,
+                kPaleInk, Align::kRight);
+  }
+}
+
+void draw_axis_names(Canvas& canvas, const Chart& chart, const PlotArea& area) {
+  const double room = 0.7 * area.box.width;
+  canvas.text(Canvas::fitted(chart.y.label, kNameHeight, room), {area.box.x, area.box.y - 14.0}, kNameHeight,
+              kPaleInk);
+  canvas.text(Canvas::fitted(chart.x.label, kNameHeight, area.box.width),
+              {area.box.x + 0.5 * area.box.width, area.box.br().y + 44.0}, kNameHeight, kPaleInk,
+              Align::kCentre);
+}
+
+/// Labels of the vertical axis decide where the plot begins.
+double left_edge(const std::vector<Tick>& y_ticks) {
+  double widest = 0.0;
+  for (const Tick& tick : y_ticks) widest = std::max(widest, Canvas::width_of(tick.label, kTickHeight));
+  return std::max(kMargin, widest + 24.0);
+}
+
+bool has_shades(const Chart& chart) {
+  return std::ranges::any_of(chart.series, [](const ChartSeries& s) { return !s.shade.empty(); });
+}
+
+}  // namespace
+
+void write_chart(const std::filesystem::path& path, const Chart& chart) {
+  check_chart(chart);
+  const ChartLegend legend(chart.series, kWidth - 2.0 * kMargin - 40.0);
+  const double top = kLegendLine + legend.height() + kAxisNameGap;
+  const double right = kWidth - kMargin - (has_shades(chart) ? kShadeBarSpace : 0.0);
+  constexpr int kVerticalLabels = 8;
+  PlotArea area = plot_area(chart, {kMargin, top, right - kMargin, kPlotHeight});
+  const double left = left_edge(ticks_for(area.y, kVerticalLabels));
+  area = plot_area(chart, {left, top, right - left, kPlotHeight});
+  const auto x_ticks = horizontal_ticks(area);
+  const auto y_ticks = ticks_for(area.y, kVerticalLabels);
+
+  Canvas canvas(static_cast<int>(kWidth), static_cast<int>(top + kPlotHeight + kFootHeight));
+  canvas.text(Canvas::fitted(chart.title, 16.0, kWidth - kMargin - left), {left, kTitleLine}, 16.0, kInk);
+  legend.draw(canvas, {left, kLegendLine});
+  draw_grid(canvas, area, x_ticks, y_ticks);
+  canvas.frame({area.box.x - 0.5, area.box.y - 0.5, area.box.width + 1.0, area.box.height + 1.0}, kGrid);
+  for (const ChartSeries& series : chart.series) draw_series(canvas, series, area);
+  draw_levels(canvas, chart.levels, area);
+  draw_tick_labels(canvas, area, x_ticks, y_ticks);
+  draw_axis_names(canvas, chart, area);
+  if (has_shades(chart)) draw_shade_bar(canvas, chart.shade_label, area.box, kWidth - kMargin);
+  canvas.write_png(path);
+}
+
+}  // namespace apriltrack

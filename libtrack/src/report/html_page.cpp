@@ -1,0 +1,150 @@
+#include "apriltrack/report/html_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "apriltrack/base/check.h"
+#include "apriltrack/base/error.h"
+#include "apriltrack/io/atomic_file.h"
+#include "html_text.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr std::string_view kStyle = R"(
+:root { color-scheme: light dark; --paper: #fff; --ink: #1e2228; --pale: #6b7480; --rule: #dde1e6; --tint: #f5f7f9; --accent: #0072b2; }
+@media (prefers-color-scheme: dark) {
+  :root { --paper: #15181c; --ink: #e4e7eb; --pale: #9aa3ad; --rule: #333a42; --tint: #1d2126; --accent: #56b4e9; }
+}
+* { box-sizing: border-box; }
+body { margin: 0; background: var(--paper); color: var(--ink); font: 1rem/1.6 system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", sans-serif; -webkit-text-size-adjust: 100%; }
+main { max-width: 66rem; margin: 0 auto; padding: 2.5rem 1.25rem 4rem; }
+h1 { font-size: 1.9rem; line-height: 1.25; margin: 0 0 1.5rem; padding-bottom: 1rem; border-bottom: 3px solid var(--accent); text-wrap: balance; }
+h2 { font-size: 1.3rem; line-height: 1.3; margin: 2.75rem 0 .75rem; }
+p { max-width: 44rem; margin: 0 0 1rem; overflow-wrap: anywhere; }
+figure { margin: 1.5rem 0; }
+figure .wide { margin: 0; }
+figure img, figure video { display: block; width: 100%; height: auto; border: 1px solid var(--rule); border-radius: 8px; background: #fff; }
+figure video { background: #000; }
+figcaption, caption { color: var(--pale); font-size: .9rem; overflow-wrap: anywhere; }
+figcaption { margin-top: .6rem; max-width: 44rem; }
+.wide { overflow-x: auto; margin: 1.5rem 0; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+caption { caption-side: bottom; text-align: left; padding-top: .6rem; }
+th, td { padding: .45rem 1rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--rule); }
+thead th { color: var(--pale); font-size: .85rem; font-weight: 600; vertical-align: bottom; border-bottom: 2px solid var(--rule); }
+tbody th { font-weight: 600; }
+th:first-child, td:first-child { padding-left: .25rem; }
+.number { text-align: right; white-space: nowrap; }
+thead .number { white-space: normal; }
+pre { margin: 1.5rem 0; padding: .9rem 1.1rem; overflow-x: auto; background: var(--tint); border: 1px solid var(--rule); border-radius: 8px; font: .88rem/1.55 ui-monospace, "SF Mono", Menlo, Consolas, monospace; }
+@media (max-width: 40rem) {
+  main { padding: 1.5rem 1rem 3rem; }
+  h1 { font-size: 1.5rem; }
+  .wide img { min-width: 42rem; }
+  th, td { padding: .4rem .6rem; font-size: .9rem; }
+}
+@media print {
+  :root { --paper: #fff; --ink: #000; --pale: #444; --rule: #bbb; --tint: #fff; --accent: #000; }
+  main { max-width: none; padding: 0; }
+  figure, tr, pre { break-inside: avoid; }
+  h2 { break-after: avoid; }
+  .wide { overflow: visible; }
+  .wide img { min-width: 0; }
+  pre { white-space: pre-wrap; }
+  figure video { display: none; }
+}
+)";
+
+std::string data_url(std::string_view type, std::string_view bytes) {
+  return fmt::format("data:{};base64,{}", type, base64(bytes));
+}
+
+std::string figure_of(const std::string& medium, const std::string& caption) {
+  const std::string below =
+      caption.empty() ? "" : fmt::format("<figcaption>{}</figcaption>\n", escaped(caption));
+  return fmt::format("<figure>\n<div class=\"wide\">{}</div>\n{}</figure>\n", medium, below);
+}
+
+bool is_column_of_numbers(const HtmlTable& table, std::size_t column) {
+  return std::ranges::all_of(
+             table.rows,
+             [&](const std::vector<std::string>& row) { return is_number_or_blank(row[column]); }) &&
+         !table.rows.empty();
+}
+
+std::string cell_of(const std::string& words, std::size_t column, bool is_header, bool is_number) {
+  const bool is_name = column == 0 || is_header;
+  const std::string scope = is_header ? " scope=\"col\"" : is_name ? " scope=\"row\"" : "";
+  return fmt::format("<{0}{1}{2}>{3}</{0}>", is_name ? "th" : "td", scope,
+                     is_number ? " class=\"number\"" : "", escaped(words));
+}
+
+}  // namespace
+
+HtmlPage::HtmlPage(std::string title) : title_(std::move(title)) {}
+
+void HtmlPage::heading(const std::string& words) {
+  body_ += fmt::format("<h2>{}</h2>\n", escaped(words));
+}
+
+void HtmlPage::paragraph(const std::string& words) {
+  body_ += fmt::format("<p>{}</p>\n", escaped(words));
+}
+
+void HtmlPage::code(const std::string& text) {
+  body_ += fmt::format("<pre><code>{}</code></pre>\n", escaped(text));
+}
+
+void HtmlPage::table(const HtmlTable& table) {
+  APRILTRACK_CHECK(!table.header.empty(), "a table has at least one column");
+  for (const auto& row : table.rows)
+    APRILTRACK_CHECK(row.size() == table.header.size(), "a table's rows are as long as its header");
+  const auto row_of = [&](const std::vector<std::string>& cells, bool is_header) {
+    std::string line = "<tr>";
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      line += cell_of(cells[i], i, is_header, i > 0 && is_column_of_numbers(table, i));
+    return line + "</tr>\n";
+  };
+  body_ += "<div class=\"wide\"><table>\n";
+  if (!table.caption.empty()) body_ += fmt::format("<caption>{}</caption>\n", escaped(table.caption));
+  body_ += "<thead>\n" + row_of(table.header, true) + "</thead>\n<tbody>\n";
+  for (const auto& row : table.rows) body_ += row_of(row, false);
+  body_ += "</tbody>\n</table></div>\n";
+}
+
+void HtmlPage::picture(const std::filesystem::path& png, const std::string& caption) {
+  const std::string bytes = read_file(png);
+  if (!bytes.starts_with("\x89PNG\r\n\x1A\n"))
+    throw invalid_input(png.string(), "is no PNG picture, which is what a page can hold");
+  body_ += figure_of(
+      fmt::format("<img alt=\"{}\" src=\"{}\"/>", escaped(caption), data_url("image/png", bytes)), caption);
+}
+
+void HtmlPage::video(const std::filesystem::path& mp4, const std::string& caption) {
+  const std::string bytes = read_file(mp4);
+  constexpr std::size_t kTypeAt = 4;  // ISO/IEC 14496-12: a box begins with its length
+  if (bytes.size() < 8 || bytes.compare(kTypeAt, 4, "ftyp") != 0)
+    throw invalid_input(mp4.string(), "is no MP4 video, which is what a page can hold");
+  body_ += figure_of(fmt::format("<video controls=\"controls\" loop=\"loop\" muted=\"muted\" "
+                                 "playsinline=\"playsinline\" aria-label=\"{}\" src=\"{}\"></video>",
+                                 escaped(caption), data_url("video/mp4", bytes)),
+                     caption);
+}
+
+std::string HtmlPage::html() const {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
+      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n{2}</main>\n</body>\n"
+      "</html>\n",
+      escaped(title_), kStyle, body_);
+}
+
+void write_html_page(const std::filesystem::path& path, const HtmlPage& page) {
+  write_file_atomically(path, page.html());
+}
+
+}  // namespace apriltrack
