@@ -14,19 +14,25 @@ namespace apriltrack {
 namespace {
 
 constexpr std::string_view kStyle = R"(
-:root { color-scheme: light dark; --paper: #fff; --ink: #1e2228; --pale: #6b7480; --rule: #dde1e6; --tint: #f5f7f9; --accent: #0072b2; }
+:root { color-scheme: light dark; --paper: #fff; --ink: #1e2228; --pale: #6b7480; --rule: #dde1e6;
+  --tint: #f5f7f9; --accent: #0072b2; }
 @media (prefers-color-scheme: dark) {
-  :root { --paper: #15181c; --ink: #e4e7eb; --pale: #9aa3ad; --rule: #333a42; --tint: #1d2126; --accent: #56b4e9; }
+  :root { --paper: #15181c; --ink: #e4e7eb; --pale: #9aa3ad; --rule: #333a42; --tint: #1d2126;
+    --accent: #56b4e9; }
 }
 * { box-sizing: border-box; }
-body { margin: 0; background: var(--paper); color: var(--ink); font: 1rem/1.6 system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", sans-serif; -webkit-text-size-adjust: 100%; }
+body { margin: 0; background: var(--paper); color: var(--ink);
+  font: 1rem/1.6 system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", sans-serif;
+  -webkit-text-size-adjust: 100%; }
 main { max-width: 66rem; margin: 0 auto; padding: 2.5rem 1.25rem 4rem; }
-h1 { font-size: 1.9rem; line-height: 1.25; margin: 0 0 1.5rem; padding-bottom: 1rem; border-bottom: 3px solid var(--accent); text-wrap: balance; }
+h1 { font-size: 1.9rem; line-height: 1.25; margin: 0 0 1.5rem; padding-bottom: 1rem;
+  border-bottom: 3px solid var(--accent); text-wrap: balance; }
 h2 { font-size: 1.3rem; line-height: 1.3; margin: 2.75rem 0 .75rem; }
 p { max-width: 44rem; margin: 0 0 1rem; overflow-wrap: anywhere; }
 figure { margin: 1.5rem 0; }
 figure .wide { margin: 0; }
-figure img, figure video { display: block; width: 100%; height: auto; border: 1px solid var(--rule); border-radius: 8px; background: #fff; }
+figure img, figure video { display: block; width: 100%; height: auto; border: 1px solid var(--rule);
+  border-radius: 8px; background: #fff; }
 figure video { background: #000; }
 figcaption, caption { color: var(--pale); font-size: .9rem; overflow-wrap: anywhere; }
 figcaption { margin-top: .6rem; max-width: 44rem; }
@@ -34,12 +40,15 @@ figcaption { margin-top: .6rem; max-width: 44rem; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 caption { caption-side: bottom; text-align: left; padding-top: .6rem; }
 th, td { padding: .45rem 1rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--rule); }
-thead th { color: var(--pale); font-size: .85rem; font-weight: 600; vertical-align: bottom; border-bottom: 2px solid var(--rule); }
+thead th { color: var(--pale); font-size: .85rem; font-weight: 600; vertical-align: bottom;
+  border-bottom: 2px solid var(--rule); }
 tbody th { font-weight: 600; }
 th:first-child, td:first-child { padding-left: .25rem; }
 .number { text-align: right; white-space: nowrap; }
 thead .number { white-space: normal; }
-pre { margin: 1.5rem 0; padding: .9rem 1.1rem; overflow-x: auto; background: var(--tint); border: 1px solid var(--rule); border-radius: 8px; font: .88rem/1.55 ui-monospace, "SF Mono", Menlo, Consolas, monospace; }
+pre { margin: 1.5rem 0; padding: .9rem 1.1rem; overflow-x: auto; background: var(--tint);
+  border: 1px solid var(--rule); border-radius: 8px;
+  font: .88rem/1.55 ui-monospace, "SF Mono", Menlo, Consolas, monospace; }
 @media (max-width: 40rem) {
   main { padding: 1.5rem 1rem 3rem; }
   h1 { font-size: 1.5rem; }
