@@ -14,7 +14,7 @@ namespace apriltrack {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kTagSize_m = 0.16;
+constexpr double kPatchTagSize_m = 0.16;
 
 CameraModel pinhole_camera() {
   return {{500.0, 480.0, 159.5, 119.5}, NoDistortion{}};
@@ -40,7 +40,7 @@ std::vector<double> sampled(const Image<float>& image, const CameraModel& model,
                             const PatchGrid& grid, int* num_seen = nullptr) {
   std::vector<double> samples(grid.num_samples(), -1.0);
   const int seen =
-      sample_patch(image.view(), model, camera_from_tag_plane(T_camera_tag, kTagSize_m), grid, samples);
+      sample_patch(image.view(), model, camera_from_tag_plane(T_camera_tag, kPatchTagSize_m), grid, samples);
   if (num_seen != nullptr) *num_seen = seen;
   return samples;
 }
@@ -117,7 +117,7 @@ TEST(SamplePatch, ReadsALinearRampExactly) {
     for (int row = 0; row < 9; ++row) {
       for (int column = 0; column < 9; ++column) {
         const double u = 1.2 * (-1.0 + (2 * column + 1) / 9.0), v = 1.2 * (-1.0 + (2 * row + 1) / 9.0);
-        const auto pixel = model.project(T_camera_tag * (0.5 * kTagSize_m * Eigen::Vector3d(u, v, 0.0)));
+        const auto pixel = model.project(T_camera_tag * (0.5 * kPatchTagSize_m * Eigen::Vector3d(u, v, 0.0)));
         ASSERT_TRUE(pixel);
         // Pixels are floats of about 100: 1e-5 is their rounding.
         EXPECT_NEAR(samples[static_cast<std::size_t>(row * 9 + column)], ramp(pixel->x(), pixel->y()), 2e-5);
@@ -167,7 +167,7 @@ TEST(SamplePatch, SeesOnlyWhatIsBeforeTheCamera) {
     for (int column = 0; column < 16; ++column) {
       const Eigen::Vector3d point =
           T_camera_tag *
-          (0.5 * kTagSize_m * Eigen::Vector3d(grid.coordinate(column), grid.coordinate(row), 0));
+          (0.5 * kPatchTagSize_m * Eigen::Vector3d(grid.coordinate(column), grid.coordinate(row), 0));
       if (point.z() > 0.0) {
         ++num_before;
       } else {

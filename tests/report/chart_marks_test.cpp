@@ -18,12 +18,6 @@ ChartSeries points(Colour colour, std::vector<double> x, std::vector<double> y,
   return {"", colour, ChartMark::kPoints, std::move(x), std::move(y), std::move(shade)};
 }
 
-cv::Mat drawn(const Chart& chart) {
-  const auto file = test::temporary_folder() / "chart.png";
-  write_chart(file, chart);
-  return test::read_picture(file);
-}
-
 Chart chart_to(double x_high, double y_high) {
   Chart chart;
   chart.x = {"", false, 0.0, x_high, false};
@@ -32,7 +26,7 @@ Chart chart_to(double x_high, double y_high) {
   return chart;
 }
 
-cv::Point place(const cv::Mat& picture, double x, double y) {
+cv::Point pixel_at(const cv::Mat& picture, double x, double y) {
   const cv::Point2d low = middle_of(picture, kOrange);
   const cv::Point2d high = middle_of(picture, kBlue);
   return {cvRound(low.x + x * (high.x - low.x)), cvRound(low.y + y * (high.y - low.y))};
@@ -59,20 +53,20 @@ int count_groups(const cv::Mat& picture, cv::Rect area, int gap) {
 }
 
 TEST(ChartMarks, GridLiesOnRoundNumbers) {
-  const cv::Mat picture = drawn(chart_to(10.0, 100.0));
+  const cv::Mat picture = test::drawn(chart_to(10.0, 100.0));
   for (int k = 1; k < 10; ++k) {
-    const cv::Point on = place(picture, 0.1 * k, 0.53);
-    const cv::Point between = place(picture, 0.1 * k + 0.05, 0.53);
+    const cv::Point on = pixel_at(picture, 0.1 * k, 0.53);
+    const cv::Point between = pixel_at(picture, 0.1 * k + 0.05, 0.53);
     EXPECT_GT(darkness(picture, {on.x - 1, on.y - 5, 3, 10}), 10) << k;
     EXPECT_EQ(darkness(picture, {between.x - 20, between.y - 5, 40, 10}), 0) << k;
   }
-  const cv::Point level = place(picture, 0.53, 0.4);  // y = 40
+  const cv::Point level = pixel_at(picture, 0.53, 0.4);  // y = 40
   EXPECT_GT(darkness(picture, {level.x - 5, level.y - 1, 10, 3}), 10);
 }
 
 TEST(ChartMarks, EveryTickHasALabelOfItsOwn) {
-  const cv::Mat picture = drawn(chart_to(1.0, 100.0));
-  const cv::Point foot = place(picture, 0.0, 0.0);
+  const cv::Mat picture = test::drawn(chart_to(1.0, 100.0));
+  const cv::Point foot = pixel_at(picture, 0.0, 0.0);
   constexpr int kLetterGap = 10;
   EXPECT_EQ(count_groups(picture, {0, foot.y + 6, picture.cols, 18}, kLetterGap), 11) << "0.0, 0.1 ... 1.0";
 }
@@ -82,8 +76,8 @@ TEST(ChartMarks, LongLabelsDoNotRunIntoEachOther) {
   chart.x = {"", false, 1403636579.25, 1403636581.25, false};  // seconds since 1970
   for (ChartSeries& series : chart.series) series.x[0] += 1403636579.25;
   chart.series[1].x[0] = 1403636581.25;
-  const cv::Mat picture = drawn(chart);
-  const cv::Point foot = place(picture, 0.0, 0.0);
+  const cv::Mat picture = test::drawn(chart);
+  const cv::Point foot = pixel_at(picture, 0.0, 0.0);
   const cv::Rect band(0, foot.y + 6, picture.cols, 18);
   const int num_labels = count_groups(picture, band, 10);
   EXPECT_GE(num_labels, 2);
@@ -93,8 +87,8 @@ TEST(ChartMarks, LongLabelsDoNotRunIntoEachOther) {
 TEST(ChartMarks, LevelsAreDashedLinesAcross) {
   Chart chart = chart_to(10.0, 10.0);
   chart.levels = {{7.3, "limit"}, {70.0, "beyond the axis"}};
-  const cv::Mat picture = drawn(chart);
-  const cv::Point start = place(picture, 0.31, 0.73);
+  const cv::Mat picture = test::drawn(chart);
+  const cv::Point start = pixel_at(picture, 0.31, 0.73);
   int num_dark = 0;
   int num_white = 0;
   for (int x = 0; x < 60; ++x) {  // between the grid's lines at 3 and 4
@@ -104,7 +98,7 @@ TEST(ChartMarks, LevelsAreDashedLinesAcross) {
   }
   EXPECT_GT(num_dark, 20);
   EXPECT_GT(num_white, 15);
-  const cv::Point end = place(picture, 0.99, 0.73);
+  const cv::Point end = pixel_at(picture, 0.99, 0.73);
   EXPECT_GT(darkness(picture, {end.x - 40, end.y - 14, 40, 10}), 100) << "its name at its right end";
 }
 
@@ -115,12 +109,12 @@ TEST(ChartMarks, ShadesAreViridisFromYellowToViolet) {
   Chart chart = chart_to(10.0, 10.0);
   chart.shade_label = "weight";
   chart.series.push_back(points(kBlack, {2.5, 5.0, 7.5}, {5.0, 5.0, 5.0}, {0.0, 0.5, 1.0}));
-  const cv::Mat picture = drawn(chart);
+  const cv::Mat picture = test::drawn(chart);
   for (const auto& [colour, x] : {std::pair(kLow, 0.25), std::pair(kMiddle, 0.5), std::pair(kHigh, 0.75)}) {
-    const cv::Point at = place(picture, x, 0.5);
+    const cv::Point at = pixel_at(picture, x, 0.5);
     EXPECT_TRUE(test::shows(picture({at.x - 1, at.y - 1, 3, 3}), colour)) << x;
   }
-  const cv::Mat beside = picture.colRange(place(picture, 1.0, 1.0).x + 10, picture.cols);
+  const cv::Mat beside = picture.colRange(pixel_at(picture, 1.0, 1.0).x + 10, picture.cols);
   EXPECT_LT(middle_of(beside, kHigh).y, middle_of(beside, kMiddle).y) << "a bar of the colours, 1 on top";
   EXPECT_LT(middle_of(beside, kMiddle).y, middle_of(beside, kLow).y);
 }
@@ -128,8 +122,8 @@ TEST(ChartMarks, ShadesAreViridisFromYellowToViolet) {
 TEST(ChartMarks, GreaterShadesLieOnTop) {
   Chart chart = chart_to(10.0, 10.0);
   chart.series.push_back(points(kBlack, {5.0, 5.0, 5.0}, {5.0, 5.0, 5.0}, {0.3, 1.0, 0.0}));
-  const cv::Mat picture = drawn(chart);
-  const cv::Point at = place(picture, 0.5, 0.5);
+  const cv::Mat picture = test::drawn(chart);
+  const cv::Point at = pixel_at(picture, 0.5, 0.5);
   EXPECT_TRUE(test::shows(picture({at.x, at.y, 1, 1}), Colour{68, 1, 84}));
 }
 
@@ -137,26 +131,26 @@ TEST(ChartMarks, LegendNamesWhatIsEmpty) {
   const auto legend_width = [](std::vector<double> numbers) {
     Chart chart;
     chart.series = {{"method", kVermilion, ChartMark::kLine, numbers, numbers, {}}};
-    const cv::Mat picture = drawn(chart);
+    const cv::Mat picture = test::drawn(chart);
     const cv::Mat row = picture.rowRange(58, 80);
     EXPECT_TRUE(test::shows(row, kVermilion)) << "a sample of the line";
     cv::Mat ink;
     cv::inRange(row, cv::Scalar::all(0), cv::Scalar::all(200), ink);
     return cv::boundingRect(ink).width;
   };
-  const double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const double not_a_number = std::numeric_limits<double>::quiet_NaN();
   const int full = legend_width({1.0, 2.0});
   EXPECT_GT(legend_width({}), full + 40) << "(none)";
-  EXPECT_EQ(legend_width({kNaN}), legend_width({}));
+  EXPECT_EQ(legend_width({not_a_number}), legend_width({}));
 }
 
 TEST(ChartMarks, ManyNamesTakeMoreRows) {
   Chart chart;
   for (int i = 0; i < 12; ++i)
     chart.series.push_back({"a method with a rather long name", kBlack, ChartMark::kLine, {1.0}, {1.0}, {}});
-  EXPECT_GT(drawn(chart).rows, 560);
+  EXPECT_GT(test::drawn(chart).rows, 560);
   chart.series = {{std::string(500, 'w'), kBlack, ChartMark::kLine, {1.0}, {1.0}, {}}};
-  const cv::Mat picture = drawn(chart);
+  const cv::Mat picture = test::drawn(chart);
   EXPECT_EQ(picture.rows, 560);
   EXPECT_EQ(darkness(picture, {1150, 55, 50, 30}), 0) << "cut short before the margin";
 }

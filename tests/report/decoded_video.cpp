@@ -14,7 +14,7 @@ extern "C" {
 namespace apriltrack::test {
 namespace {
 
-void require(bool condition, const char* what) {
+void expect_from_ffmpeg(bool condition, const char* what) {
   if (!condition) throw std::runtime_error(what);
 }
 
@@ -48,9 +48,9 @@ cv::Mat bgr_by_bt601(const cv::Mat& luma, const cv::Mat& cb, const cv::Mat& cr) 
 }
 
 DecodedFrame decoded(const AVFrame& frame, AVRational time_base) {
-  require(frame.format == AV_PIX_FMT_YUV420P, "not yuv420p");
-  require(frame.colorspace == AVCOL_SPC_SMPTE170M && frame.color_range == AVCOL_RANGE_MPEG,
-          "no word of BT.601");
+  expect_from_ffmpeg(frame.format == AV_PIX_FMT_YUV420P, "not yuv420p");
+  expect_from_ffmpeg(frame.colorspace == AVCOL_SPC_SMPTE170M && frame.color_range == AVCOL_RANGE_MPEG,
+                     "no word of BT.601");
   const cv::Mat luma = plane(frame, 0, frame.width, frame.height);
   const cv::Mat cb = plane(frame, 1, frame.width / 2, frame.height / 2);
   const cv::Mat cr = plane(frame, 2, frame.width / 2, frame.height / 2);
@@ -62,14 +62,15 @@ DecodedFrame decoded(const AVFrame& frame, AVRational time_base) {
 
 DecodedVideo decode_video(const std::filesystem::path& path) {
   AVFormatContext* opened = nullptr;
-  require(avformat_open_input(&opened, path.c_str(), nullptr, nullptr) == 0, "cannot be opened");
+  expect_from_ffmpeg(avformat_open_input(&opened, path.c_str(), nullptr, nullptr) == 0, "cannot be opened");
   const Held<AVFormatContext> file(opened);
-  require(avformat_find_stream_info(file.get(), nullptr) >= 0 && file->nb_streams == 1, "not one stream");
+  expect_from_ffmpeg(avformat_find_stream_info(file.get(), nullptr) >= 0 && file->nb_streams == 1,
+                     "not one stream");
   const AVStream& stream = *file->streams[0];
   const AVCodec* decoder = avcodec_find_decoder(stream.codecpar->codec_id);
   const Held<AVCodecContext> codec(avcodec_alloc_context3(decoder));
-  require(avcodec_parameters_to_context(codec.get(), stream.codecpar) >= 0, "no parameters");
-  require(avcodec_open2(codec.get(), decoder, nullptr) == 0, "no decoder");
+  expect_from_ffmpeg(avcodec_parameters_to_context(codec.get(), stream.codecpar) >= 0, "no parameters");
+  expect_from_ffmpeg(avcodec_open2(codec.get(), decoder, nullptr) == 0, "no decoder");
   DecodedVideo video{avcodec_get_name(stream.codecpar->codec_id),
                      av_get_pix_fmt_name(static_cast<AVPixelFormat>(stream.codecpar->format)),
                      static_cast<double>(stream.duration) * av_q2d(stream.time_base),
@@ -79,7 +80,8 @@ DecodedVideo decode_video(const std::filesystem::path& path) {
   bool has_more = true;
   while (has_more) {
     has_more = av_read_frame(file.get(), packet.get()) >= 0;
-    require(avcodec_send_packet(codec.get(), has_more ? packet.get() : nullptr) == 0, "cannot be decoded");
+    expect_from_ffmpeg(avcodec_send_packet(codec.get(), has_more ? packet.get() : nullptr) == 0,
+                       "cannot be decoded");
     av_packet_unref(packet.get());
     while (avcodec_receive_frame(codec.get(), frame.get()) == 0)
       video.frames.push_back(decoded(*frame, stream.time_base));
@@ -94,7 +96,7 @@ std::vector<std::string> box_names(const std::filesystem::path& path) {
     std::size_t length = 0;
     for (std::size_t i = 0; i < 4; ++i) length = length << 8 | static_cast<std::uint8_t>(bytes[at + i]);
     names.push_back(bytes.substr(at + 4, 4));
-    require(length >= 8, "a box that is longer than 4 GB, or broken");
+    expect_from_ffmpeg(length >= 8, "a box that is longer than 4 GB, or broken");
     at += length;
   }
   return names;

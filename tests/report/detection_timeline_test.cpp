@@ -13,9 +13,9 @@ namespace apriltrack {
 namespace {
 
 // Colours of the legend (Okabe and Ito): blue, green, red order.
-const cv::Vec3b kGreen(115, 158, 0);
-const cv::Vec3b kOrange(0, 159, 230);
-const cv::Vec3b kRed(0, 70, 213);
+const cv::Vec3b kGreenPixel(115, 158, 0);
+const cv::Vec3b kOrangePixel(0, 159, 230);
+const cv::Vec3b kRedPixel(0, 70, 213);
 
 int count_colour(const cv::Mat& picture, const cv::Vec3b& colour, const cv::Rect& area) {
   cv::Mat mask;
@@ -37,10 +37,10 @@ TEST(DetectionTimeline, BarsShowOutcomeInTimeAndBlurInHeight) {
   const int chart_bottom = picture.rows - 96;
   const cv::Rect left(70, 0, 500, chart_bottom);
   const cv::Rect right(630, 0, 500, chart_bottom);
-  EXPECT_EQ(count_colour(picture, kRed, left), 0);
-  EXPECT_EQ(count_colour(picture, kGreen, right), 0);
-  const int early = count_colour(picture, kGreen, left);
-  const int late = count_colour(picture, kRed, right);
+  EXPECT_EQ(count_colour(picture, kRedPixel, left), 0);
+  EXPECT_EQ(count_colour(picture, kGreenPixel, right), 0);
+  const int early = count_colour(picture, kGreenPixel, left);
+  const int late = count_colour(picture, kRedPixel, right);
   EXPECT_GT(early, 1000);
   EXPECT_NEAR(static_cast<double>(late) / early, 4.0, 0.4);  // four times the blur, four times the bar
 }
@@ -58,7 +58,7 @@ TEST(DetectionTimeline, OutlinesLieOnTheCornersOfTheExample) {
   const cv::Mat picture = cv::imread(file.string());
   const cv::Rect shown(60, 70, 1080, 810);
   cv::Mat mask;
-  cv::inRange(picture(shown), kOrange, kOrange, mask);
+  cv::inRange(picture(shown), kOrangePixel, kOrangePixel, mask);
   const cv::Rect outline = cv::boundingRect(mask);
   EXPECT_NEAR(outline.x, 270, 2);
   EXPECT_NEAR(outline.y, 202.5, 2);

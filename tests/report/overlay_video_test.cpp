@@ -14,9 +14,9 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNowhere_px = std::numeric_limits<double>::quiet_NaN();
 
-ColouredOutline rectangle(double left, double top, double right, double bottom, Colour colour) {
+ColouredOutline outlined_box(double left, double top, double right, double bottom, Colour colour) {
   return {{Eigen::Vector2d(left, bottom), {right, bottom}, {right, top}, {left, top}}, colour};
 }
 
@@ -91,7 +91,7 @@ TEST(OverlayVideo, WholeCoordinatesAreCentresOfPixels) {
   constexpr double kMaxError_px = 0.2;  // OpenCV's own rounding: 0.15; a wrong convention is 0.5 off
   constexpr int kGrey = 40;
   for (const double shift : {0.0, 0.5}) {
-    const auto file = video_of(320, 240, kGrey, {rectangle(60 + shift, 50, 250, 180 + shift, kYellow)});
+    const auto file = video_of(320, 240, kGrey, {outlined_box(60 + shift, 50, 250, 180 + shift, kYellow)});
     const cv::Mat luma = one_frame(file).luma;
     const cv::Mat picture = luma.rowRange(luma.rows - 240, luma.rows);
     const double dark = picture.at<std::uint8_t>(20, 20);
@@ -107,7 +107,7 @@ TEST(OverlayVideo, OutlinesHaveTheirColours) {
   const Colour colours[] = {kBluishGreen, kVermilion, kBlue};
   std::vector<ColouredOutline> outlines;
   for (int i = 0; i < 3; ++i)
-    outlines.push_back(rectangle(100 + 300 * i, 40, 300 + 300 * i, 160, colours[i]));
+    outlines.push_back(outlined_box(100 + 300 * i, 40, 300 + 300 * i, 160, colours[i]));
   const cv::Mat bgr = one_frame(video_of(1120, 200, 128, outlines)).bgr;
   const int top = bgr.rows - 200;
   for (int i = 0; i < 3; ++i) {
@@ -122,15 +122,15 @@ TEST(OverlayVideo, OutlinesHaveTheirColours) {
 
 TEST(OverlayVideo, CornersBehindTheCameraDrawNothing) {
   const std::string empty = read_file(video_of(320, 240, 90, {}));
-  auto nowhere = rectangle(50, 50, 200, 200, kVermilion);
-  nowhere.corners_px[2].y() = kNaN;
+  auto nowhere = outlined_box(50, 50, 200, 200, kVermilion);
+  nowhere.corners_px[2].y() = kNowhere_px;
   EXPECT_EQ(read_file(video_of(320, 240, 90, {nowhere})), empty);
   for (const double far : {1e4, -1e4, 1e300, std::numeric_limits<double>::infinity()}) {
-    auto outline = rectangle(50, 50, 200, 200, kVermilion);
+    auto outline = outlined_box(50, 50, 200, 200, kVermilion);
     outline.corners_px[1].x() = far;
     EXPECT_EQ(read_file(video_of(320, 240, 90, {outline})), empty) << far;
   }
-  auto half_outside = rectangle(-200, 50, 200, 500, kVermilion);
+  auto half_outside = outlined_box(-200, 50, 200, 500, kVermilion);
   EXPECT_NE(read_file(video_of(320, 240, 90, {half_outside})), empty);
 }
 
@@ -160,7 +160,7 @@ TEST(OverlayVideo, LongCaptionEndsBeforeTheEdge) {
 }
 
 TEST(OverlayVideo, TwoRunsWriteTheSameBytes) {
-  const auto outline = rectangle(20, 20, 100, 100, kOrange);
+  const auto outline = outlined_box(20, 20, 100, 100, kOrange);
   EXPECT_EQ(read_file(video_of(160, 120, 77, {outline}, "same")),
             read_file(video_of(160, 120, 77, {outline}, "same")));
 }

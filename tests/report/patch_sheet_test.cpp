@@ -13,7 +13,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 cv::Mat drawn(const std::vector<LabelledPatch>& patches) {
   const auto file = test::temporary_folder() / "patches.png";
@@ -63,7 +63,7 @@ TEST(PatchSheet, LevelsBeyondEightBitsAreBlackAndWhite) {
 
 TEST(PatchSheet, WhatIsNotKnownIsAPaleHatch) {
   Image<float> cells(2, 1, 11.0f);
-  cells(1, 0) = kNaN;
+  cells(1, 0) = kUnknown;
   const cv::Mat picture = drawn({{cells, ""}});
   const cv::Rect known = area_of_grey(picture, 11);
   const cv::Rect unknown = known + cv::Point(known.width, 0);

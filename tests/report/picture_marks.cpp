@@ -4,6 +4,8 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "support/shared_data.h"
+
 namespace apriltrack::test {
 
 cv::Mat read_picture(const std::filesystem::path& path) {
@@ -28,6 +30,12 @@ cv::Point2d middle_of(const cv::Mat& picture, const Colour& colour) {
 
 bool shows(const cv::Mat& picture, const Colour& colour) {
   return cv::countNonZero(mask_of(picture, colour)) > 0;
+}
+
+cv::Mat drawn(const Chart& chart) {
+  const auto file = temporary_folder() / "chart.png";
+  write_chart(file, chart);
+  return read_picture(file);
 }
 
 }  // namespace apriltrack::test

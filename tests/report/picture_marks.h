@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 
+#include "apriltrack/report/chart.h"
 #include "apriltrack/report/colour.h"
 
 namespace apriltrack::test {
@@ -17,5 +18,8 @@ cv::Mat mask_of(const cv::Mat& picture, const Colour& colour, int tolerance = 24
 cv::Point2d middle_of(const cv::Mat& picture, const Colour& colour);
 
 bool shows(const cv::Mat& picture, const Colour& colour);
+
+/// Written and read again.
+cv::Mat drawn(const Chart& chart);
 
 }  // namespace apriltrack::test

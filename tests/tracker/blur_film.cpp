@@ -14,7 +14,7 @@
 namespace apriltrack::test {
 namespace {
 
-constexpr double kTagSize_m = 0.16;
+constexpr double kFilmTagSize_m = 0.16;
 constexpr double kExposure_s = 0.024;
 
 Camera small_camera(double focal_px) {
@@ -25,10 +25,10 @@ Camera small_camera(double focal_px) {
   return camera;
 }
 
-MapTag tag_at(int id, const Pose& T_map_tag) {
+MapTag film_tag(int id, const Pose& T_map_tag) {
   MapTag tag;
   tag.key = {"tag36h11", id};
-  tag.size_m = kTagSize_m;
+  tag.size_m = kFilmTagSize_m;
   tag.T_map_tag = T_map_tag;
   return tag;
 }
@@ -56,7 +56,7 @@ Scene waved_scene(double amplitude_m) {
   scene.truth = TruthKind::kJoint;
   scene.camera = small_camera(400.0);
   scene.room = patchwork_room({-2.5, -2.5, -1.0}, {2.5, 2.5, 2.0});
-  scene.map.tags = {tag_at(5, Pose())};
+  scene.map.tags = {film_tag(5, Pose())};
   Motion motion;
   motion.T_end = {rotation_exp({0.35, 0.2, 0.1}), Eigen::Vector3d::Zero()};
   motion.position_m[2].offset = 0.62;
@@ -94,9 +94,9 @@ Scene shaken_scene() {
   scene.camera = small_camera(300.0);
   scene.room = patchwork_room({-2.5, -2.5, -2.0}, {2.5, 2.5, 1.5});
   // Walls before the camera (z = 1.5) and to its right, as it stands at the origin.
-  scene.map.tags = {tag_at(3, {Eigen::Quaterniond::Identity(), {-0.25, -0.1, 1.1}}),
-                    tag_at(8, {rotation_exp({0.0, 0.0, 0.2}), {0.1, 0.15, 1.1}}),
-                    tag_at(11, {rotation_exp({0.0, 0.7, 0.0}), {0.4, -0.15, 1.0}})};
+  scene.map.tags = {film_tag(3, {Eigen::Quaterniond::Identity(), {-0.25, -0.1, 1.1}}),
+                    film_tag(8, {rotation_exp({0.0, 0.0, 0.2}), {0.1, 0.15, 1.1}}),
+                    film_tag(11, {rotation_exp({0.0, 0.7, 0.0}), {0.4, -0.15, 1.0}})};
   Motion motion;
   motion.position_m[0].waves = {{0.04, 0.7, 0.0}};
   motion.position_m[1].waves = {{0.03, 0.5, 1.0}};

@@ -15,7 +15,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kTagSize_m = 0.16;
+constexpr double kPaperTagSize_m = 0.16;
 constexpr std::int64_t kInterval_ns = 33'333'333;
 constexpr std::size_t kNumFrames = 16;
 
@@ -28,7 +28,7 @@ Scene waved_tag() {
   scene.camera.height = 240;
   MapTag tag;
   tag.key = {"tag36h11", 5};
-  tag.size_m = kTagSize_m;
+  tag.size_m = kPaperTagSize_m;
   scene.map.tags = {tag};
   Motion motion = Motion::fixed({rotation_exp({0.5, 0.2, 0.1}), {0.02, 0.0, 0.62}});
   motion.position_m[0].waves = {{0.03, 1.0, 0.0}};
@@ -74,7 +74,7 @@ PaperTrackerOptions small_options(PaperVariant variant, TrackMode mode = TrackMo
 
 double corner_error_px(const Camera& camera, const Pose& T_camera_tag, const Pose& truth) {
   double sum = 0.0;
-  for (const Eigen::Vector3d& corner : tag_corners(kTagSize_m))
+  for (const Eigen::Vector3d& corner : tag_corners(kPaperTagSize_m))
     sum += (*camera.model.project(T_camera_tag * corner) - *camera.model.project(truth * corner)).norm();
   return sum / kNumCorners;
 }
@@ -229,7 +229,8 @@ TEST(PaperTracker, StartsWithTheReferenceOfItsFirstDetection) {
   for (int y = 0; y < 240; ++y) {
     for (int x = 0; x < 320; ++x) grey(x, y) = film.frames[0].pixels(x, y);
   }
-  sample_patch(grey.view(), film.scene.camera.model, camera_from_tag_plane(film.frames[0].truth, kTagSize_m),
+  sample_patch(grey.view(), film.scene.camera.model,
+               camera_from_tag_plane(film.frames[0].truth, kPaperTagSize_m),
                {.size = 24, .half_extent = 0.1936 / 0.1635}, truth);
   EXPECT_GT(correlate(patch, truth).correlation, 0.99);
 }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kPerTask = 32;     // hypotheses: enough work for a thread, little enough to share out
 constexpr std::size_t kPerBatch = 1024;  // whose predictions are held at once: 1 kB each and tag
-constexpr double kMinPresence = 0.5;     // of the printed cells in a sample's light
+constexpr double kLeastPresence = 0.5;   // of the printed cells in a sample's light
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 void require(bool holds, const char* field, double value, const char* range) {
@@ -92,7 +92,7 @@ void sample_pattern(const TagPrediction& prediction, const Eigen::Matrix3d& came
       const Eigen::Vector2f ray = (point_camera.head<2>() / point_camera.z()).cast<float>();
       const PixelPrediction seen = prediction.predict(ray);
       // Beyond its cells a tag is printed on white paper.
-      if (seen.presence >= kMinPresence) samples[index] = seen.light + (1.0 - seen.presence);
+      if (seen.presence >= kLeastPresence) samples[index] = seen.light + (1.0 - seen.presence);
     }
   }
 }

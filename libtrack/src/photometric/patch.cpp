@@ -13,11 +13,11 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kOutside = std::numeric_limits<double>::quiet_NaN();
 
 /// sample_bilinear, with NaN for "not seen".
 double bilinear_or_nan(const ImageView<const float>& image, double x, double y) {
-  if (!(x >= 0.0 && y >= 0.0 && x <= image.width() - 1.0 && y <= image.height() - 1.0)) return kNaN;
+  if (!(x >= 0.0 && y >= 0.0 && x <= image.width() - 1.0 && y <= image.height() - 1.0)) return kOutside;
   const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
   // On the last row or column the neighbour beyond has no weight.
   const int x1 = std::min(x0 + 1, image.width() - 1);
@@ -74,10 +74,10 @@ int sample_patch(const ImageView<const float>& image, const CameraModel& model,
   APRILTRACK_CHECK(samples.size() == grid.num_samples(), "samples must be as many as the grid's");
   // The determinant is that of the plane's normal and centre: negative when the camera sees its back.
   if (!(camera_from_plane.determinant() > 0.0)) {
-    std::fill(samples.begin(), samples.end(), kNaN);
+    std::fill(samples.begin(), samples.end(), kOutside);
     return 0;
   }
-  const Eigen::Vector2d nowhere(kNaN, kNaN);
+  const Eigen::Vector2d nowhere(kOutside, kOutside);
   if (std::holds_alternative<NoDistortion>(model.distortion())) {
     // A plain pinhole is a homography: four times faster than the general way, which serves all lenses.
     const Pinhole& pinhole = model.pinhole();

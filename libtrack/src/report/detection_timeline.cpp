@@ -12,12 +12,12 @@ namespace apriltrack {
 namespace {
 
 // Layout in points.
-constexpr double kWidth = 1200.0;
-constexpr double kMargin = 60.0;
-constexpr double kInner = kWidth - 2.0 * kMargin;
+constexpr double kPageWidth = 1200.0;
+constexpr double kPageMargin = 60.0;
+constexpr double kInner = kPageWidth - 2.0 * kPageMargin;
 constexpr double kTitleHeight = 70.0;
-constexpr double kGap = 16.0;
-constexpr double kCaptionHeight = 30.0;
+constexpr double kExampleGap = 16.0;
+constexpr double kExampleCaptionHeight = 30.0;
 constexpr double kChartHeight = 260.0;
 constexpr double kFooterHeight = 96.0;
 
@@ -47,14 +47,14 @@ struct Strip {
 Strip example_strip(std::span<const ExampleFrame> examples) {
   if (examples.empty()) return {};
   const auto count = static_cast<double>(examples.size());
-  const double width = (kInner - kGap * (count - 1.0)) / count;
+  const double width = (kInner - kExampleGap * (count - 1.0)) / count;
   double tallest = 0.0;
   for (const ExampleFrame& example : examples)
     tallest = std::max(tallest, width * example.image.height() / example.image.width());
   return {width, tallest};
 }
 
-void draw_outline(Canvas& canvas, const TagOutline& outline, cv::Point2d origin, double scale) {
+void draw_tag_outline(Canvas& canvas, const TagOutline& outline, cv::Point2d origin, double scale) {
   const auto place = [&](const Eigen::Vector2d& pixel) {
     return cv::Point2d(origin.x + scale * (pixel.x() + 0.5), origin.y + scale * (pixel.y() + 0.5));
   };
@@ -65,14 +65,14 @@ void draw_outline(Canvas& canvas, const TagOutline& outline, cv::Point2d origin,
 }
 
 void draw_examples(Canvas& canvas, std::span<const ExampleFrame> examples, const Strip& strip) {
-  double x = kMargin;
+  double x = kPageMargin;
   for (const ExampleFrame& example : examples) {
     const double scale = strip.width / example.image.width();
     canvas.picture(example.image, {x, kTitleHeight, strip.width, scale * example.image.height()});
     for (const TagOutline& outline : example.outlines)
-      draw_outline(canvas, outline, {x, kTitleHeight}, scale);
+      draw_tag_outline(canvas, outline, {x, kTitleHeight}, scale);
     canvas.text(example.caption, {x, kTitleHeight + strip.height + 20.0}, 11.0, kInk);
-    x += strip.width + kGap;
+    x += strip.width + kExampleGap;
   }
 }
 
@@ -80,7 +80,7 @@ void draw_examples(Canvas& canvas, std::span<const ExampleFrame> examples, const
 struct Axes {
   double top, start_s, end_s, max_blur_px;
 
-  double x(double time_s) const { return kMargin + kInner * (time_s - start_s) / (end_s - start_s); }
+  double x(double time_s) const { return kPageMargin + kInner * (time_s - start_s) / (end_s - start_s); }
   double y(double blur_px) const { return top + kChartHeight * (1.0 - std::min(blur_px / max_blur_px, 1.0)); }
 };
 
@@ -91,11 +91,11 @@ Axes axes_for(std::span<const TimelineFrame> frames, double top) {
   return {top, start, std::max(frames.back().time_s, start + 1e-3), 10.0 * std::ceil(max_blur / 10.0)};
 }
 
-void draw_grid(Canvas& canvas, const Axes& axes) {
+void draw_timeline_grid(Canvas& canvas, const Axes& axes) {
   const double blur_step = axes.max_blur_px > 50.0 ? 20.0 : 10.0;
   for (double blur = 0.0; blur <= axes.max_blur_px + 1e-9; blur += blur_step) {
-    canvas.line({kMargin, axes.y(blur)}, {kMargin + kInner, axes.y(blur)}, kGrid);
-    canvas.text(fmt::format("{:.0f}", blur), {kMargin - 8.0, axes.y(blur) + 4.0}, 9.0, kPaleInk,
+    canvas.line({kPageMargin, axes.y(blur)}, {kPageMargin + kInner, axes.y(blur)}, kGrid);
+    canvas.text(fmt::format("{:.0f}", blur), {kPageMargin - 8.0, axes.y(blur) + 4.0}, 9.0, kPaleInk,
                 Canvas::Align::kRight);
   }
   const double duration = axes.end_s - axes.start_s;
@@ -104,7 +104,7 @@ void draw_grid(Canvas& canvas, const Axes& axes) {
     canvas.text(fmt::format("{:.0f} s", t), {axes.x(axes.start_s + t), axes.top + kChartHeight + 18.0}, 9.0,
                 kPaleInk, Canvas::Align::kCentre);
   }
-  canvas.text("motion blur of the worst corner, px", {kMargin + kInner, axes.top - 10.0}, 10.0, kPaleInk,
+  canvas.text("motion blur of the worst corner, px", {kPageMargin + kInner, axes.top - 10.0}, 10.0, kPaleInk,
               Canvas::Align::kRight);
 }
 
@@ -120,16 +120,16 @@ void draw_bars(Canvas& canvas, std::span<const TimelineFrame> frames, const Axes
 
 void draw_example_marks(Canvas& canvas, std::span<const ExampleFrame> examples, const Strip& strip,
                         const Axes& axes) {
-  double x = kMargin + 0.5 * strip.width;
+  double x = kPageMargin + 0.5 * strip.width;
   for (const ExampleFrame& example : examples) {
-    canvas.line({x, kTitleHeight + strip.height + kCaptionHeight}, {axes.x(example.time_s), axes.top}, kGrid,
-                1.5);
-    x += strip.width + kGap;
+    canvas.line({x, kTitleHeight + strip.height + kExampleCaptionHeight}, {axes.x(example.time_s), axes.top},
+                kGrid, 1.5);
+    x += strip.width + kExampleGap;
   }
 }
 
 void draw_legend(Canvas& canvas, std::span<const TimelineFrame> frames, double y) {
-  double x = kMargin;
+  double x = kPageMargin;
   for (const Legend& entry : kLegend) {
     const auto count = std::count_if(frames.begin(), frames.end(), [&](const TimelineFrame& frame) {
       return frame.outcome == entry.outcome;
@@ -146,12 +146,12 @@ void write_detection_timeline(const std::filesystem::path& path, const std::stri
                               std::span<const TimelineFrame> frames, std::span<const ExampleFrame> examples) {
   APRILTRACK_CHECK(!frames.empty(), "a time line needs at least one frame");
   const Strip strip = example_strip(examples);
-  const double chart_top = kTitleHeight + strip.height + kCaptionHeight + 56.0;
-  Canvas canvas(static_cast<int>(kWidth), static_cast<int>(chart_top + kChartHeight + kFooterHeight));
+  const double chart_top = kTitleHeight + strip.height + kExampleCaptionHeight + 56.0;
+  Canvas canvas(static_cast<int>(kPageWidth), static_cast<int>(chart_top + kChartHeight + kFooterHeight));
   const Axes axes = axes_for(frames, chart_top);
-  canvas.text(title, {kMargin, 42.0}, 16.0, kInk);
+  canvas.text(title, {kPageMargin, 42.0}, 16.0, kInk);
   draw_examples(canvas, examples, strip);
-  draw_grid(canvas, axes);
+  draw_timeline_grid(canvas, axes);
   draw_example_marks(canvas, examples, strip, axes);
   draw_bars(canvas, frames, axes);
   draw_legend(canvas, frames, chart_top + kChartHeight + 60.0);

@@ -23,7 +23,7 @@ constexpr int kSmallestBar_px = 24;
 constexpr double kBarShare = 0.055;  // of the picture's height
 const cv::Scalar kBarColour(36, 30, 26);
 const cv::Scalar kBarInk(250, 248, 246);
-constexpr double kFarthest = 3.0;  // of the picture's longer side, beyond its border
+constexpr double kFarthestSides = 3.0;  // of the picture's longer side, beyond its border
 
 int even(int length) {
   return length + length % 2;
@@ -50,7 +50,7 @@ void check_name(const fs::path& path) {
 }
 
 bool can_be_drawn(const ColouredOutline& outline, cv::Size picture) {
-  const double margin = kFarthest * std::max(picture.width, picture.height);
+  const double margin = kFarthestSides * std::max(picture.width, picture.height);
   return std::ranges::all_of(outline.corners_px, [&](const Eigen::Vector2d& corner) {
     return corner.allFinite() && corner.x() >= -margin && corner.x() <= picture.width + margin &&
            corner.y() >= -margin && corner.y() <= picture.height + margin;

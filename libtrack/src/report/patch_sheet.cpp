@@ -10,8 +10,8 @@ namespace apriltrack {
 namespace {
 
 // Layout in points, of which each is one pixel of the file.
-constexpr int kWidth = 1200;
-constexpr int kMargin = 60;
+constexpr int kSheetWidth = 1200;
+constexpr int kSheetMargin = 60;
 constexpr int kTitleSpace = 76;
 constexpr int kGap = 24;
 constexpr int kCaptionSpace = 46;  // below a patch
@@ -23,8 +23,10 @@ struct Grid {
   int tile = 0;  ///< Edge of the square that a patch is fitted into.
   int num_columns = 0;
   int num_rows = 0;
-  int width() const { return 2 * kMargin + num_columns * (tile + kGap) - kGap; }
-  int height() const { return kTitleSpace + num_rows * (tile + kCaptionSpace) + kMargin - kCaptionSpace / 2; }
+  int width() const { return 2 * kSheetMargin + num_columns * (tile + kGap) - kGap; }
+  int height() const {
+    return kTitleSpace + num_rows * (tile + kCaptionSpace) + kSheetMargin - kCaptionSpace / 2;
+  }
 };
 
 /// Few patches are shown large, many small, and none below its own size; rows are of one length, or nearly.
@@ -33,7 +35,7 @@ Grid grid_for(std::span<const LabelledPatch> patches) {
   for (const LabelledPatch& patch : patches)
     largest_patch = std::max({largest_patch, patch.cells.width(), patch.cells.height()});
   const int count = static_cast<int>(patches.size());
-  const int room = kWidth - 2 * kMargin + kGap;
+  const int room = kSheetWidth - 2 * kSheetMargin + kGap;
   const int most_columns = std::max(1, room / (std::max(kSmallestTile, largest_patch) + kGap));
   const int num_rows = (count + most_columns - 1) / most_columns;
   const int num_columns = (count + num_rows - 1) / num_rows;
@@ -84,12 +86,13 @@ void write_patch_sheet(const std::filesystem::path& path, const std::string& tit
   for (const LabelledPatch& patch : patches)
     APRILTRACK_CHECK(!patch.cells.is_empty(), "a patch has at least one cell");
   const Grid grid = grid_for(patches);
-  Canvas canvas(std::max(kWidth, grid.width()), grid.height());
-  canvas.text(Canvas::fitted(title, 16.0, kWidth - 2.0 * kMargin), {kMargin, 42.0}, 16.0, kInk);
+  Canvas canvas(std::max(kSheetWidth, grid.width()), grid.height());
+  canvas.text(Canvas::fitted(title, 16.0, kSheetWidth - 2.0 * kSheetMargin), {kSheetMargin, 42.0}, 16.0,
+              kInk);
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const int column = static_cast<int>(i) % grid.num_columns;
     const int row = static_cast<int>(i) / grid.num_columns;
-    const cv::Point at(kMargin + column * (grid.tile + kGap),
+    const cv::Point at(kSheetMargin + column * (grid.tile + kGap),
                        kTitleSpace + row * (grid.tile + kCaptionSpace));
     draw_patch(canvas, patches[i], at, grid.tile);
   }

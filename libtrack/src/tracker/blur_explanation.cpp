@@ -19,7 +19,8 @@ constexpr double kGoodCorrelation = 0.94;
 constexpr double kPoorCorrelation = 0.85;
 constexpr double kMaxSecondCloudAge_s = 0.1;
 constexpr int kMaxClouds = 2;
-constexpr double kMaxPriorCost = 30.0;  // -log of the prior, beyond which its Gaussian is not to be trusted
+constexpr double kMaxStartPriorCost =
+    30.0;  // -log of the prior, beyond which its Gaussian is not to be trusted
 constexpr double kMaxPriorDistance = 6.0;  // standard deviations of the pose
 constexpr double kAccelerationShare = 0.7;
 constexpr double kColdCornerSigma_px = 3.0;
@@ -123,7 +124,7 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
   // A detection that the motion so far did not expect pays as much as any surprise may cost.
   if (!start.is_cold) explanation.prior_cost = prior_cost(start.prior, explanation.fit.state);
   const double surprise =
-      start.is_cold && has_belief ? kMaxPriorCost : std::min(kMaxPriorCost, explanation.prior_cost);
+      start.is_cold && has_belief ? kMaxStartPriorCost : std::min(kMaxStartPriorCost, explanation.prior_cost);
   explanation.score = log_likelihood(explanation.fit.tags) - surprise;
   return explanation;
 }

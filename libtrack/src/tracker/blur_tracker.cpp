@@ -27,7 +27,7 @@ constexpr double kMinCorrelationWithDetection = 0.5;
 // 0.95, and 11 standard deviations of the motion, before a wall of patches; right states reached 7.5 of them.
 constexpr double kMinCorrelationAgain = 0.95;
 constexpr double kMaxPriorCostAgain = 0.5 * 9.0 * 9.0;
-constexpr double kMinOdds = 1e-3;  // what is less likely than this is ruled out
+constexpr double kLeastOdds = 1e-3;  // what is less likely than this is ruled out
 
 }  // namespace
 
@@ -168,7 +168,7 @@ class BlurTracker::Implementation {
     result.tags_tracked = static_cast<int>(best.fit.tags.size());
     for (const Explanation& other : found) {
       const double odds = std::exp(other.score - best.score);
-      if (odds < kMinOdds || result.second_pose || !is_distinct(belief, other.fit.state.pose)) continue;
+      if (odds < kLeastOdds || result.second_pose || !is_distinct(belief, other.fit.state.pose)) continue;
       result.second_pose = other.fit.state.pose;
       result.second_mode_odds = odds;
     }

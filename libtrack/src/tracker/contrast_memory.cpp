@@ -7,13 +7,13 @@ namespace {
 /// by 1.22 in 99.5 % of a room's blurred views, by 1.32 at most.
 constexpr double kMaxFactor = 1.4;
 /// Tags that are not well explained say little of their contrast.
-constexpr double kMinCorrelation = 0.9;
+constexpr double kMinTrustedCorrelation = 0.9;
 
 }  // namespace
 
 void ContrastMemory::remember(const std::vector<TagEvidence>& tags) {
   for (const TagEvidence& tag : tags) {
-    if (tag.correlation < kMinCorrelation) continue;
+    if (tag.correlation < kMinTrustedCorrelation) continue;
     contrasts_[tag.tag_index] = tag.contrast;
   }
 }

@@ -9,7 +9,7 @@ namespace {
 // Measured against exact truth on path-traced recordings (1007 detections, 0 to 38 px of blur, the detector's
 // blurred-edge fits): 0.08 px when sharp, and 0.02 of the blur, with heavy tails; with one corrected bit 2 to
 // 4 times as much, with two up to 9 times: bits are lost to occlusion, which moves corners too.
-constexpr double kSigmaPerBlur = 0.025;
+constexpr double kDetectedSigmaPerBlur = 0.025;
 constexpr double kSigmaPerCorrectedBit = 3.0;
 constexpr double kUnknownBlur_px = 10.0;  // what most of the frames that follow a gap have
 constexpr double kPriorStrength = 3.0;
@@ -24,7 +24,7 @@ double expected_corner_sigma_px(double sharp_sigma_px, std::optional<double> blu
     mean_square_factor += factor * factor / static_cast<double>(candidate.inliers.size());
   }
   return std::sqrt(mean_square_factor) *
-         std::hypot(sharp_sigma_px, kSigmaPerBlur * blur_px.value_or(kUnknownBlur_px));
+         std::hypot(sharp_sigma_px, kDetectedSigmaPerBlur * blur_px.value_or(kUnknownBlur_px));
 }
 
 std::optional<double> corner_blur_px(const CameraModel& model, const PoseCandidate& candidate,

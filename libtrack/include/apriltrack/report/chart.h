@@ -14,22 +14,24 @@ enum class ChartMark { kLine, kPoints, kLineAndPoints };
 /// One thing shown in a chart. An x or y of NaN is a gap.
 struct ChartSeries {
   std::string
-      name;       ///< In the legend, with "(none)" when there is nothing to draw; empty: not in the legend.
-  Colour colour;  ///< Not of shaded points.
+      name;  ///< In the legend, with "(none)" when there is nothing to draw; empty: not in the legend.
+  Colour colour = {};  ///< Not of shaded points.
   ChartMark mark = ChartMark::kLine;
-  std::vector<double> x, y;
+  std::vector<double> x = {};
+  std::vector<double> y = {};
   /// Empty, or a number in [0, 1] for each point, which gives the point its colour: pale yellow for 0 to dark
   /// violet for 1 (the map viridis turned about, since on white paper dark reads as more: Schloss et al.
   /// 2019). Points are drawn in the order of their shades. A shaded series is drawn as points, also where its
   /// mark is kLine.
-  std::vector<double> shade;
+  std::vector<double> shade = {};
 };
 
 struct ChartAxis {
   std::string label;
   bool is_logarithmic = false;
-  std::optional<double> low, high;  ///< Where the axis ends; otherwise chosen to hold all numbers.
-  bool has_equal_scale = false;     ///< On either axis: one unit is as long on both. Linear axes only.
+  std::optional<double> low = std::nullopt;  ///< Where the axis ends; otherwise chosen to hold all numbers.
+  std::optional<double> high = std::nullopt;
+  bool has_equal_scale = false;  ///< On either axis: one unit is as long on both. Linear axes only.
 };
 
 /// A thin dashed line across the chart, with its name, such as "5 px".
