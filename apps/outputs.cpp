@@ -70,6 +70,13 @@ void check_not_own(const std::string& output, std::string_view option) {
       option, fmt::format("'{}' is a recording's own file, which no run writes: name another", output));
 }
 
+/// A device or a pipe is no file that one output would take from the other.
+bool is_same_file(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;  // check_output has said what is wrong with the names
+  if (fs::exists(a, ignored) && !fs::is_regular_file(a, ignored)) return false;
+  return fs::weakly_canonical(a) == fs::weakly_canonical(b);
+}
+
 }  // namespace
 
 void check_output(const std::string& output, std::string_view option,
@@ -97,6 +104,18 @@ void check_output(const std::string& output, std::string_view option,
                         fmt::format("'{}' is a picture or video, which this would replace: name another "
                                     "file",
                                     output));
+}
+
+void check_outputs(const std::vector<OutputFile>& outputs, const std::vector<std::string>& inputs) {
+  for (auto output = outputs.begin(); output != outputs.end(); ++output) {
+    if (output->name.empty()) continue;
+    check_output(output->name, output->option, inputs);
+    const auto same = std::find_if(outputs.begin(), output, [&](const OutputFile& earlier) {
+      return !earlier.name.empty() && is_same_file(output->name, earlier.name);
+    });
+    if (same != output)
+      throw invalid_input(output->option, fmt::format("is the file of {}: name another", same->option));
+  }
 }
 
 void check_output_folder(const std::string& output) {

@@ -13,8 +13,17 @@ namespace apriltrack::app {
 /// file may not be written.
 void check_output(const std::string& output, std::string_view option, const std::vector<std::string>& inputs);
 
-/// The same for a folder that is made where it is missing: throws Error(kIo) when it cannot be, or nothing in
-/// it.
+/// One file that a run writes; an empty name: it was not asked for.
+struct OutputFile {
+  std::string name;
+  std::string_view option;
+};
+
+/// check_output() for each that is asked for; no two may be one file, unless that is a device.
+void check_outputs(const std::vector<OutputFile>& outputs, const std::vector<std::string>& inputs);
+
+/// check_output() for a folder that is made where it is missing: throws Error(kIo) when it cannot be, or
+/// nothing in it.
 void check_output_folder(const std::string& output);
 
 }  // namespace apriltrack::app

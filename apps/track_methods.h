@@ -16,7 +16,7 @@ namespace apriltrack::app {
 struct MethodOptions {
   std::string name;            ///< blur, paper or pnp.
   LocalizerOptions localizer;  ///< mode and detector hold for every method.
-  std::string paper_variant = "program";
+  std::string paper_variant = "printed";
   std::optional<std::size_t> num_particles;
   std::uint64_t seed = 1;
   int num_threads = 0;

@@ -1,0 +1,103 @@
+#include "track_options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "apriltrack/base/error.h"
+#include "inputs.h"
+#include "option_checks.h"
+#include "outputs.h"
+
+namespace apriltrack::app {
+
+MethodOptions TrackArguments::method_options() const {
+  MethodOptions given = options;
+  given.name = method();
+  given.localizer.mode = mode == "joint" ? TrackMode::kJoint : TrackMode::kEgo;
+  return given;
+}
+
+void check_track_arguments(const CLI::App& command, const TrackArguments& arguments) {
+  if (arguments.input.empty() == arguments.detections.empty()) {
+    throw invalid_input("track", "give either INPUT or --detections FILE");
+  }
+  if (!arguments.detections.empty()) {
+    if (arguments.method() != "pnp") {
+      throw invalid_input("--detections",
+                          fmt::format("is for --method pnp: '{}' looks at images", arguments.method()));
+    }
+    refuse_beside_detections(command, {"--rate", "--decimate", "--min-margin", "--max-hamming", "--video"});
+  }
+  if (!arguments.input.empty()) check_input(arguments.input);
+  std::vector<std::string> read = camera_inputs(arguments.camera, {arguments.input});
+  read.insert(read.end(), {arguments.input, arguments.detections, arguments.map});
+  check_outputs(
+      {{arguments.output, "--output"}, {arguments.frames_csv, "--frames-csv"}, {arguments.video, "--video"}},
+      read);
+  if (!arguments.video.empty() && std::filesystem::path(arguments.video).extension() != ".mp4")
+    throw invalid_input("--video", fmt::format("'{}' must end in .mp4", arguments.video));
+}
+
+void add_track_options(CLI::App& command, TrackArguments& arguments) {
+  command.add_option("INPUT", arguments.input,
+                     "Sequence folder, folder of images, glob, EuRoC mav0 folder, video file, or camera:N");
+  command.add_option("--detections", arguments.detections, "detections.csv in place of INPUT");
+  command.add_option("--camera", arguments.camera, "Camera file; default: the sequence folder's own");
+  command.add_option("--camera-name", arguments.camera_name,
+                     "Which camera of a file, or of a EuRoC recording, with several; default: the first");
+  command.add_option("--map", arguments.map, "Tag map; default: the sequence folder's own");
+  command.add_option("--mode", arguments.mode, "ego: T_world_camera; joint: T_camera_body")
+      ->check(CLI::IsMember({"ego", "joint"}))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--method", arguments.options.name,
+          "blur: tracks through motion blur, the default; paper: the seed paper's particle filter, as a "
+          "baseline; pnp: detection plus multi-tag PnP, the default of --detections")
+      ->check(CLI::IsMember({"blur", "paper", "pnp"}));
+  command
+      .add_option("--paper-variant", arguments.options.paper_variant,
+                  "Of --method paper: as printed, or as its author's program runs")
+      ->check(CLI::IsMember({"printed", "program"}))
+      ->capture_default_str();
+  command
+      .add_option("--particles", arguments.options.num_particles,
+                  "Default: 240 in each of five rounds (blur), 3000 (paper, printed), 6000 (paper, program)")
+      ->check(CLI::Range(1, 10'000'000));
+  command.add_option("--seed", arguments.options.seed, "The same seed gives the same trajectory")
+      ->capture_default_str();
+  command.add_option("--output", arguments.output, "Trajectory, TUM format: timestamp tx ty tz qx qy qz qw")
+      ->required();
+  command.add_option("--frames-csv", arguments.frames_csv,
+                     "Log with a line for every frame: status, pose, covariance");
+  command.add_option("--video", arguments.video,
+                     "The recording with the tags outlined where the poses put them, H.264 in .mp4");
+  command.add_option("--rate", arguments.rate_hz, "Frames a second, for images whose names are no times")
+      ->check(rate());
+  command
+      .add_option("--threads", arguments.options.num_threads,
+                  "Frames looked at side by side; 0: one per core, 8 at most. Changes no pose, but latencies "
+                  "are those of a frame on its own only with 1")
+      ->check(threads())
+      ->capture_default_str();
+  command
+      .add_option("--min-margin", arguments.options.localizer.detector.min_decision_margin,
+                  "Least decision margin of a tag")
+      ->check(decision_margin())
+      ->capture_default_str();
+  command
+      .add_option("--max-hamming", arguments.options.localizer.detector.max_hamming,
+                  "Most corrected bits of a tag")
+      ->check(corrected_bits())
+      ->capture_default_str();
+  command
+      .add_option("--decimate", arguments.options.localizer.detector.decimate,
+                  "Search in an image this many times smaller: faster, but small tags are missed")
+      ->check(decimation())
+      ->capture_default_str();
+  arguments.console.add_options(command);
+}
+
+}  // namespace apriltrack::app

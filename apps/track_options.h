@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "console.h"
+#include "track_methods.h"
+
+namespace CLI {
+class App;
+}
+
+namespace apriltrack::app {
+
+/// What a user may tell `track`. Empty names: not given.
+struct TrackArguments {
+  std::string input;
+  std::string detections;
+  std::string camera;
+  std::string camera_name;
+  std::string map;
+  std::string mode = "ego";
+  std::string output;
+  std::string frames_csv;
+  std::string video;
+  std::optional<double> rate_hz;
+  MethodOptions options;
+  Console console;
+
+  /// Corners alone leave nothing but PnP.
+  std::string method() const {
+    if (!options.name.empty()) return options.name;
+    return detections.empty() ? "blur" : "pnp";
+  }
+  MethodOptions method_options() const;
+};
+
+/// Adds all options of `track`, --json and --quiet among them; `arguments` must outlive the command.
+void add_track_options(CLI::App& command, TrackArguments& arguments);
+
+/// What the parser cannot see: options that exclude each other, inputs that are missing, outputs that would
+/// replace what is not theirs. Throws Error.
+void check_track_arguments(const CLI::App& command, const TrackArguments& arguments);
+
+}  // namespace apriltrack::app
