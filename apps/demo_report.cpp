@@ -37,7 +37,7 @@ void add_scene(HtmlPage& page, const DemoFiles& files, const DemoScene& scene,
   page.picture(against_blur,
                "Blur is the longest path of a visible corner during the exposure, from the exact motion.");
   page.video(files.video(scene),
-             "Every mapped tag outlined where the pose of `blur` puts it. Green: the pose rests on a "
+             "Every mapped tag outlined where the blur tracker puts it. Green: the pose rests on a "
              "detection in this frame; blue: on the pixels alone; orange: predicted; red: lost.");
 }
 

@@ -28,7 +28,7 @@ bool faces_the_camera(const Pose& T_camera_tag) {
 std::string caption(const TrackResult& result, double time_s) {
   std::string text = fmt::format("{:.2f} s  {}", time_s, to_string(result.status));
   if (!result.pose) return result.reason.empty() ? text : fmt::format("{}: {}", text, result.reason);
-  text += fmt::format("  {} tags detected, {} used", result.tags_detected, result.tags_tracked);
+  text += fmt::format("  tags: {} detected, {} used", result.tags_detected, result.tags_tracked);
   if (result.covariance) {
     const double sigma_m = std::sqrt(result.covariance->topLeftCorner<3, 3>().trace());
     text += fmt::format("  sigma {:.1f} mm", 1e3 * sigma_m);

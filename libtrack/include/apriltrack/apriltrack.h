@@ -8,4 +8,5 @@
 #include "apriltrack/geometry/pose.h"
 #include "apriltrack/image/frame.h"
 #include "apriltrack/tags/tag_map.h"
+#include "apriltrack/tracker/blur_tracker.h"
 #include "apriltrack/tracker/localizer.h"
