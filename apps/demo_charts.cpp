@@ -45,21 +45,29 @@ ChartSeries series_of(const DemoScore& score, ChartMark mark) {
   return series;
 }
 
+void add_points(ChartSeries& series, const std::vector<FrameScore>& frames, Timestamp start) {
+  for (const FrameScore& frame : frames) {
+    series.x.push_back(seconds_between(start, frame.timestamp));
+    series.y.push_back(frame.corner_error_px.value_or(std::numeric_limits<double>::quiet_NaN()));
+  }
+}
+
 }  // namespace
 
 void draw_error_over_time(const std::filesystem::path& picture, const DemoScene& scene,
                           const std::vector<DemoScore>& scores) {
   Chart chart = chart_of(scene, "error over time, a gap where there is no pose");
   chart.x = {.label = "time, s"};
+  ChartSeries predicted{
+      .name = "blur: predicted, and says so", .colour = kSkyBlue, .mark = ChartMark::kPoints};
   for (const DemoScore& score : scores) {
     if (score.scene != &scene) continue;
-    ChartSeries series = series_of(score, ChartMark::kLine);
-    for (const FrameScore& frame : score.evaluation.frames) {
-      series.x.push_back(seconds_between(score.evaluation.frames.front().timestamp, frame.timestamp));
-      series.y.push_back(frame.corner_error_px.value_or(std::numeric_limits<double>::quiet_NaN()));
-    }
-    chart.series.push_back(series);
+    const Timestamp start = score.evaluation.frames.front().timestamp;
+    chart.series.push_back(series_of(score, ChartMark::kLine));
+    add_points(chart.series.back(), score.evaluation.frames, start);
+    if (score.method == "blur") add_points(predicted, score.predicted, start);
   }
+  chart.series.push_back(predicted);
   write_chart(picture, chart);
 }
 

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <set>
 
 #include "apriltrack/eval/statistics.h"
 #include "apriltrack/eval/trajectory.h"
+#include "apriltrack/tracker/track_result.h"
 
 namespace apriltrack::app {
 namespace {
@@ -20,17 +22,31 @@ struct Range {
 constexpr std::array<Range, 3> kBlurRanges = {
     {{0.0, 5.0, "< 5"}, {5.0, 20.0, "5-20"}, {20.0, std::numeric_limits<double>::infinity(), "> 20"}}};
 
+std::vector<FrameScore> predicted_of(const std::vector<FrameScore>& frames,
+                                     const std::vector<FrameLogRow>& log) {
+  std::set<std::int64_t> times_ns;
+  for (const FrameLogRow& row : log) {
+    if (row.status == to_string(TrackStatus::kPredicted)) times_ns.insert(row.timestamp.ns);
+  }
+  std::vector<FrameScore> predicted;
+  std::copy_if(frames.begin(), frames.end(), std::back_inserter(predicted),
+               [&](const FrameScore& frame) { return times_ns.contains(frame.timestamp.ns); });
+  return predicted;
+}
+
 DemoScore score(const DemoFiles& files, const DemoScene& scene, const std::string& method) {
   const auto recording = files.recording(scene);
   const CornerScene corners{read_cameras(recording / "camera.yaml").cameras.front(),
                             read_tag_map(recording / "map.yaml")};
   const TrajectoryKind kind = scene.mode == TrackMode::kEgo ? TrajectoryKind::kEgo : TrajectoryKind::kJoint;
-  DemoScore result{&scene,
-                   method,
-                   evaluate_trajectory(read_tum(recording / "truth.tum"),
-                                       read_tum(files.trajectory(scene, method)), &corners, {.kind = kind}),
-                   {}};
-  result.log = evaluate_frame_log(result.evaluation, read_frame_log(files.frame_log(scene, method)));
+  const std::vector<FrameLogRow> log = read_frame_log(files.frame_log(scene, method));
+  DemoScore result;
+  result.scene = &scene;
+  result.method = method;
+  result.evaluation = evaluate_trajectory(
+      read_tum(recording / "truth.tum"), read_tum(files.trajectory(scene, method)), &corners, {.kind = kind});
+  result.log = evaluate_frame_log(result.evaluation, log);
+  result.predicted = predicted_of(result.evaluation.frames, log);
   return result;
 }
 

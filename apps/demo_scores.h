@@ -15,6 +15,8 @@ struct DemoScore {
   std::string method;
   TrajectoryEvaluation evaluation;
   FrameLogEvaluation log;
+  std::vector<FrameScore>
+      predicted;  ///< Frames whose pose the method itself calls no more than a prediction.
 };
 
 /// Of all scenes and methods. Throws Error.
