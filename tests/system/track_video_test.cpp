@@ -42,8 +42,8 @@ struct SlowFilm {
     map = read_tag_map(film + "/map.yaml");
     for (const TimedPose& pose : read_tum(film + "/truth.tum"))
       T_camera_map.push_back(mode == "ego" ? pose.pose.inverse() : pose.pose);
-    const auto summary = run_for_json({"track", film, "--mode", mode, "--method", "pnp", "--output",
-                                       folder / "out.tum", "--video", video});
+    const auto summary = run_for_json(
+        {"track", film, "--mode", mode, "--method", "pnp", "--output", folder / "out.tum", "--video", video});
     EXPECT_EQ(summary["video"], video);
     EXPECT_EQ(summary["detected"], 5);
   }
@@ -104,9 +104,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, TrackVideo,
 
 class TrackVideoFiles : public ::testing::Test {
  protected:
-  TrackVideoFiles() {
-    run_for_json({"simulate", "--scene", "single", "--frames", "3", "--output", film_});
-  }
+  TrackVideoFiles() { run_for_json({"simulate", "--scene", "single", "--frames", "3", "--output", film_}); }
   ProgramRun track(const std::string& video) {
     return run_program({"track", film_, "--mode", "joint", "--method", "pnp", "--output", folder_ / "out.tum",
                         "--video", video});
@@ -140,8 +138,9 @@ TEST_F(TrackVideoFiles, KeepThePlaceOfAnUnreadableFrame) {
 
 TEST_F(TrackVideoFiles, AreNotLeftByARunWithoutAPose) {
   run_for_json({"simulate", "--scene", "room", "--frames", "3", "--output", folder_ / "room"});
-  const ProgramRun run = run_program({"track", folder_ / "room", "--method", "pnp", "--map", film_ + "/map.yaml",
-                                      "--output", folder_ / "none.tum", "--video", folder_ / "none.mp4"});
+  const ProgramRun run =
+      run_program({"track", folder_ / "room", "--method", "pnp", "--map", film_ + "/map.yaml", "--output",
+                   folder_ / "none.tum", "--video", folder_ / "none.mp4"});
   EXPECT_NE(run.status, 0);
   for (const auto& entry : fs::directory_iterator(folder_))
     EXPECT_NE(entry.path().filename().string().substr(0, 4), "none") << entry.path();

@@ -51,8 +51,9 @@ TagPrediction::TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const
   }
   path_px_ = streak.norm();
   const double level_pixel = 1 << level;
-  const int count =
-      std::clamp(static_cast<int>(std::ceil(path_px_ / (kInstantSpacing * level_pixel))), 1, kMaxInstants);
+  // Limited before it is a whole number: a path that ends beside the camera is as long as it likes.
+  const double needed = std::ceil(path_px_ / (kInstantSpacing * level_pixel));
+  const int count = static_cast<int>(std::clamp(needed, 1.0, static_cast<double>(kMaxInstants)));
   for (int m = 0; m < count; ++m) {
     const double time_s = exposure_s * ((m + 0.5) / count - 0.5);
     const Eigen::Matrix3d H = camera_from_plane(count == 1 ? T_camera_tag_ : view_at(time_s), half_size);

@@ -45,6 +45,7 @@ TagVotes count_votes(const PhotometricWorld& world, const std::vector<TagObserva
                      const MotionState& state, double exposure_s, double sharp_sigma_px) {
   constexpr double kMaxSigmas = 4.0;
   constexpr double kSlack_px = 1.0;
+  constexpr double kFarthest_px = 5.0;  // or a fast enough state would agree with any detection
   const Pose view = camera_from_map(state.pose, world.mode);
   std::set<const MapTag*> agreeing, contradicting;
   for (const TagObservation& observation : observations) {
@@ -52,8 +53,8 @@ TagVotes count_votes(const PhotometricWorld& world, const std::vector<TagObserva
     for (std::size_t i = 0; i < kNumCorners; ++i) {
       const Eigen::Vector3d& point = observation.corners_map[i];
       const auto pixel = world.model.project(view * point);
-      const double limit_px =
-          kSlack_px + kMaxSigmas * corner_sigma_px(world, point, state, exposure_s, sharp_sigma_px);
+      const double sigma_px = corner_sigma_px(world, point, state, exposure_s, sharp_sigma_px);
+      const double limit_px = std::min(kSlack_px + kMaxSigmas * sigma_px, kFarthest_px);
       is_near = is_near && pixel && (*pixel - observation.corners_px[i]).norm() < limit_px;
     }
     const bool is_sure = observation.corrected_bits == 0 && !observation.is_repeated;

@@ -27,6 +27,8 @@ constexpr double kMinCorrelationWithDetection = 0.5;
 // 0.95, and 11 standard deviations of the motion, before a wall of patches; right states reached 7.5 of them.
 constexpr double kMinCorrelationAgain = 0.95;
 constexpr double kMaxPriorCostAgain = 0.5 * 9.0 * 9.0;
+// Of what a claim without a detection rests on: a sliver of a border fits nearly any edge.
+constexpr double kMinSamples = 40.0;
 constexpr double kLeastOdds = 1e-3;  // what is less likely than this is ruled out
 
 }  // namespace
@@ -34,8 +36,12 @@ constexpr double kLeastOdds = 1e-3;  // what is less likely than this is ruled o
 void BlurTrackerOptions::check() const {
   if (!(corner_sigma_px > 0.0 && std::isfinite(corner_sigma_px)))
     throw invalid_input("corner_sigma_px", fmt::format("must be > 0 (is {})", corner_sigma_px));
-  if (num_particles < 16)
-    throw invalid_input("num_particles", fmt::format("must be at least 16 (is {})", num_particles));
+  if (num_particles < 16 || num_particles > 1'000'000)
+    throw invalid_input("num_particles", fmt::format("must be 16 to 1000000 (is {})", num_particles));
+  for (const double density : {motion_noise.linear_m2_per_s3, motion_noise.angular_rad2_per_s3}) {
+    if (!(density > 0.0 && std::isfinite(density)))
+      throw invalid_input("motion_noise", fmt::format("must be > 0 (is {})", density));
+  }
   if (!(max_prediction_s >= 0.0 && max_prediction_s <= 0.5))
     throw invalid_input("max_prediction_s", fmt::format("must be 0 to 0.5 (is {})", max_prediction_s));
   if (!(default_exposure_s >= 0.0 && default_exposure_s <= 1.0))
@@ -71,29 +77,25 @@ class BlurTracker::Implementation {
     fit_size(frame.image);
     TrackResult result;
     result.timestamp = frame.timestamp;
+    const std::optional<MotionBelief> belief = predicted(frame.timestamp);
+    if (!belief) forget();
     const BlurFrame blur_frame = prepared(frame, detections);
     std::set<const MapTag*> tags;
     for (const TagObservation& observation : blur_frame.observations) tags.insert(observation.tag);
     result.tags_detected = static_cast<int>(tags.size());
 
-    const std::optional<MotionBelief> belief = predicted(frame.timestamp);
     const std::vector<Explanation> found = explainer_->explain(blur_frame, belief);
     const TagVotes votes = found.empty() ? TagVotes() : votes_for(blur_frame, found.front());
     const bool has_evidence = !found.empty() && is_convincing(found.front(), votes);
     if (has_evidence) {
       result.status = votes.agreeing > 0 ? TrackStatus::kDetected : TrackStatus::kTracked;
-      report_evidence(found, result);
+      report_evidence(found, votes, result);
     } else if (belief) {
       result.status = TrackStatus::kPredicted;
       result.pose = belief->mean.pose;
       result.covariance = belief->covariance.topLeftCorner<6, 6>() + map_covariance_;
     } else {
-      belief_.reset();
-      result.reason = detections.empty() ? "no tag seen, and no recent pose to look from"
-                      : blur_frame.observations.empty()
-                          ? "no tag of the map seen, and no recent pose to look from"
-                      : result.tags_detected > 1 ? "the tags seen do not agree on a pose"
-                                                 : "the corners seen fit no pose";
+      result.reason = why_lost(detections, blur_frame, result.tags_detected, !found.empty());
     }
     is_confirmed_ = has_evidence && (is_confirmed_ || votes.agreeing > 0);
     result.latency_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -140,17 +142,50 @@ class BlurTracker::Implementation {
     return predict(*belief_, options_.motion_noise, age_s);
   }
 
+  static std::string why_lost(const std::vector<Detection>& detections, const BlurFrame& frame,
+                              int tags_detected, bool has_fit) {
+    if (detections.empty()) return "no tag seen, and no recent pose to look from";
+    if (frame.observations.empty()) return "no tag of the map seen, and no recent pose to look from";
+    if (tags_detected > 1) return "the tags seen do not agree on a pose";
+    if (has_fit) return "a pose fits the corners, but not the pixels around them: exposure, or response?";
+    return "the corners seen fit no pose";
+  }
+
+  /// A frame that is too late, or not later, starts anew: what was learnt belongs to another time.
+  void forget() {
+    belief_.reset();
+    contrasts_ = {};
+    is_confirmed_ = false;
+  }
+
   /// Enough of what should be seen is seen, and more tags speak for the state than against it: in the map of
   /// another place single tags fit, and only the others can tell.
   bool is_convincing(const Explanation& best, const TagVotes& votes) const {
-    std::vector<TagEvidence> tags = best.fit.tags;
-    if (votes.agreeing == 0) contrasts_.doubt(tags);
-    int num_explained = 0;
-    for (const TagEvidence& tag : tags) num_explained += tag.correlation >= kMinCorrelation ? 1 : 0;
-    if (std::max(num_explained, votes.agreeing) <= votes.contradicting) return false;
+    const std::vector<TagEvidence> tags = trusted_tags(best, votes);
+    if (std::max(num_explained(tags), votes.agreeing) <= votes.contradicting) return false;
     if (votes.agreeing > 0) return typical_correlation(tags) >= kMinCorrelationWithDetection;
+    if (samples_of_explained(tags) < kMinSamples) return false;
     if (is_confirmed_) return typical_correlation(tags) >= kMinCorrelation;
     return typical_correlation(tags) >= kMinCorrelationAgain && best.prior_cost <= kMaxPriorCostAgain;
+  }
+
+  /// Without a detection that agrees, tags of another contrast than they had count as not explained.
+  std::vector<TagEvidence> trusted_tags(const Explanation& explanation, const TagVotes& votes) const {
+    std::vector<TagEvidence> tags = explanation.fit.tags;
+    if (votes.agreeing == 0) contrasts_.doubt(tags);
+    return tags;
+  }
+
+  static int num_explained(const std::vector<TagEvidence>& tags) {
+    return static_cast<int>(std::ranges::count_if(tags, is_explained));
+  }
+
+  static bool is_explained(const TagEvidence& tag) { return tag.correlation >= kMinCorrelation; }
+
+  static double samples_of_explained(const std::vector<TagEvidence>& tags) {
+    double sum = 0.0;
+    for (const TagEvidence& tag : tags) sum += is_explained(tag) ? tag.independent_samples() : 0.0;
+    return sum;
   }
 
   TagVotes votes_for(const BlurFrame& frame, const Explanation& explanation) const {
@@ -158,21 +193,22 @@ class BlurTracker::Implementation {
                        options_.corner_sigma_px);
   }
 
-  void report_evidence(const std::vector<Explanation>& found, TrackResult& result) {
+  void report_evidence(const std::vector<Explanation>& found, const TagVotes& votes, TrackResult& result) {
     const Explanation& best = found.front();
+    const std::vector<TagEvidence> tags = trusted_tags(best, votes);
     MotionBelief belief{best.fit.state, fit_covariance(*world_, best.fit)};
     belief.mean.acceleration.setZero();
     result.pose = belief.mean.pose;
     map_covariance_ = map_covariance(*world_, best.fit);
     result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_;
-    result.tags_tracked = static_cast<int>(best.fit.tags.size());
+    result.tags_tracked = std::max(num_explained(tags), votes.agreeing);
     for (const Explanation& other : found) {
       const double odds = std::exp(other.score - best.score);
       if (odds < kLeastOdds || result.second_pose || !is_distinct(belief, other.fit.state.pose)) continue;
       result.second_pose = other.fit.state.pose;
       result.second_mode_odds = odds;
     }
-    contrasts_.remember(best.fit.tags);
+    contrasts_.remember(tags);
     belief_ = belief;
     evidence_time_ = result.timestamp;
   }
