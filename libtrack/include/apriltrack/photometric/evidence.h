@@ -33,7 +33,7 @@ struct EvidenceOptions {
 std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const PhotometricFrame& frame,
                                         const MotionState& state, const EvidenceOptions& options = {});
 
-/// Log-likelihood of the evidence against "no tag here": sum over tags of -(n / 2) log(1 - c^2 + kappa)
+/// Log-likelihood of the evidence against "no tag here": sum over tags of -(n / 2) log(1 - c^2 / (1 + kappa))
 /// (docs/algorithms/blur_tracker.md, equation 9).
 double log_likelihood(const std::vector<TagEvidence>& tags);
 /// Mean correlation, each tag weighed by its independent samples; 0 without tags.
