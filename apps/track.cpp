@@ -9,6 +9,7 @@
 #include "apriltrack/io/staged_files.h"
 #include "command_help.h"
 #include "commands.h"
+#include "exposure_check.h"
 #include "frame_loop.h"
 #include "inputs.h"
 #include "rig_detections.h"
@@ -70,12 +71,11 @@ bool track_detections(const TrackArguments& arguments, const std::vector<FrameDe
 }
 
 bool track_images(const TrackArguments& arguments, const Camera& camera, const Method& method,
-                  TrackRecord& record, std::optional<TrackVideo>& video) {
+                  Warnings& warnings, TrackRecord& record, std::optional<TrackVideo>& video) {
   const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
   const std::unique_ptr<FrameSource> source =
       open_source(arguments.input, {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name});
-  std::optional<Timestamp> previous;
-  std::size_t num_readable = 0;
+  ExposureCheck exposures(warnings);
   const auto track = [&](DetectedFrame detected) {
     const SourceFrame& image = detected.source;
     if (!image.is_readable()) {
@@ -83,9 +83,7 @@ bool track_images(const TrackArguments& arguments, const Camera& camera, const M
       if (video) video->add_unreadable(image.timestamp);
       return;
     }
-    const auto exposure_s = image.exposure_s ? image.exposure_s : camera.exposure_s;
-    if (exposure_s && ++num_readable == 2) check_exposure(*exposure_s, *previous, image.timestamp);
-    previous = image.timestamp;
+    exposures.add(image.timestamp, image.exposure_s ? image.exposure_s : camera.exposure_s);
     const FrameDetections frame{image.timestamp, camera.name, std::move(detected.detections)};
     const TrackResult result = method.track(image.frame(), frame.detections);
     record.add(frame, result, detected.latency_s + result.latency_s);
@@ -95,25 +93,23 @@ bool track_images(const TrackArguments& arguments, const Camera& camera, const M
 }
 
 /// Single tags still give poses in the map of another place: who reads only these would not notice.
-void warn_of_contradictions(const TrackRecord& record, const Console& console,
-                            std::vector<std::string>& warnings) {
+void warn_of_contradictions(const TrackRecord& record, Warnings& warnings) {
   const auto [frames, without_pose] = record.frames_with_several_tags();
   constexpr std::size_t kFew = 3;
   if (without_pose < kFew || 5 * without_pose < frames) return;
-  warnings.push_back(
+  warnings.add(
       fmt::format("in {} of {} frames with several tags these do not agree on a pose: is this the map of "
                   "this place, with the right tag sizes? Poses from single tags cannot tell",
                   without_pose, frames));
-  console.warning(warnings.back());
 }
 
 void finish(const TrackArguments& arguments, const TrackRecord& record, bool was_interrupted,
-            const std::vector<std::string>& warnings) {
+            const Warnings& warnings) {
   nlohmann::json summary = record.summary();
   summary["mode"] = arguments.mode;
   summary["method"] = arguments.method();
   summary["interrupted"] = was_interrupted;
-  summary["warnings"] = warnings;
+  summary["warnings"] = warnings.texts();
   summary["output"] = arguments.output;
   std::string text =
       fmt::format("{}\n{}: {}", record.text(), arguments.mode == "ego" ? "T_world_camera" : "T_camera_body",
@@ -135,10 +131,9 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   const Camera& camera =
       arguments.camera_name.empty() ? rig.cameras.front() : rig.find(arguments.camera_name);
   const TagMap map = load_map(arguments);
-  std::vector<std::string> warnings;
-  if (const auto warning = rolling_shutter_warning(camera)) warnings.push_back(*warning);
-  for (const std::string& warning : warnings) arguments.console.warning(warning);
-  const Method method = make_method(arguments.method_options(), camera, map, arguments.console);
+  Warnings warnings(arguments.console);
+  if (const auto warning = rolling_shutter_warning(camera)) warnings.add(*warning);
+  const Method method = make_method(arguments.method_options(), camera, map, warnings);
 
   TrackRecord record;
   const bool has_images = arguments.detections.empty();
@@ -147,9 +142,9 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   std::optional<TrackVideo> video;
   if (!arguments.video.empty())
     video.emplace(arguments.video, camera, map, arguments.method_options().localizer.mode);
-  const bool was_interrupted = has_images ? track_images(arguments, camera, method, record, video)
+  const bool was_interrupted = has_images ? track_images(arguments, camera, method, warnings, record, video)
                                           : track_detections(arguments, detections, method, record);
-  warn_of_contradictions(record, arguments.console, warnings);
+  warn_of_contradictions(record, warnings);
   record.check_has_pose(has_images ? arguments.input : arguments.detections, map);
   StagedFiles outputs;
   write_tum(outputs.stage(arguments.output), record.trajectory());

@@ -31,8 +31,7 @@ Method paper_method(const MethodOptions& given, const Camera& camera, const TagM
           }};
 }
 
-Method blur_method(const MethodOptions& given, const Camera& camera, const TagMap& map,
-                   const Console& console) {
+Method blur_method(const MethodOptions& given, const Camera& camera, const TagMap& map, Warnings& warnings) {
   constexpr std::size_t kFewest = 16;
   if (given.num_particles && *given.num_particles < kFewest) {
     throw invalid_input("--particles", fmt::format("must be at least {} for --method blur (is {})", kFewest,
@@ -48,9 +47,9 @@ Method blur_method(const MethodOptions& given, const Camera& camera, const TagMa
   // Frames of a recording may bring an exposure each: told once, by the first that does not.
   const auto has_warned = std::make_shared<bool>(camera.exposure_s.has_value());
   return {tracker->detector_options(),
-          [=, &console](const Frame& frame, const std::vector<Detection>& detections) {
+          [=, &warnings](const Frame& frame, const std::vector<Detection>& detections) {
             if (!frame.exposure_s && !*has_warned) {
-              console.warning(fmt::format(
+              warnings.add(fmt::format(
                   "no exposure is known: {} s is assumed, and blur fits the worse the more it is off; give "
                   "exposure_time in the camera file",
                   options.default_exposure_s));
@@ -63,22 +62,10 @@ Method blur_method(const MethodOptions& given, const Camera& camera, const TagMa
 }  // namespace
 
 Method make_method(const MethodOptions& options, const Camera& camera, const TagMap& map,
-                   const Console& console) {
+                   Warnings& warnings) {
   if (options.name == "paper") return paper_method(options, camera, map);
   if (options.name == "pnp") return pnp_method(options, camera, map);
-  return blur_method(options, camera, map, console);
-}
-
-void check_exposure(double exposure_s, Timestamp earlier, Timestamp later) {
-  // Video containers round times to a millisecond.
-  constexpr double kRounding_s = 1e-3;
-  const double interval_s = seconds_between(earlier, later);
-  if (exposure_s <= interval_s + kRounding_s) return;
-  throw invalid_input(
-      "exposure_time",
-      fmt::format("{} s is longer than the {:.6f} s from the first frame to the next; it is in seconds, "
-                  "at most the time between frames (camera file, or exposure_s in frames.csv)",
-                  exposure_s, interval_s));
+  return blur_method(options, camera, map, warnings);
 }
 
 }  // namespace apriltrack::app

@@ -9,7 +9,7 @@
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/image/frame.h"
 #include "apriltrack/tracker/localizer.h"
-#include "console.h"
+#include "warnings.h"
 
 namespace apriltrack::app {
 
@@ -28,11 +28,7 @@ struct Method {
   std::function<TrackResult(const Frame&, const std::vector<Detection>&)> track;
 };
 
-/// Warns of what the method misses in the camera's file.
-Method make_method(const MethodOptions& options, const Camera& camera, const TagMap& map,
-                   const Console& console);
-
-/// Throws Error(kInvalidInput) when the exposure is longer than the time from one frame to the next.
-void check_exposure(double exposure_s, Timestamp earlier, Timestamp later);
+/// Warns of what the method misses in the camera's file; `warnings` must outlive it.
+Method make_method(const MethodOptions& options, const Camera& camera, const TagMap& map, Warnings& warnings);
 
 }  // namespace apriltrack::app

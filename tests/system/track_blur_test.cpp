@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 
+#include "apriltrack/eval/trajectory.h"
 #include "apriltrack/tags/tag_map.h"
 #include "program.h"
 #include "support/shared_data.h"
@@ -88,17 +89,30 @@ TEST_F(TrackBlurErrors, AnExposureThatCannotBeIsStatus2) {
               EndsWith(2, "exposure_time"));
   const ProgramRun run =
       run_program(track({"--camera", camera_with("exposure_time", "exposure_time: 0.05")}));
-  EXPECT_THAT(
-      run,
-      EndsWith(2, "exposure_time: 0.05 s is longer than the 0.033333 s from the first frame to the next"));
+  EXPECT_THAT(run, EndsWith(2, "exposure_time: 0.05 s is longer than the 0.033333 s since the frame before"));
   EXPECT_FALSE(fs::exists(folder_ / "out.tum"));
+}
+
+// In milliseconds, from the third frame on: one wrong time stamp may look like that, so the run goes on.
+TEST_F(TrackBlurErrors, ALaterExposureThatCannotBeIsWarnedOfOnce) {
+  std::ofstream table(fs::path(film_) / "frames.csv");
+  table << "timestamp_ns,exposure_s,gain\n";
+  int num_frames = 0;
+  for (const TimedPose& frame : read_tum(fs::path(film_) / "truth.tum"))
+    table << frame.timestamp.ns << (num_frames++ < 2 ? ",0.004,1\n" : ",4,1\n");
+  table.close();
+  const json summary = run_for_json(track({"--method", "pnp"}));
+  ASSERT_EQ(summary["warnings"].size(), 1U) << summary.dump(1);
+  EXPECT_EQ(summary["warnings"][0].get<std::string>().find("exposure_time: 4 s is longer than"), 0U);
 }
 
 TEST_F(TrackBlurErrors, AnExposureThatNobodyTellsIsWarnedOf) {
   fs::remove(fs::path(film_) / "frames.csv");
-  const ProgramRun run = run_program(track({"--camera", camera_with("exposure_time", "")}));
+  const std::string warning = "no exposure is known: 0.01 s is assumed";
+  const ProgramRun run = run_program(track({"--camera", camera_with("exposure_time", ""), "--json"}));
   EXPECT_EQ(run.status, 0);
-  EXPECT_NE(run.err.find("no exposure is known: 0.01 s is assumed"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find(warning), std::string::npos) << run.err;
+  EXPECT_NE(json::parse(run.out)["warnings"].dump().find(warning), std::string::npos) << run.out;
 }
 
 TEST_F(TrackBlurErrors, ASizeOfAnotherCameraIsStatus2) {
