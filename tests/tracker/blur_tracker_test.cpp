@@ -153,14 +153,17 @@ TEST(BlurTrackerStatistics, ClaimsNoPoseThatIsWrong) {
   const BlurFilm& film = wild_tag();
   constexpr std::size_t kFirst = 0;
   constexpr int kSeeds = 4;
-  int num_claimed = 0, num_hard = 0;
+  int num_claimed = 0, num_hard = 0, num_leaving = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     const auto results = tracked(tracker_of(film, seed, 120), film, kFirst);
     for (std::size_t i = kFirst; i < film.size(); ++i) {
       const TrackResult& result = results[i - kFirst];
-      const bool is_in_image = film.blur_px[i] > 0.0;
-      if (!is_in_image || !has_evidence(result)) continue;
-      EXPECT_LT(film.corner_error_px(i, *result.pose), 6.0) << "frame " << i << ", seed " << seed;
+      const bool is_leaving = film.blur_px[i] == 0.0;  // its centre is not in the image
+      num_leaving += is_leaving ? 1 : 0;
+      if (!has_evidence(result)) continue;
+      // Of a tag that is only partly seen, the corners outside are extrapolated.
+      EXPECT_LT(film.corner_error_px(i, *result.pose), is_leaving ? 10.0 : 6.0)
+          << to_string(result.status) << " in frame " << i << ", seed " << seed;
       ++num_claimed;
       num_hard += film.blur_px[i] > 60.0 ? 1 : 0;
     }
@@ -168,6 +171,7 @@ TEST(BlurTrackerStatistics, ClaimsNoPoseThatIsWrong) {
   }
   EXPECT_GE(num_claimed, kSeeds * 10);
   EXPECT_GE(num_hard, 2) << "no test of strong blur";
+  EXPECT_GE(num_leaving, kSeeds) << "no test of a tag that leaves";
 }
 
 TEST(BlurTracker, TheMapsCovarianceWidensThePoses) {
