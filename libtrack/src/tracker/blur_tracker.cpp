@@ -151,10 +151,10 @@ class BlurTracker::Implementation {
     return "the corners seen fit no pose";
   }
 
-  /// A frame that is too late, or not later, starts anew: what was learnt belongs to another time.
+  /// A frame that is too late, or not later, starts anew. What is known of the tags' contrast stays: a
+  /// detection renews it.
   void forget() {
     belief_.reset();
-    contrasts_ = {};
     is_confirmed_ = false;
   }
 
