@@ -37,7 +37,7 @@ std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const Photometr
 double log_likelihood(const std::vector<TagEvidence>& tags) {
   double sum = 0.0;
   for (const TagEvidence& tag : tags) {
-    const double unexplained = 1.0 - tag.correlation * tag.correlation / (1.0 + kModelErrorOfVariance);
+    const double unexplained = 1.0 - tag.correlation * tag.correlation + kModelErrorOfVariance;
     sum -= 0.5 * tag.independent_samples() * std::log(unexplained);
   }
   return sum;
