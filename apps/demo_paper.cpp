@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "apriltrack/report/chart.h"
 #include "apriltrack/report/patch_sheet.h"
@@ -15,18 +17,60 @@ namespace {
 
 constexpr int kNumFrames = 30;  // enough to show the body's tags one after another
 
-PaperTracker tracked_bundle(const std::filesystem::path& recording, const TagMap& map, std::uint64_t seed) {
+/// A copy of the filter as one frame left it.
+struct Cloud {
+  int frame = 0;  ///< Counted from 1.
+  double blur_px = 0.0;
+  TrackStatus status = TrackStatus::kLost;
+  PaperFilter filter;
+};
+
+struct TrackedBundle {
+  PaperTracker tracker;
+  int num_frames = 0;
+  std::optional<Cloud> cloud;  ///< Of the most blurred frame whose pose is the filter's own.
+};
+
+/// A start puts all particles at one pose: no cloud.
+bool is_cloud(const PaperFilter& filter) {
+  const auto particles = filter.particles();
+  return std::any_of(particles.begin(), particles.end(), [&](const PaperState& particle) {
+    return particle.position != particles.front().position;
+  });
+}
+
+std::map<std::int64_t, double> blur_by_time(const std::vector<DemoScore>& scores, const DemoScene& scene) {
+  std::map<std::int64_t, double> blur_px;
+  for (const DemoScore& score : scores) {
+    if (score.scene != &scene) continue;
+    for (const FrameScore& frame : score.evaluation.frames) blur_px[frame.timestamp.ns] = frame.blur_px;
+  }
+  return blur_px;
+}
+
+TrackedBundle track_bundle(const DemoFiles& files, const std::vector<DemoScore>& scores, const TagMap& map,
+                           std::uint64_t seed) {
+  const DemoScene& scene = kDemoScenes[1];
+  const std::filesystem::path recording = files.recording(scene);
   const Camera camera = read_cameras(recording / "camera.yaml").cameras.front();
+  const std::map<std::int64_t, double> blur_px = blur_by_time(scores, scene);
   PaperTrackerOptions options = PaperTrackerOptions::published(PaperVariant::kPrinted);
   options.localizer.mode = TrackMode::kJoint;
   options.filter.seed = seed;
   options.num_threads = 0;
-  PaperTracker tracker(camera, map, options);
+  TrackedBundle bundle{PaperTracker(camera, map, options), 0, std::nullopt};
   const auto source = open_source(recording.string(), {.max_frames = kNumFrames});
   while (const auto frame = source->next()) {
-    if (frame->is_readable()) tracker.track(frame->frame());
+    ++bundle.num_frames;
+    if (!frame->is_readable()) continue;
+    const TrackResult result = bundle.tracker.track(frame->frame());
+    const bool is_evident = result.status == TrackStatus::kDetected || result.status == TrackStatus::kTracked;
+    const auto blur = blur_px.find(result.timestamp.ns);
+    if (!is_evident || blur == blur_px.end() || !is_cloud(bundle.tracker.filter())) continue;
+    if (bundle.cloud && bundle.cloud->blur_px >= blur->second) continue;
+    bundle.cloud = Cloud{bundle.num_frames, blur->second, result.status, bundle.tracker.filter()};
   }
-  return tracker;
+  return bundle;
 }
 
 Image<float> square(std::span<const double> patch) {
@@ -69,13 +113,17 @@ void draw_cloud(const std::filesystem::path& picture, const PaperFilter& filter)
 
 }  // namespace
 
-void draw_paper_pictures(const DemoFiles& files, std::uint64_t seed, const std::filesystem::path& patches,
-                         const std::filesystem::path& cloud) {
-  const std::filesystem::path recording = files.recording(kDemoScenes[1]);
-  const TagMap map = read_tag_map(recording / "map.yaml");
-  const PaperTracker tracker = tracked_bundle(recording, map, seed);
-  draw_patches(patches, tracker, map);
-  draw_cloud(cloud, tracker.filter());
+std::string draw_paper_pictures(const DemoFiles& files, const std::vector<DemoScore>& scores,
+                                std::uint64_t seed, const std::filesystem::path& patches,
+                                const std::filesystem::path& cloud) {
+  const TagMap map = read_tag_map(files.recording(kDemoScenes[1]) / "map.yaml");
+  const TrackedBundle bundle = track_bundle(files, scores, map, seed);
+  draw_patches(patches, bundle.tracker, map);
+  draw_cloud(cloud, bundle.cloud ? bundle.cloud->filter : bundle.tracker.filter());
+  if (!bundle.cloud) return "after the last frame: none left a cloud behind, each started the filter anew";
+  return fmt::format(
+      "in frame {} ({}, {:.0f} px of blur), the most blurred of the first {} that weighed them",
+      bundle.cloud->frame, to_string(bundle.cloud->status), bundle.cloud->blur_px, bundle.num_frames);
 }
 
 }  // namespace apriltrack::app

@@ -49,12 +49,19 @@ void add_detection(HtmlPage& page, const DemoFiles& files) {
   page.picture(picture, "The room's frames by detection alone.");
 }
 
-void add_paper(HtmlPage& page, const DemoOptions& options, const DemoFiles& files) {
+void add_paper(HtmlPage& page, const DemoOptions& options, const DemoFiles& files,
+               const std::vector<DemoScore>& scores) {
   const auto patches = files.picture("paper_patches"), cloud = files.picture("paper_cloud");
-  draw_paper_pictures(files, options.seed, patches, cloud);
+  const std::string which = draw_paper_pictures(files, scores, options.seed, patches, cloud);
   page.heading("Inside the paper's filter");
   page.picture(patches, "What the likelihood compares with: figure 3 of the paper, from the bundle.");
-  page.picture(cloud, "The particles after a frame of the bundle: figure 5 of the paper.");
+  page.picture(cloud, fmt::format("The bundle's particles {}: figure 5 of the paper.", which));
+}
+
+/// Every option with its value, so that the page can be made again.
+std::string command_line(const DemoOptions& options) {
+  return fmt::format("apriltrack demo --output {} --seed {} --frames {} --threads {}", options.output,
+                     options.seed, options.num_frames, options.threads);
 }
 
 }  // namespace
@@ -66,7 +73,7 @@ void write_demo_report(const DemoOptions& options, const DemoFiles& files,
       "Everything here was rendered, calibrated, tracked and measured by one command, against the "
       "simulator's "
       "exact truth; the trackers saw images only.");
-  page.code(fmt::format("apriltrack demo --output {} --seed {}", options.output, options.seed));
+  page.code(command_line(options));
   const DemoTable table = tabulate(scores);
   page.table({table.header, table.rows,
               "Claimed: frames with status detected or tracked. Blur columns: median / 95 % of the corner "
@@ -77,7 +84,7 @@ void write_demo_report(const DemoOptions& options, const DemoFiles& files,
   add_calibration(page, files);
   for (const DemoScene& scene : kDemoScenes) add_scene(page, files, scene, scores);
   add_detection(page, files);
-  add_paper(page, options, files);
+  add_paper(page, options, files, scores);
   write_html_page(files.report(), page);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 #include <set>
 
 #include "apriltrack/eval/statistics.h"
@@ -50,8 +51,8 @@ DemoScore score(const DemoFiles& files, const DemoScene& scene, const std::strin
   return result;
 }
 
-std::string percent(double share) {
-  return fmt::format("{:.0f} %", 100.0 * share);
+std::string percent(std::optional<double> share) {
+  return share ? fmt::format("{:.0f} %", 100.0 * *share) : "-";
 }
 
 std::string percent_of(int count, int all) {
@@ -73,7 +74,7 @@ std::string errors(const std::vector<FrameScore>& frames, const Range& range) {
 std::vector<std::string> row(const DemoScore& score) {
   const ErrorSummary& all = score.evaluation.overall;
   std::vector<std::string> cells = {score.scene->name, score.method,
-                                    percent(score.log.claimed_share_of_frames), percent(*all.success_5px)};
+                                    percent(score.log.claimed_share_of_frames), percent(all.success_5px)};
   for (const Range& range : kBlurRanges) cells.push_back(errors(score.evaluation.frames, range));
   cells.push_back(percent_of(score.log.claimed_good_but_over_10px.value_or(0), score.log.claimed_good));
   cells.push_back(fmt::format("{:.0f}", score.log.latency_p50_ms.value_or(0.0)));

@@ -92,7 +92,7 @@ TEST(PatternTexture, GradientIsThatOfItsSamples) {
   EXPECT_LT(std::sqrt(squared_error / squared), 0.03);  // a few steps cross from texel to texel
 }
 
-TEST(PatternTextures, AreSharedInStepsOfAnEighthOfTheSigmaAndBounded) {
+TEST(PatternTextures, AreSharedInQuartersOfAnOctaveOfTheSigmaAndBounded) {
   PatternTextures textures(TagFamily::get("tag36h11").pattern(0));
   const double cell = textures.pattern().cell_size();
   const auto first = textures.blurred(0.5 * cell, 0.5 * cell);

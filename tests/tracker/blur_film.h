@@ -23,14 +23,14 @@ struct BlurFilm {
   double corner_error_px(std::size_t index, const Pose& pose) const;
 };
 
-/// A tag of 100 px in a camera of 320 x 240, waved: gently for eight frames, then so that its corners
-/// run 20 to 45 px during the exposure, then gently again.
+/// A tag of 100 px in a camera of 320 x 240, waved: its corners run at most 3.2 px during the exposure of the
+/// first three frames and of the last seven, up to 42 px between.
 const BlurFilm& waved_tag();
+/// The tag of waved_tag(), waved so wildly that it leaves the image and comes back: up to 100 px.
+const BlurFilm& wild_tag();
 /// A small tag at rest, sharp: its corners fit two poses.
 const BlurFilm& far_tag();
-/// The same, so wildly that the tag leaves the image and comes back: up to 72 px.
-const BlurFilm& wild_tag();
-/// Three tags on two walls of a corner, in a camera that is shaken: 20 to 40 px.
+/// Three tags on two walls of a corner, in a camera that is shaken: up to 34 px.
 const BlurFilm& shaken_camera();
 
 }  // namespace apriltrack::test

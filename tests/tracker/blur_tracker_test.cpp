@@ -110,6 +110,7 @@ TEST_P(BlurTracking, FindsEgoAndJointMotionToBeInverse) {
 
 TEST(BlurTracker, RepeatsItselfToTheLastBitWhateverElseRuns) {
   const BlurFilm& film = wild_tag();  // needs its cloud of particles
+  ASSERT_GT(*std::max_element(film.blur_px.begin(), film.blur_px.end()), 90.0);
   constexpr std::size_t kFirst = 2;
   std::vector<std::vector<TrackResult>> runs(3);
   runs[0] = tracked(tracker_of(film, 7), film, kFirst);
@@ -118,6 +119,7 @@ TEST(BlurTracker, RepeatsItselfToTheLastBitWhateverElseRuns) {
   other.join();
   for (const std::size_t run : {1U, 2U}) {
     ASSERT_EQ(runs[run].size(), film.size() - kFirst);
+    int num_poses = 0, num_blurred = 0;
     for (std::size_t i = 0; i < runs[0].size(); ++i) {
       const TrackResult &a = runs[0][i], &b = runs[run][i];
       EXPECT_EQ(a.status, b.status);
@@ -126,7 +128,11 @@ TEST(BlurTracker, RepeatsItselfToTheLastBitWhateverElseRuns) {
       if (!a.pose) continue;
       EXPECT_EQ(a.pose->matrix(), b.pose->matrix()) << "frame " << i;
       EXPECT_EQ(*a.covariance, *b.covariance) << "frame " << i;
+      ++num_poses;
+      num_blurred += film.blur_px[kFirst + i] > 20.0 ? 1 : 0;
     }
+    EXPECT_GE(num_poses, 20);
+    EXPECT_GE(num_blurred, 10) << "no test of strong blur";
   }
 }
 
@@ -337,17 +343,16 @@ TEST(BlurTracker, OutlivesExposuresThatMeanNothing) {
   }
   for (const double exposure_s : {0.0, 1.0}) {  // an instant; far too long
     BlurTracker tracker = tracker_of(film);
-    int num_finite = 0;
     for (std::size_t i = 0; i < 4; ++i) {
       frame = film.frames[i].frame();
       frame.exposure_s = exposure_s;
       const TrackResult result = tracker.track(frame, film.detections[i]);
-      EXPECT_EQ(result.pose.has_value(), result.status != TrackStatus::kLost);
-      if (!result.pose) continue;
+      // A tag that is read gives its pose, whatever is said of the exposure.
+      ASSERT_EQ(film.detections[i].detections.size(), 1U);
+      ASSERT_TRUE(result.pose && result.covariance) << "frame " << i << ", exposure " << exposure_s << " s";
       EXPECT_TRUE(result.pose->is_finite() && result.covariance->allFinite());
-      ++num_finite;
+      EXPECT_LT(film.corner_error_px(i, *result.pose), 0.5) << "frame " << i << ", exposure " << exposure_s;
     }
-    EXPECT_GE(num_finite, exposure_s == 0.0 ? 4 : 0);
   }
 }
 

@@ -217,6 +217,55 @@ TEST(PaperTracker, CountsMissingFrames) {
   }
 }
 
+TEST(PaperTracker, AFalseTimeStampTakesNoStepMoreThanATrueOne) {
+  const Film& film = Film::instance();
+  const GrayImage dark(320, 240, 0);
+  Frame frame;
+  frame.image = dark.view();
+  const std::int64_t start_ns = film.frames[0].timestamp.ns;
+  const auto end_of = [&](std::int64_t false_by_ns) {
+    PaperTracker tracker(film.scene.camera, film.scene.map, small_options(PaperVariant::kPrinted));
+    tracker.track(film.frames[0].frame(), film.detections[0]);
+    TrackResult result;
+    for (int i = 1; i <= 12; ++i) {
+      frame.timestamp = {start_ns + i * kInterval_ns + (i == 5 ? false_by_ns : 0)};
+      result = tracker.track(frame, {});
+    }
+    return result;
+  };
+  const TrackResult right = end_of(0);
+  ASSERT_EQ(right.status, TrackStatus::kPredicted);
+  ASSERT_TRUE(right.covariance);
+  // One millisecond after the frame before; a tenth of a frame early; late.
+  for (const std::int64_t false_by_ns : {1'000'000 - kInterval_ns, -kInterval_ns / 10, kInterval_ns / 10}) {
+    const TrackResult result = end_of(false_by_ns);
+    ASSERT_EQ(result.status, TrackStatus::kPredicted);
+    // Random numbers are keyed by the step: as many steps, the same cloud.
+    EXPECT_EQ(*result.covariance, *right.covariance) << false_by_ns << " ns";
+    EXPECT_EQ(result.pose->matrix(), right.pose->matrix()) << false_by_ns << " ns";
+  }
+}
+
+TEST(PaperTracker, StartsAnewWhereTimeRunsBackwards) {
+  const Film& film = Film::instance();
+  for (const bool is_seen : {true, false}) {
+    PaperTracker tracker(film.scene.camera, film.scene.map, small_options(PaperVariant::kProgram));
+    tracker.track(film.frames[9].frame(), film.detections[9]);
+    ASSERT_FALSE(tracker.reference_patch(0).empty());
+    const auto seen = is_seen ? film.detections[2] : std::vector<Detection>();
+    const TrackResult again = tracker.track(film.frames[2].frame(), seen);
+    EXPECT_EQ(again.status, is_seen ? TrackStatus::kDetected : TrackStatus::kLost);
+    EXPECT_EQ(tracker.reference_patch(0).empty(), !is_seen);
+    if (is_seen) {
+      ASSERT_TRUE(again.pose);
+      EXPECT_LT(corner_error_px(film.scene.camera, *again.pose, film.frames[2].truth), 1.0);
+      EXPECT_EQ(tracker.track(film.frames[3].frame(), {}).status, TrackStatus::kTracked);
+    } else {
+      EXPECT_EQ(again.reason, "no tag of the map detected so far");
+    }
+  }
+}
+
 TEST(PaperTracker, StartsWithTheReferenceOfItsFirstDetection) {
   const Film& film = Film::instance();
   PaperTracker tracker(film.scene.camera, film.scene.map, small_options(PaperVariant::kProgram));

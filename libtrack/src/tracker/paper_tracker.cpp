@@ -9,6 +9,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/geometry/homography.h"
+#include "frame_pace.h"
 #include "image_size.h"
 #include "tag_observation.h"
 
@@ -148,17 +149,33 @@ class PaperTracker::Implementation {
   /// The paper counts frames, not time: frames that are missing are steps all the same.
   void advance(Timestamp time) {
     std::size_t steps = 1;
-    if (time_) {
-      const std::int64_t interval_ns = time.ns - time_->ns;
-      if (interval_ns > 0 && (interval_ns < frame_interval_ns_ || frame_interval_ns_ == 0))
-        frame_interval_ns_ = interval_ns;
-      const double frames = static_cast<double>(interval_ns) /
-                            static_cast<double>(std::max<std::int64_t>(1, frame_interval_ns_));
-      steps = static_cast<std::size_t>(
-          std::clamp(std::round(frames), 1.0, static_cast<double>(kMaxFramesAtOnce)));
+    if (time_ && time.ns < time_->ns) {
+      forget();
+    } else if (time_) {
+      steps = steps_in(time.ns - time_->ns);
     }
     time_ = time;
     for (std::size_t i = 0; is_started_ && i < steps; ++i) filter_.advance();
+  }
+
+  /// Time runs backwards: another recording, of which nothing is known but the camera's pace.
+  void forget() {
+    is_started_ = false;
+    evidence_time_.reset();
+    excess_frames_ = 0.0;
+    for (std::size_t i = 0; i < map_.tags.size(); ++i) likelihood_.clear_reference(i);
+  }
+
+  /// Frames in the time since the last, at least this one. What a frame with a false time stamp came too
+  /// early is missing from its interval and too much in the next: it is not counted twice.
+  std::size_t steps_in(std::int64_t interval_ns) {
+    if (interval_ns == 0) return 1;  // tells no pace
+    pace_.add(interval_ns);
+    const double frames = static_cast<double>(interval_ns) / static_cast<double>(pace_.frame_interval_ns());
+    const double steps =
+        std::clamp(std::round(frames - excess_frames_), 1.0, static_cast<double>(kMaxFramesAtOnce));
+    excess_frames_ = std::max(0.0, steps - frames);
+    return static_cast<std::size_t>(steps);
   }
 
   /// The patch of every tag seen is its reference from now on, this frame included. A tag that the frame
@@ -262,8 +279,9 @@ class PaperTracker::Implementation {
   bool is_started_ = false;
   std::optional<Timestamp> time_;           ///< Of the last frame.
   std::optional<Timestamp> evidence_time_;  ///< Of the last frame whose tags agreed with the answer.
-  std::int64_t frame_interval_ns_ = 0;      ///< The shortest so far.
-  std::vector<bool> is_detected_;           ///< In this frame, by tag of the map.
+  FramePace pace_;
+  double excess_frames_ = 0.0;     ///< Steps taken at the last frame beyond the time it took.
+  std::vector<bool> is_detected_;  ///< In this frame, by tag of the map.
   std::vector<MotionState> hypotheses_;
   JointScores scores_;
 };

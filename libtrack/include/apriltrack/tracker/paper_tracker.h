@@ -63,8 +63,8 @@ class PaperTracker {
   /// Builds the detector's tables now (Localizer::prepare). Those who bring detections need none.
   void prepare();
 
-  /// Frames come in the order of time. An image of another resolution than the camera's is lost; its reason
-  /// says so.
+  /// Frames come in the order of time; one from before the last starts anew, with what it shows. An image of
+  /// another resolution than the camera's is lost; its reason says so.
   TrackResult track(const Frame& frame);
   /// The same with detections made elsewhere, by a detector of detector_options().
   TrackResult track(const Frame& frame, const std::vector<Detection>& detections);
