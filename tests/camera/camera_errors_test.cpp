@@ -282,13 +282,8 @@ TEST(CameraErrors, TheFileThatTheRowsAboveSpoilIsGood) {
 }
 
 TEST(CameraErrors, MissingFileIsAnIoError) {
-  try {
-    read_cameras(test::temporary_folder() / "nowhere.yaml");
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kIo);
-    EXPECT_THAT(error.what(), HasSubstr("nowhere.yaml"));
-  }
+  const auto read = [] { read_cameras(test::temporary_folder() / "nowhere.yaml"); };
+  EXPECT_THAT(message_of(read, ErrorKind::kIo), HasSubstr("nowhere.yaml"));
 }
 
 TEST(CameraErrors, UnknownCameraNamesThoseThereAre) {

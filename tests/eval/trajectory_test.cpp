@@ -6,6 +6,7 @@
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
+#include "support/error_message.h"
 #include "support/pose_matchers.h"
 #include "support/shared_data.h"
 
@@ -84,13 +85,8 @@ TEST(Tum, ErrorsNameFileAndLine) {
 }
 
 TEST(Tum, MissingFilesAreIoErrors) {
-  try {
-    read_tum(test::temporary_folder() / "none.tum");
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kIo);
-    EXPECT_THAT(error.what(), HasSubstr("none.tum"));
-  }
+  const auto read = [] { read_tum(test::temporary_folder() / "none.tum"); };
+  EXPECT_THAT(test::message_of(read, ErrorKind::kIo), HasSubstr("none.tum"));
 }
 
 TEST(Tum, WritesWhatItReads) {

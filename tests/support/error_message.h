@@ -8,13 +8,13 @@
 
 namespace apriltrack::test {
 
-/// What the Error(kInvalidInput) says that function throws.
+/// What the Error of that kind says that function throws.
 template <class Function>
-std::string message_of(const Function& function) {
+std::string message_of(const Function& function, ErrorKind kind = ErrorKind::kInvalidInput) {
   try {
     function();
   } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInvalidInput);
+    EXPECT_EQ(error.kind(), kind);
     return error.what();
   }
   return "nothing was thrown";

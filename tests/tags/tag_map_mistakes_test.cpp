@@ -1,4 +1,7 @@
+#include <gmock/gmock.h>
+
 #include "apriltrack/io/atomic_file.h"
+#include "support/error_message.h"
 #include "tag_map_support.h"
 
 namespace apriltrack::test {
@@ -136,13 +139,8 @@ TEST(TagMapYaml, SurvivesDamagedBytes) {
 }
 
 TEST(TagMapYaml, TellsUnreadableFilesFromWrongOnes) {
-  try {
-    read_tag_map(test::temporary_folder() / "missing.yaml");
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kIo);
-    EXPECT_NE(std::string(error.what()).find("missing.yaml"), std::string::npos);
-  }
+  const auto read = [] { read_tag_map(temporary_folder() / "missing.yaml"); };
+  EXPECT_THAT(message_of(read, ErrorKind::kIo), ::testing::HasSubstr("missing.yaml"));
   TagMap map = map_from(one_tag("7", "0.16"));
   EXPECT_THROW(write_tag_map("/proc/no-such-folder/map.yaml", map), Error);
 }
