@@ -92,25 +92,5 @@ TEST(PatternTexture, GradientIsThatOfItsSamples) {
   EXPECT_LT(std::sqrt(squared_error / squared), 0.03);  // a few steps cross from texel to texel
 }
 
-TEST(PatternTextures, AreSharedInQuartersOfAnOctaveOfTheSigmaAndBounded) {
-  PatternTextures textures(TagFamily::get("tag36h11").pattern(0));
-  const double cell = textures.pattern().cell_size();
-  const auto first = textures.blurred(0.5 * cell, 0.5 * cell);
-  EXPECT_EQ(first, textures.blurred(0.505 * cell, 0.495 * cell));
-  EXPECT_NE(first, textures.blurred(0.7 * cell, 0.5 * cell));
-  // As wide as it gets, whatever is asked for: a tag seen on edge asks for anything.
-  EXPECT_EQ(textures.blurred(1e6, 1e6), textures.blurred(3.0 * cell, 3.0 * cell));
-  EXPECT_EQ(textures.blurred(0.0, 0.0), textures.blurred(1e-9, 1e-9));
-  std::vector<std::weak_ptr<const PatternTexture>> seen;
-  for (int i = 0; i < 12; ++i) {
-    for (int k = 0; k < 12; ++k)
-      seen.push_back(textures.blurred(0.1 * std::exp2(0.3 * i) * cell, 0.1 * std::exp2(0.3 * k) * cell));
-  }
-  const auto num_alive =
-      std::count_if(seen.begin(), seen.end(), [](const auto& texture) { return !texture.expired(); });
-  EXPECT_GT(num_alive, 0);
-  EXPECT_LE(num_alive, 30);  // two dozen are kept
-}
-
 }  // namespace
 }  // namespace apriltrack

@@ -11,6 +11,7 @@
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 #include "tag_prediction.h"
+#include "view_cone.h"
 
 namespace apriltrack {
 namespace {
@@ -24,30 +25,10 @@ void require(bool holds, const char* field, double value, const char* range) {
   if (!holds) throw invalid_input(field, fmt::format("must lie in {} (is {})", range, value));
 }
 
-double angle_off_axis_rad(const Eigen::Vector3d& direction) {
-  return std::atan2(direction.head<2>().norm(), direction.z());
-}
-
-/// The image's corners look farthest off the axis, but for what tangential distortion adds: hence the margin.
-double max_view_angle_rad(const CameraModel& model, int width, int height) {
-  constexpr double kMargin_rad = 0.05;
-  double angle_rad = 0.0;
-  for (const Eigen::Vector2d& corner :
-       {Eigen::Vector2d(0, 0), Eigen::Vector2d(width - 1, 0), Eigen::Vector2d(0, height - 1),
-        Eigen::Vector2d(width - 1, height - 1)}) {
-    const auto ray = model.unproject(corner);
-    if (!ray) return std::numbers::pi;  // beyond the lens model: anything may be seen
-    angle_rad = std::max(angle_rad, angle_off_axis_rad(*ray));
-  }
-  return angle_rad + kMargin_rad;
-}
-
 /// Whether no point of the patch can be in the image: most tags of a room, at no cost.
 bool is_out_of_view(const Eigen::Matrix3d& camera_from_plane, const PatchGrid& grid, double max_angle_rad) {
-  const Eigen::Vector3d centre = camera_from_plane.col(2);
   const double radius = std::numbers::sqrt2 * grid.half_extent * camera_from_plane.col(0).norm();
-  const double distance = centre.norm();
-  return distance > radius && angle_off_axis_rad(centre) - std::asin(radius / distance) > max_angle_rad;
+  return !may_be_in_view(camera_from_plane.col(2), radius, max_angle_rad);
 }
 
 /// Independent samples in a patch: neighbours share the light of a pixel and of the lens blur, about three
@@ -141,6 +122,7 @@ void JointLikelihood::evaluate(const PhotometricFrame& frame, std::span<const Mo
   APRILTRACK_CHECK(!frame.light.empty() && !frame.light[0].is_empty(),
                    "a frame has a level of light at least");
   max_view_angle_rad_ = max_view_angle_rad(model_, frame.light[0].width(), frame.light[0].height());
+  if (world_) world_->max_view_angle_rad = max_view_angle_rad_;
   scores->num_tags = num_tags();
   scores->log_likelihoods.resize(hypotheses.size());
   scores->tags.resize(hypotheses.size() * num_tags());

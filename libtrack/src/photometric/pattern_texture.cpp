@@ -15,10 +15,6 @@ constexpr double kMaxTexelsPerCell = 48.0;
 constexpr double kInterpolationVariance = 1.0 / 6.0;
 /// Beyond so many sigmas a Gaussian weighs less than 0.2 %.
 constexpr double kReachInSigmas = 3.0;
-constexpr double kMinSigmaInCells = 0.5 / kMaxTexelsPerCell;
-constexpr double kMaxSigmaInCells = 3.0;
-constexpr double kStepsPerOctave = 4.0;
-constexpr std::size_t kMaxTextures = 24;
 
 double normal_cdf(double x) {
   return 0.5 * std::erfc(-x / std::numbers::sqrt2);
@@ -65,13 +61,6 @@ Eigen::MatrixXd brightness_of_cells(const TagPattern& pattern) {
   return brightness;
 }
 
-int level_of(double sigma) {
-  return static_cast<int>(std::lround(kStepsPerOctave * std::log2(sigma)));
-}
-double sigma_of(int level) {
-  return std::exp2(level / kStepsPerOctave);
-}
-
 }  // namespace
 
 PatternTexture::PatternTexture(const TagPattern& pattern, double sigma_u, double sigma_v) {
@@ -91,26 +80,6 @@ PatternTexture::PatternTexture(const TagPattern& pattern, double sigma_u, double
     for (int column = 0; column < u.count; ++column)
       texels_.push_back({static_cast<float>(light(row, column)), static_cast<float>(presence(row, column))});
   }
-}
-
-std::shared_ptr<const PatternTexture> PatternTextures::blurred(double sigma_u, double sigma_v) {
-  const double cell = pattern_.cell_size();
-  const auto level = [&](double sigma) {
-    return level_of(std::clamp(sigma, kMinSigmaInCells * cell, kMaxSigmaInCells * cell));
-  };
-  const int level_u = level(sigma_u), level_v = level(sigma_v);
-  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-    return entry.level_u == level_u && entry.level_v == level_v;
-  });
-  if (found != entries_.end()) {
-    std::rotate(found, found + 1, entries_.end());
-    return entries_.back().texture;
-  }
-  if (entries_.size() == kMaxTextures) entries_.erase(entries_.begin());
-  entries_.push_back(
-      {level_u, level_v,
-       std::make_shared<const PatternTexture>(pattern_, sigma_of(level_u), sigma_of(level_v))});
-  return entries_.back().texture;
 }
 
 }  // namespace apriltrack

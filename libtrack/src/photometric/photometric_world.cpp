@@ -3,21 +3,40 @@
 #include <fmt/format.h>
 
 #include "apriltrack/base/error.h"
+#include "view_cone.h"
 
 namespace apriltrack {
+namespace {
 
-PhotometricWorld::PhotometricWorld(const Camera& camera, const TagMap& map, TrackMode track_mode, int width,
-                                   int height)
-    : model(camera.model), mode(track_mode), rays(camera.model, width, height, kNumLevels) {
-  tags.reserve(map.tags.size());
+std::vector<TagPattern> patterns_of(const TagMap& map) {
+  std::vector<TagPattern> patterns;
   for (const MapTag& tag : map.tags) {
     const TagFamily& family = TagFamily::get(tag.key.family);
     if (tag.key.id < 0 || tag.key.id >= family.num_codes()) {
       throw invalid_input("map", fmt::format("tag {}: family {} has ids 0 to {}", tag.key.id, tag.key.family,
                                              family.num_codes() - 1));
     }
-    tags.push_back({tag, PatternTextures(family.pattern(tag.key.id))});
+    patterns.push_back(family.pattern(tag.key.id));
   }
+  return patterns;
+}
+
+}  // namespace
+
+PhotometricWorld::PhotometricWorld(const Camera& camera, const TagMap& map, TrackMode track_mode, int width,
+                                   int height)
+    : model(camera.model),
+      mode(track_mode),
+      rays(camera.model, 0, 0, kNumLevels),
+      textures(patterns_of(map)) {
+  if (width > 0 && height > 0) fit_size(width, height);
+  for (std::size_t i = 0; i < map.tags.size(); ++i)
+    tags.push_back({map.tags[i], i, textures.pattern(i).half_extent()});
+}
+
+void PhotometricWorld::fit_size(int width, int height) {
+  rays = PixelRays(model, width, height, kNumLevels);
+  max_view_angle_rad = apriltrack::max_view_angle_rad(model, width, height);
 }
 
 }  // namespace apriltrack

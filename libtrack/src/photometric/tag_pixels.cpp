@@ -16,7 +16,7 @@ constexpr float kSaturatedLight = 0.985F;
 Eigen::AlignedBox2d swept_box(const CameraModel& model, const TagPrediction& prediction,
                               const PhotometricTag& tag) {
   Eigen::AlignedBox2d box;
-  const double half = tag.half_size_m() * tag.textures.pattern().half_extent();
+  const double half = tag.half_size_m() * tag.half_extent;
   for (const Pose& T_camera_tag : {prediction.path()[0], prediction.T_camera_tag(), prediction.path()[1]}) {
     for (const Eigen::Vector3d& corner : tag_corners(2.0 * half)) {
       const auto pixel = model.project(T_camera_tag * corner);

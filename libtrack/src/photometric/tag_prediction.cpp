@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "view_cone.h"
+
 namespace apriltrack {
 namespace {
 
@@ -40,8 +42,11 @@ TagPrediction::TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const
   };
   T_camera_tag_ = view_at(0.0);
   path_ = {view_at(-0.5 * exposure_s), view_at(0.5 * exposure_s)};
-  is_visible_ = faces_camera(T_camera_tag_, half_size) && faces_camera(path_[0], half_size) &&
-                faces_camera(path_[1], half_size);
+  const std::array views = {path_[0], T_camera_tag_, path_[1]};
+  is_visible_ = std::ranges::all_of(views, [&](const Pose& view) { return faces_camera(view, half_size); }) &&
+                std::ranges::any_of(views, [&](const Pose& view) {
+                  return may_be_in_view(view.translation(), tag.radius_m(), world.max_view_angle_rad);
+                });
   if (!is_visible_) return;
 
   Eigen::Vector2d streak = Eigen::Vector2d::Zero();  // the longest of the corners', pixels of level 0
@@ -77,7 +82,7 @@ TagPrediction::TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const
         focal_px * (H.col(k).head<2>() - H(2, k) / centre.z() * centre.head<2>()) / centre.z();
   const Eigen::Matrix2d plane_from_pixel = pixel_from_plane.inverse();
   const Eigen::Matrix2d in_plane = plane_from_pixel * blur * plane_from_pixel.transpose();
-  texture_ = tag.textures.blurred(std::sqrt(in_plane(0, 0)), std::sqrt(in_plane(1, 1)));
+  texture_ = world.textures.blurred(tag.index, std::sqrt(in_plane(0, 0)), std::sqrt(in_plane(1, 1)));
 }
 
 PixelPrediction TagPrediction::predict(const Eigen::Vector2f& ray) const {

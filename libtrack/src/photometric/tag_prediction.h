@@ -35,7 +35,7 @@ class TagPrediction {
   TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const MotionState& state, double exposure_s,
                 int level, double extra_sigma_px = 0.0);
 
-  /// Whether the tag faces the camera, in front of it, during the whole exposure.
+  /// Whether the tag faces the camera, in front of it, during the whole exposure, and may be in the image.
   bool is_visible() const { return is_visible_; }
   int num_instants() const { return static_cast<int>(instants_.size()); }
   /// T_camera_tag in the middle of the exposure.

@@ -118,7 +118,7 @@ class BlurTracker::Implementation {
     if (camera_.width > 0 && camera_.height > 0) return;
     camera_.width = image.width();
     camera_.height = image.height();
-    world_->rays = PixelRays(camera_.model, image.width(), image.height(), PhotometricWorld::kNumLevels);
+    world_->fit_size(image.width(), image.height());
   }
 
   BlurFrame prepared(const Frame& frame, const std::vector<Detection>& detections) {

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <memory>
-#include <utility>
+#include <cstddef>
 #include <vector>
 
 #include "apriltrack/tags/tag_family.h"
@@ -62,6 +61,8 @@ class PatternTexture {
     return {left_light + cell.fx * across_light, left_presence + cell.fx * across_presence};
   }
 
+  std::size_t num_bytes() const { return texels_.size() * sizeof(Texel); }
+
  private:
   struct Texel {
     float light, presence;
@@ -87,24 +88,6 @@ class PatternTexture {
   float last_column_ = 0.0F, last_row_ = 0.0F;
   int width_ = 0;
   std::vector<Texel> texels_;  ///< Row by row.
-};
-
-/// Textures of one tag, made when first asked for, in steps of 2^(1/4) of each sigma. Bounded: sigmas stop at
-/// three cells, where no cell is left to see, and only the textures used last are kept.
-class PatternTextures {
- public:
-  explicit PatternTextures(TagPattern pattern) : pattern_(std::move(pattern)) {}
-
-  std::shared_ptr<const PatternTexture> blurred(double sigma_u, double sigma_v);
-  const TagPattern& pattern() const { return pattern_; }
-
- private:
-  struct Entry {
-    int level_u = 0, level_v = 0;
-    std::shared_ptr<const PatternTexture> texture;
-  };
-  TagPattern pattern_;
-  std::vector<Entry> entries_;  ///< The one used last at the end.
 };
 
 }  // namespace apriltrack

@@ -1,21 +1,26 @@
 #pragma once
 
+#include <cstddef>
+#include <numbers>
 #include <vector>
 
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/motion/track_mode.h"
 #include "apriltrack/photometric/light.h"
-#include "apriltrack/photometric/pattern_texture.h"
+#include "apriltrack/photometric/pattern_textures.h"
 #include "apriltrack/tags/tag_map.h"
 
 namespace apriltrack {
 
-/// A mapped tag with the pictures that it is compared with.
+/// A mapped tag as the likelihood sees it.
 struct PhotometricTag {
   MapTag tag;
-  PatternTextures textures;
+  std::size_t index = 0;     ///< Of its pattern in PhotometricWorld::textures.
+  double half_extent = 0.0;  ///< Of its printed cells, in half tag sizes.
 
   double half_size_m() const { return 0.5 * tag.size_m; }
+  /// Distance of the printed corners from the centre.
+  double radius_m() const { return std::numbers::sqrt2 * half_extent * half_size_m(); }
 };
 
 /// What stays the same from frame to frame: the camera's rays and the tags' pictures.
@@ -23,13 +28,18 @@ struct PhotometricWorld {
   /// width, height: of the images. Throws Error(kInvalidInput) for a tag of an unknown family or id.
   PhotometricWorld(const Camera& camera, const TagMap& map, TrackMode mode, int width, int height);
 
+  /// For images of another size, or where none was known before.
+  void fit_size(int width, int height);
+
   static constexpr int kNumLevels = 3;
 
   CameraModel model;
   TrackMode mode;
   PixelRays rays;
-  std::vector<PhotometricTag> tags;  ///< In the order of the map.
-  double psf_sigma_px = 0.5;         ///< Blur of the lens.
+  std::vector<PhotometricTag> tags;              ///< In the order of the map.
+  PatternTextures textures;                      ///< Of the tags, by index.
+  double psf_sigma_px = 0.5;                     ///< Blur of the lens.
+  double max_view_angle_rad = std::numbers::pi;  ///< Off the optical axis, of the farthest pixel.
 
   double focal_px() const { return 0.5 * (model.pinhole().fx + model.pinhole().fy); }
 };

@@ -1,0 +1,58 @@
+#include "apriltrack/photometric/pattern_textures.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+namespace apriltrack {
+namespace {
+
+std::vector<TagPattern> first_patterns(int count) {
+  std::vector<TagPattern> patterns;
+  for (int id = 0; id < count; ++id) patterns.push_back(TagFamily::get("tag36h11").pattern(id));
+  return patterns;
+}
+
+TEST(PatternTextures, AreSharedInQuartersOfAnOctaveOfTheSigma) {
+  PatternTextures textures(first_patterns(2));
+  const double cell = textures.pattern(0).cell_size();
+  const auto first = textures.blurred(0, 0.5 * cell, 0.5 * cell);
+  EXPECT_EQ(first, textures.blurred(0, 0.505 * cell, 0.495 * cell));
+  EXPECT_NE(first, textures.blurred(0, 0.7 * cell, 0.5 * cell));
+  EXPECT_NE(first, textures.blurred(1, 0.5 * cell, 0.5 * cell));
+  // As wide as it gets, whatever is asked for: a tag seen on edge asks for anything.
+  EXPECT_EQ(textures.blurred(0, 1e6, 1e6), textures.blurred(0, 3.0 * cell, 3.0 * cell));
+  EXPECT_EQ(textures.blurred(0, 0.0, 0.0), textures.blurred(0, 1e-9, 1e-9));
+}
+
+TEST(PatternTextures, OfAllTagsTogetherStayWithinTheirMemoryAndTheLatestStay) {
+  constexpr std::size_t kMaxBytes = 2 << 20;
+  constexpr int kNumTags = 40;
+  PatternTextures textures(first_patterns(kNumTags), kMaxBytes);
+  const double cell = textures.pattern(0).cell_size();
+  std::vector<std::weak_ptr<const PatternTexture>> seen;
+  std::size_t most_bytes = 0, all_bytes = 0;
+  for (int id = 0; id < kNumTags; ++id) {
+    for (int k = 0; k < 6; ++k) {
+      const auto texture =
+          textures.blurred(static_cast<std::size_t>(id), 0.2 * std::exp2(0.3 * k) * cell, 0.3 * cell);
+      seen.push_back(texture);
+      all_bytes += texture->num_bytes();
+      most_bytes = std::max(most_bytes, textures.num_bytes());
+      EXPECT_FALSE(seen.back().expired());
+    }
+  }
+  EXPECT_GT(all_bytes, 3 * kMaxBytes);
+  EXPECT_LE(most_bytes, kMaxBytes);
+  std::size_t alive_bytes = 0;
+  for (const auto& texture : seen) alive_bytes += texture.expired() ? 0 : texture.lock()->num_bytes();
+  EXPECT_EQ(alive_bytes, textures.num_bytes());
+  EXPECT_GT(alive_bytes, kMaxBytes / 2);
+  EXPECT_TRUE(seen.front().expired());
+  EXPECT_FALSE(seen.back().expired());
+}
+
+}  // namespace
+}  // namespace apriltrack
