@@ -6,12 +6,15 @@
 #include <limits>
 
 #include "active_tags.h"
+#include "apriltrack/base/geman_mcclure.h"
 
 namespace apriltrack {
 namespace {
 
 /// Neighbouring pixels err together (demosaicing, compression, the model): so many count as one.
 constexpr double kCorrelatedPixels = 4.0;
+/// Of detected corners, in standard deviations: a false detection must not hold the fit.
+constexpr GemanMcClure kCornerError(3.0);
 
 /// How much of the information of independent pixels these carry.
 double information_share(const TagPixels& pixels) {
@@ -118,15 +121,9 @@ class Fit {
       const auto pixel = world_.model.project(view * corner.point_map);
       const double r2 =
           pixel ? (*pixel - corner.pixel).squaredNorm() / (corner.sigma_px * corner.sigma_px) : 1e6;
-      sum += 0.5 * corner_penalty(r2);
+      sum += 0.5 * kCornerError.penalty(r2);
     }
     return sum;
-  }
-
-  static double corner_penalty(double r2) { return kCornerReach2 * r2 / (kCornerReach2 + r2); }
-  static double corner_weight(double r2) {
-    const double share = kCornerReach2 / (kCornerReach2 + r2);
-    return share * share;
   }
 
   NormalEquations equations(const std::vector<ActiveTag>& active, const MotionState& state, int level) {
@@ -164,13 +161,11 @@ class Fit {
         J.block<1, 3>(row, 3) = point.cross(Eigen::Vector3d(by_point.row(row).transpose())).transpose();
       J /= corner.sigma_px;
       const Eigen::Vector2d r = (*pixel - corner.pixel) / corner.sigma_px;
-      const double w = corner_weight(r.squaredNorm());
+      const double w = kCornerError.weight(r.squaredNorm());
       left.H.block<6, 6>(0, 0) += w * J.transpose() * J;
       left.g.head<6>() += w * J.transpose() * r;
     }
   }
-
-  static constexpr double kCornerReach2 = 3.0 * 3.0;
 
   PhotometricWorld& world_;
   const PhotometricFrame& frame_;
