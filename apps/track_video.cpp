@@ -43,7 +43,7 @@ TrackVideo::TrackVideo(std::filesystem::path path, const Camera& camera, const T
 
 std::vector<ColouredOutline> TrackVideo::outlines(const TrackResult& result) const {
   if (!result.pose) return {};
-  const Pose T_camera_map = mode_ == TrackMode::kEgo ? result.pose->inverse() : *result.pose;
+  const Pose T_camera_map = camera_from_map(*result.pose, mode_);
   std::vector<ColouredOutline> shown;
   for (const MapTag& tag : map_.tags) {
     if (!faces_the_camera(T_camera_map * tag.T_map_tag)) continue;

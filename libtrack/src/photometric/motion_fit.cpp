@@ -26,11 +26,6 @@ TagPrediction prediction_of(PhotometricWorld& world, int index, const MotionStat
   return {world, world.tags[static_cast<std::size_t>(index)], state, frame.exposure_s, level};
 }
 
-/// The matrix from a right perturbation of the pose to a left one of the camera's view of the map.
-Matrix6d view_by_pose(const MotionState& state, TrackMode mode) {
-  return mode == TrackMode::kEgo ? Matrix6d(-Matrix6d::Identity()) : state.pose.adjoint();
-}
-
 struct NormalEquations {
   Matrix12d H = Matrix12d::Zero();
   Vector12d g = Vector12d::Zero();
@@ -139,7 +134,7 @@ class Fit {
     }
     add_corners(state, left);
     Matrix12d A = Matrix12d::Zero();
-    A.block<6, 6>(0, 0) = A.block<6, 6>(6, 6) = view_by_pose(state, world_.mode);
+    A.block<6, 6>(0, 0) = A.block<6, 6>(6, 6) = view_by_pose(state.pose, world_.mode);
     NormalEquations right{A.transpose() * left.H * A, A.transpose() * left.g};
     if (prior_) {
       right.H += prior_information_;

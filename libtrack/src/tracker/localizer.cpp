@@ -93,7 +93,8 @@ class Localizer::Implementation {
   std::optional<Choice> choose(Timestamp time, const std::vector<TagObservation>& observations,
                                double exposure_s) const {
     std::vector<Pose> predictions;
-    for (const PoseMemory::Mode& mode : memory_.predict(time)) predictions.push_back(swapped(mode.pose));
+    for (const PoseMemory::Mode& mode : memory_.predict(time))
+      predictions.push_back(T_camera_map_of(mode.pose));
     const CandidateOptions options{options_.corner_sigma_px, options_.max_residual_rms_px};
     std::vector<PoseCandidate> candidates =
         find_pose_candidates(camera_.model, observations, predictions, options);
@@ -111,7 +112,7 @@ class Localizer::Implementation {
     std::vector<double> cost;
     for (const PoseCandidate& candidate : candidates) {
       cost.push_back(misfit(camera_.model, observations, sigma_px, candidate.T_camera_map) -
-                     memory_.log_prior(time, swapped(candidate.T_camera_map)));
+                     memory_.log_prior(time, reported(candidate.T_camera_map)));
     }
     const auto best = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
     Choice choice{candidates[best],
@@ -142,7 +143,7 @@ class Localizer::Implementation {
     if (is_majority && (has_unrepeated || has_several)) return true;
     const bool is_half = 2 * candidate.inliers.size() >= seen.size();
     return is_half && !memory_.predict(time).empty() &&
-           memory_.log_prior(time, swapped(candidate.T_camera_map)) > kMinLogPriorOfSupport;
+           memory_.log_prior(time, reported(candidate.T_camera_map)) > kMinLogPriorOfSupport;
   }
 
   double expected_sigma_px(Timestamp time, const PoseCandidate& candidate, double exposure_s) const {
@@ -150,7 +151,8 @@ class Localizer::Implementation {
     if (exposure_s == 0.0) {
       blur_px = 0.0;
     } else if (const auto last = memory_.last(time)) {
-      blur_px = corner_blur_px(camera_.model, candidate, swapped(last->pose), last->age_s, exposure_s);
+      blur_px =
+          corner_blur_px(camera_.model, candidate, T_camera_map_of(last->pose), last->age_s, exposure_s);
     }
     return expected_corner_sigma_px(options_.corner_sigma_px, blur_px, candidate);
   }
@@ -162,12 +164,13 @@ class Localizer::Implementation {
       return;
     }
     result->status = TrackStatus::kDetected;
-    result->pose = swapped(T_camera_map);
-    result->covariance = covariance_of_swapped(T_camera_map, *choice.cov_T_camera_map);
+    result->pose = reported(T_camera_map);
+    const Matrix6d moved = pose_covariance_from_camera(T_camera_map, *choice.cov_T_camera_map, options_.mode);
+    result->covariance = 0.5 * (moved + moved.transpose());
     result->tags_tracked = count_tags(choice.candidate.inliers);
     std::optional<PoseMemory::Mode> second;
     if (choice.second) {
-      second = PoseMemory::Mode{swapped(choice.second->pose), choice.second->weight};
+      second = PoseMemory::Mode{reported(choice.second->pose), choice.second->weight};
       result->second_pose = second->pose;
       result->second_mode_odds = second->weight;
     }
@@ -189,19 +192,9 @@ class Localizer::Implementation {
     return covariance;
   }
 
-  /// T_camera_map to the pose that is reported and back: T_camera_body is itself, T_world_camera the inverse.
-  Pose swapped(const Pose& pose) const { return options_.mode == TrackMode::kEgo ? pose.inverse() : pose; }
-
-  /// (T exp(xi))^-1 = T^-1 exp(-adjoint(T) xi): the perturbation of the inverse is that of T, moved to its
-  /// left.
-  Matrix6d covariance_of_swapped(const Pose& T_camera_map, const Matrix6d& covariance) const {
-    Matrix6d moved = covariance;
-    if (options_.mode == TrackMode::kEgo) {
-      const Matrix6d adjoint = T_camera_map.adjoint();
-      moved = adjoint * covariance * adjoint.transpose();
-    }
-    return 0.5 * (moved + moved.transpose());
-  }
+  /// The pose that is reported: T_camera_body, or T_world_camera.
+  Pose reported(const Pose& T_camera_map) const { return pose_from_camera(T_camera_map, options_.mode); }
+  Pose T_camera_map_of(const Pose& pose) const { return camera_from_map(pose, options_.mode); }
 
   Camera camera_;
   TagMap map_;
