@@ -7,6 +7,7 @@
 
 #include "active_tags.h"
 #include "apriltrack/base/geman_mcclure.h"
+#include "apriltrack/camera/pixel_jacobian.h"
 
 namespace apriltrack {
 namespace {
@@ -150,11 +151,7 @@ class Fit {
       const Eigen::Vector3d point = view * corner.point_map;
       const auto pixel = world_.model.project(point, &by_point);
       if (!pixel) continue;
-      Eigen::Matrix<double, 2, 6> J;
-      J.leftCols<3>() = by_point;
-      for (int row = 0; row < 2; ++row)
-        J.block<1, 3>(row, 3) = point.cross(Eigen::Vector3d(by_point.row(row).transpose())).transpose();
-      J /= corner.sigma_px;
+      const Eigen::Matrix<double, 2, 6> J = pixel_jacobian(by_point, point) / corner.sigma_px;
       const Eigen::Vector2d r = (*pixel - corner.pixel) / corner.sigma_px;
       const double w = kCornerError.weight(r.squaredNorm());
       left.H.block<6, 6>(0, 0) += w * J.transpose() * J;

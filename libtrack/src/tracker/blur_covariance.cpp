@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "apriltrack/camera/pixel_jacobian.h"
 #include "map_uncertainty.h"
 #include "pose_adjustment.h"
 
@@ -25,11 +26,7 @@ Matrix6d shared_information(const PhotometricWorld& world, const MotionFit& fit,
     const Eigen::Vector3d point = view * corner;
     Eigen::Matrix<double, 2, 3> by_point;
     if (!world.model.project(point, &by_point)) continue;
-    Eigen::Matrix<double, 2, 6> J;
-    J.leftCols<3>() = by_point;
-    for (int row = 0; row < 2; ++row)
-      J.block<1, 3>(row, 3) = point.cross(Eigen::Vector3d(by_point.row(row).transpose())).transpose();
-    J = J * left_by_right / sigma_px;
+    const Eigen::Matrix<double, 2, 6> J = pixel_jacobian(by_point, point) * left_by_right / sigma_px;
     information += J.transpose() * J;
   }
   return information;

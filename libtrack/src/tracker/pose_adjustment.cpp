@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "apriltrack/geometry/rotation.h"
+#include "apriltrack/camera/pixel_jacobian.h"
 
 namespace apriltrack {
 namespace {
@@ -31,7 +31,7 @@ NormalEquations linearise(const CameraModel& model, const std::vector<const TagO
       if (!pixel) continue;
       const Eigen::Vector2d error = *pixel - observation->corners_px[i];
       const double weight = kernel != nullptr ? kernel->weight(error.squaredNorm()) : 1.0;
-      const auto jacobian = corner_jacobian(d_pixel_d_point, R, observation->corners_map[i]);
+      const auto jacobian = pixel_jacobian(d_pixel_d_point * R, observation->corners_map[i]);
       equations.hessian += weight * jacobian.transpose() * jacobian;
       equations.gradient += weight * jacobian.transpose() * error;
     }
@@ -49,16 +49,6 @@ double scene_depth(const std::vector<const TagObservation*>& observations, const
 }
 
 }  // namespace
-
-Eigen::Matrix<double, 2, 6> corner_jacobian(const Eigen::Matrix<double, 2, 3>& d_pixel_d_point,
-                                            const Eigen::Matrix3d& R_camera_a,
-                                            const Eigen::Vector3d& corner_a) {
-  // A point moves by R (v + w x point).
-  Eigen::Matrix<double, 2, 6> jacobian;
-  const Eigen::Matrix<double, 2, 3> d_pixel_d_translation = d_pixel_d_point * R_camera_a;
-  jacobian << d_pixel_d_translation, -d_pixel_d_translation * skew(corner_a);
-  return jacobian;
-}
 
 double RobustKernel::cost(double squared_error_px2) const {
   const double scale2 = scale_px * scale_px;
