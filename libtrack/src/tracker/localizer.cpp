@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <set>
 
 #include "corner_noise.h"
 #include "image_size.h"
+#include "known_exposure.h"
 #include "map_detection.h"
 #include "map_uncertainty.h"
 #include "pose_adjustment.h"
@@ -20,13 +20,6 @@ namespace {
 constexpr double kUnknownExposure_s = 0.01;     // indoor webcams: 5 to 30 ms
 constexpr double kMinOdds = 1e-3;               // what is less likely than this is ruled out
 constexpr double kMinLogPriorOfSupport = -5.0;  // 3 sigma from the prediction
-
-/// What is told of the frame, else of the camera; NaN, infinite or negative says nothing.
-std::optional<double> known_exposure_s(std::optional<double> of_frame, std::optional<double> of_camera) {
-  for (const std::optional<double>& exposure_s : {of_frame, of_camera})
-    if (exposure_s && std::isfinite(*exposure_s) && *exposure_s >= 0.0) return exposure_s;
-  return std::nullopt;
-}
 
 struct Choice {
   PoseCandidate candidate;
@@ -45,10 +38,7 @@ class Localizer::Implementation {
         detector_options_((options.check(), detector_options_for(camera, map, options.detector))) {}
 
   TrackResult localize(const Frame& frame) {
-    TrackResult other;
-    other.timestamp = frame.timestamp;
-    other.reason = why_of_another_camera(frame.image, camera_);
-    if (!other.reason.empty()) return other;
+    if (const auto lost = lost_to_another_camera(frame, camera_)) return *lost;
     prepare();  // the tables are no part of a frame's latency
     const auto start = std::chrono::steady_clock::now();
     const std::vector<Detection> detections = detector_->detect(frame.image);
@@ -74,9 +64,7 @@ class Localizer::Implementation {
     const double exposure_s =
         known_exposure_s(exposure_of_frame_s, camera_.exposure_s).value_or(kUnknownExposure_s);
     const auto observations = observe_mapped_tags(map_, camera_.model, detections);
-    std::set<const MapTag*> tags;
-    for (const TagObservation& observation : observations) tags.insert(observation.tag);
-    result.tags_detected = static_cast<int>(tags.size());
+    result.tags_detected = count_tags(observations);
     if (observations.empty()) {
       result.reason = detections.empty() ? "no tag seen" : "no tag of the map seen";
     } else if (const auto choice = choose(time, observations, exposure_s)) {
@@ -134,14 +122,13 @@ class Localizer::Implementation {
   /// that the frame shows twice speaks for nothing by itself: any of its copies may be the false one.
   bool is_supported(Timestamp time, const std::vector<TagObservation>& observations,
                     const PoseCandidate& candidate) const {
-    std::set<const MapTag*> seen;
-    for (const TagObservation& observation : observations) seen.insert(observation.tag);
+    const auto num_seen = static_cast<std::size_t>(count_tags(observations));
     const bool has_unrepeated = std::any_of(candidate.inliers.begin(), candidate.inliers.end(),
                                             [](const TagObservation* o) { return !o->is_repeated; });
     const bool has_several = candidate.inliers.size() > 1;
-    const bool is_majority = 2 * candidate.inliers.size() > seen.size();
+    const bool is_majority = 2 * candidate.inliers.size() > num_seen;
     if (is_majority && (has_unrepeated || has_several)) return true;
-    const bool is_half = 2 * candidate.inliers.size() >= seen.size();
+    const bool is_half = 2 * candidate.inliers.size() >= num_seen;
     return is_half && !memory_.predict(time).empty() &&
            memory_.log_prior(time, reported(candidate.T_camera_map)) > kMinLogPriorOfSupport;
   }
