@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apriltrack/geometry/tag_view.h"
 #include "apriltrack/photometric/patch.h"
 
 namespace apriltrack {
@@ -14,9 +15,7 @@ constexpr int kMaxInstants = 16;
 constexpr double kInstantSpacing = 1.2;  ///< Pixels of the level.
 
 bool faces_camera(const Pose& T_camera_tag, double half_size_m) {
-  const Eigen::Vector3d& centre = T_camera_tag.translation();
-  const Eigen::Vector3d normal = T_camera_tag.rotation_matrix().col(2);
-  return centre.z() > half_size_m && normal.dot(centre) > kMinCosine * centre.norm();
+  return T_camera_tag.translation().z() > half_size_m && tag_view_cosine(T_camera_tag) > kMinCosine;
 }
 
 /// Where the point is in a plain pinhole image, pixels.

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "apriltrack/camera/pixel_jacobian.h"
+#include "apriltrack/geometry/tag_view.h"
 
 namespace apriltrack {
 namespace {
@@ -66,9 +67,7 @@ double RobustKernel::weight(double squared_error_px2) const {
 double squared_error_px2(const CameraModel& model, const TagObservation& observation,
                          const Pose& T_camera_map) {
   const Pose T_camera_tag = T_camera_map * observation.tag->T_map_tag;
-  const bool is_face_visible =
-      (T_camera_tag.rotation() * Eigen::Vector3d::UnitZ()).dot(T_camera_tag.translation()) > 0;
-  if (!is_face_visible) return std::numeric_limits<double>::infinity();
+  if (!(tag_view_cosine(T_camera_tag) > 0.0)) return std::numeric_limits<double>::infinity();
   double sum = 0.0;
   for (std::size_t i = 0; i < kNumCorners; ++i) {
     const auto pixel = model.project(T_camera_map * observation.corners_map[i]);
