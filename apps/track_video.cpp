@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "apriltrack/geometry/tag_view.h"
 #include "status_colours.h"
 
 namespace apriltrack::app {
@@ -21,8 +22,7 @@ double rate_between(Timestamp first, Timestamp second) {
 /// Grazing tags and those seen from behind show nothing to compare an outline with.
 bool faces_the_camera(const Pose& T_camera_tag) {
   constexpr double kMinCosine = 0.1;
-  const Eigen::Vector3d into_tag = T_camera_tag.rotation() * Eigen::Vector3d::UnitZ();
-  return into_tag.dot(T_camera_tag.translation().normalized()) > kMinCosine;
+  return tag_view_cosine(T_camera_tag) > kMinCosine;
 }
 
 std::string caption(const TrackResult& result, double time_s) {
@@ -43,7 +43,7 @@ TrackVideo::TrackVideo(std::filesystem::path path, const Camera& camera, const T
 
 std::vector<ColouredOutline> TrackVideo::outlines(const TrackResult& result) const {
   if (!result.pose) return {};
-  const Pose T_camera_map = mode_ == TrackMode::kEgo ? result.pose->inverse() : *result.pose;
+  const Pose T_camera_map = camera_from_map(*result.pose, mode_);
   std::vector<ColouredOutline> shown;
   for (const MapTag& tag : map_.tags) {
     if (!faces_the_camera(T_camera_map * tag.T_map_tag)) continue;

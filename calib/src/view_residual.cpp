@@ -1,6 +1,6 @@
 #include "view_residual.h"
 
-#include "apriltrack/geometry/rotation.h"
+#include "apriltrack/camera/pixel_jacobian.h"
 
 namespace apriltrack {
 
@@ -19,15 +19,9 @@ bool view_residual(const RigCamera& camera, double size_m, const CornersPx& obse
     if (!pixel) return false;
     residual_px->segment<2>(2 * i) = *pixel - observed_px[corner];
     const Eigen::Matrix<double, 2, 3> by_point_rig = by_point * R_camera_rig;
-    if (by_rig != nullptr) {
-      by_rig->block<2, 3>(2 * i, 0) = -by_point_rig;
-      by_rig->block<2, 3>(2 * i, 3) = by_point_rig * skew(point_rig);
-    }
-    if (by_tag != nullptr) {
-      const Eigen::Matrix<double, 2, 3> by_point_tag = by_point_rig * R_rig_tag;
-      by_tag->block<2, 3>(2 * i, 0) = by_point_tag;
-      by_tag->block<2, 3>(2 * i, 3) = -by_point_tag * skew(corners_tag[corner]);
-    }
+    if (by_rig != nullptr) by_rig->middleRows<2>(2 * i) = -pixel_jacobian(by_point_rig, point_rig);
+    if (by_tag != nullptr)
+      by_tag->middleRows<2>(2 * i) = pixel_jacobian(by_point_rig * R_rig_tag, corners_tag[corner]);
   }
   return true;
 }

@@ -6,9 +6,6 @@
 #include <limits>
 #include <vector>
 
-#include "apriltrack/base/check.h"
-#include "apriltrack/base/random.h"
-
 namespace apriltrack {
 namespace {
 
@@ -43,34 +40,6 @@ TEST(EffectiveSize, CountsEqualParticles) {
   EXPECT_NEAR(effective_size(std::vector<double>(40, 1.0 / 40.0)), 40.0, 1e-9);
   EXPECT_NEAR(effective_size(std::vector{0.0, 1.0, 0.0}), 1.0, 1e-12);
   EXPECT_NEAR(effective_size(std::vector{0.75, 0.25}), 1.0 / (0.5625 + 0.0625), 1e-12);
-}
-
-/// Half of the particles have likelihood 0, half `gap`. With x = exp(beta gap) the share that they are worth
-/// is (1 + x)^2 / (2 (1 + x^2)).
-std::vector<double> two_groups(double gap) {
-  std::vector<double> values(200, 0.0);
-  std::fill(values.begin(), values.begin() + 100, gap);
-  return values;
-}
-
-TEST(NextTemperature, ReachesTheShareOfTheClosedForm) {
-  for (const double share : {0.6, 0.8, 0.95}) {
-    const double a = 2.0 * share - 1.0;  // a x^2 - 2 x + a = 0
-    const double x = (1.0 + std::sqrt(1.0 - a * a)) / a;
-    const double step = std::log(x) / 25.0;
-    EXPECT_NEAR(next_temperature(two_groups(25.0), 0.0, share), step, 2e-6) << share;
-    EXPECT_NEAR(next_temperature(two_groups(25.0), 0.3, share), 0.3 + step, 2e-6) << share;
-  }
-}
-
-TEST(NextTemperature, GoesAllTheWayWhereTheWeightsAreFlat) {
-  EXPECT_EQ(next_temperature(two_groups(0.0), 0.0, 0.9), 1.0);
-  EXPECT_EQ(next_temperature(two_groups(25.0), 0.99, 0.9), 1.0);
-}
-
-TEST(NextTemperature, RefusesSharesOutOfRange) {
-  EXPECT_THROW(next_temperature(two_groups(1.0), 0.0, 0.0), MisuseError);
-  EXPECT_THROW(next_temperature(two_groups(1.0), 0.0, 1.0), MisuseError);
 }
 
 }  // namespace

@@ -157,5 +157,34 @@ TEST(TrackMode, EgoPosesAreTheInverseOfTheView) {
     EXPECT_THAT(pose_from_camera(camera_from_map(pose, mode), mode), PoseNear(pose, kRounding, 1e-7));
 }
 
+TEST(TrackMode, APerturbationOfThePoseIsOneOfTheViewOnItsLeft) {
+  RandomStream random(6);
+  for (int run = 0; run < 20; ++run) {
+    const Pose pose = Pose::exp(random_vector(random, 1.5));
+    const Vector6d xi = random_vector(random, 0.5);
+    for (const TrackMode mode : {TrackMode::kEgo, TrackMode::kJoint}) {
+      const Pose expected = camera_from_map(pose * Pose::exp(xi), mode);
+      const Pose view = Pose::exp(view_by_pose(pose, mode) * xi) * camera_from_map(pose, mode);
+      EXPECT_THAT(view, PoseNear(expected, kRounding, 1e-7));
+    }
+  }
+}
+
+TEST(TrackMode, CovariancesFollowThePose) {
+  RandomStream random(7);
+  const Matrix6d covariance = random_covariance(random).topLeftCorner<6, 6>();
+  const Pose T_camera_map = Pose::exp(random_vector(random, 1.5));
+  for (const TrackMode mode : {TrackMode::kEgo, TrackMode::kJoint}) {
+    const Pose pose = pose_from_camera(T_camera_map, mode);
+    const Matrix6d J = numeric_jacobian(
+        [&](const Eigen::VectorXd& xi) -> Eigen::VectorXd {
+          return (pose.inverse() * pose_from_camera(T_camera_map * Pose::exp(xi), mode)).log();
+        },
+        6);
+    EXPECT_TRUE(jacobians_agree(pose_covariance_from_camera(T_camera_map, covariance, mode),
+                                J * covariance * J.transpose(), 1e-6));
+  }
+}
+
 }  // namespace
 }  // namespace apriltrack

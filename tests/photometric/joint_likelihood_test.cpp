@@ -8,12 +8,12 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/random.h"
 #include "apriltrack/geometry/rotation.h"
-#include "apriltrack/sim/renderer.h"
+#include "tag_film.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr double kTagSize_m = 0.16;
+constexpr double kTagSize_m = test::TagFilm::kSize_m;
 const ParallelFor kSerial = parallel_for(1);
 
 Camera camera_320() {
@@ -282,40 +282,24 @@ TEST(JointLikelihood, RefusesOptionsOutOfRange) {
   EXPECT_THROW(JointLikelihood(camera_320(), map, TrackMode::kEgo), Error);
 }
 
-/// A tag that moves across the picture, filmed by the renderer, which shares no code with the likelihood.
+Motion across_the_picture() {
+  Motion motion = Motion::fixed(facing(0.0, 0.0, 0.7));
+  motion.position_m[0].rate_per_s = 1.1;  // 12.6 px during the exposure, of a tag of 91 px
+  motion.position_m[1].rate_per_s = 0.6;
+  return motion;
+}
+
 class FilmedTag : public ::testing::Test {
  protected:
-  static constexpr double kExposure_s = 0.02;
-
-  FilmedTag() {
-    Scene scene;
-    scene.truth = TruthKind::kJoint;
-    scene.camera = camera_320();
-    scene.camera.exposure_s = kExposure_s;
-    scene.formation.vignetting = 0.0;
-    scene.map = one_tag();
-    Motion motion = Motion::fixed(facing(0.0, 0.0, 0.7));
-    motion.position_m[0].rate_per_s = 1.1;  // 12.6 px during the exposure, of a tag of 91 px
-    motion.position_m[1].rate_per_s = 0.6;
-    Body body{.name = "tag", .T_world_body = motion, .panels = {}};
-    add_tags(body, scene.map, {.margin_cells = 0.5});
-    scene.bodies = {body};
-    const Renderer renderer(scene);
-    frame_.light.push_back(renderer.sensor_light(Timestamp{0}, kExposure_s));
-    frame_.exposure_s = kExposure_s;
-    truth_.pose = facing(0.0, 0.0, 0.7);
-    truth_.velocity << 1.1, 0.6, 0.0, 0.0, 0.0, 0.0;
-  }
-
   JointScores evaluate(const std::vector<MotionState>& hypotheses) const {
     JointLikelihood likelihood(camera_320(), one_tag(), TrackMode::kJoint);
     JointScores scores;
-    likelihood.evaluate(frame_, hypotheses, kSerial, &scores);
+    likelihood.evaluate(film_.frame, hypotheses, kSerial, &scores);
     return scores;
   }
 
-  PhotometricFrame frame_;
-  MotionState truth_;
+  const test::TagFilm film_{camera_320().model, across_the_picture()};
+  const MotionState truth_ = film_.truth;
 };
 
 TEST_F(FilmedTag, LooksAsThePatternPredicts) {

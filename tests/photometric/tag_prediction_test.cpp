@@ -8,66 +8,35 @@
 #include "apriltrack/base/random.h"
 #include "apriltrack/geometry/rotation.h"
 #include "apriltrack/photometric/motion_fit.h"
-#include "apriltrack/sim/renderer.h"
 #include "support/numeric_jacobian.h"
 #include "support/pose_matchers.h"
+#include "tag_film.h"
 #include "tag_photometry.h"
 #include "tag_pixels.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr double kExposure_s = 0.02;
+using test::TagFilm;
+constexpr double kExposure_s = TagFilm::kExposure_s;
 
-/// A tag that moves and turns steadily before a small camera, through a lens, filmed by the renderer, which
-/// shares no code with the prediction: 20 px during the exposure, of a tag of 95 px.
-struct MovingTag {
-  Scene scene;
-  MotionState truth;  ///< T_camera_body and its velocity at time 0.
-  PhotometricFrame frame;
-
-  MovingTag() {
-    scene.truth = TruthKind::kJoint;
-    scene.camera.model =
-        CameraModel({400.0, 405.0, 155.0, 122.0}, RadtanDistortion({-0.12, 0.03, 1e-3, -5e-4}));
-    scene.camera.width = 320;
-    scene.camera.height = 240;
-    scene.formation.vignetting = 0.0;
-    MapTag tag;
-    tag.key = {"tag36h11", 5};
-    tag.size_m = 0.16;
-    scene.map.tags = {tag};
+/// A tag that moves and turns steadily, seen through a lens: 20 px during the exposure, of a tag of 95 px.
+const TagFilm& moving_tag() {
+  static const TagFilm film = [] {
     Motion motion;
     motion.T_end = {rotation_exp({0.5, 0.2, 0.1}), Eigen::Vector3d::Zero()};
     motion.position_m[0].rate_per_s = 1.2;
     motion.position_m[1].rate_per_s = -0.7;
     motion.position_m[2] = {.offset = 0.62, .rate_per_s = 0.8, .waves = {}, .bursts = {}};
     motion.yaw_rad.rate_per_s = 2.5;
-    Body body{.name = "tag", .T_world_body = motion, .panels = {}};
-    add_tags(body, scene.map, {.margin_cells = 0.5});
-    scene.bodies = {body};
-    const Renderer renderer(scene);
-    frame.light =
-        light_pyramid(renderer.sensor_light(Timestamp{0}, kExposure_s), PhotometricWorld::kNumLevels);
-    frame.exposure_s = kExposure_s;
-    truth.pose = motion.at(0.0);
-    const Eigen::Quaterniond body_from_camera = truth.pose.rotation().conjugate();
-    truth.velocity.head<3>() = body_from_camera * Eigen::Vector3d(1.2, -0.7, 0.8);
-    truth.velocity.tail<3>() = body_from_camera * Eigen::Vector3d(0.0, 0.0, 2.5);
-  }
-
-  PhotometricWorld world(TrackMode mode = TrackMode::kJoint) const {
-    return {scene.camera, scene.map, mode, 320, 240};
-  }
-
-  static const MovingTag& instance() {
-    static const MovingTag tag;
-    return tag;
-  }
-};
+    return TagFilm(CameraModel({400.0, 405.0, 155.0, 122.0}, RadtanDistortion({-0.12, 0.03, 1e-3, -5e-4})),
+                   motion);
+  }();
+  return film;
+}
 
 TEST(TagPrediction, ExplainsARenderedPictureOnEveryLevel) {
-  const MovingTag& film = MovingTag::instance();
+  const TagFilm& film = moving_tag();
   PhotometricWorld world = film.world();
   for (int level = 0; level < PhotometricWorld::kNumLevels; ++level) {
     const TagPrediction prediction(world, world.tags[0], film.truth, kExposure_s, level);
@@ -82,7 +51,7 @@ TEST(TagPrediction, ExplainsARenderedPictureOnEveryLevel) {
 }
 
 TEST(TagPrediction, NoOtherMotionExplainsItAsWell) {
-  const MovingTag& film = MovingTag::instance();
+  const TagFilm& film = moving_tag();
   PhotometricWorld world = film.world();
   const auto cost = [&](const MotionState& state) {
     return -log_likelihood(weigh_evidence(world, film.frame, state));
@@ -103,7 +72,7 @@ TEST(TagPrediction, NoOtherMotionExplainsItAsWell) {
 /// are defined: view(t) = exp(pose + t rate) view_0(t).
 class Perturbed {
  public:
-  explicit Perturbed(const MovingTag& film) : world_(film.world()), truth_(film.truth) {}
+  explicit Perturbed(const TagFilm& film) : world_(film.world()), truth_(film.truth) {}
 
   /// The same instants and texture under another view cannot be asked for: this is the definition, point by
   /// point, of the exposure integral over the pattern's blurred picture.
@@ -136,7 +105,7 @@ class Perturbed {
 };
 
 TEST(TagPrediction, JacobianIsTheNumericOne) {
-  const MovingTag& film = MovingTag::instance();
+  const TagFilm& film = moving_tag();
   PhotometricWorld world = film.world();
   const TagPrediction prediction(world, world.tags[0], film.truth, kExposure_s, 0);
   const TagPixels pixels = select_pixels(world, film.frame.light, prediction, world.tags[0], 0, 300);
@@ -174,7 +143,7 @@ TEST(TagPrediction, JacobianIsTheNumericOne) {
 }
 
 TEST(FitMotion, FindsPoseAndVelocityFromWhereThePredictionIs) {
-  const MovingTag& film = MovingTag::instance();
+  const TagFilm& film = moving_tag();
   // The camera in the tag's frame: T^-1 exp(-adjoint(T) v t) is the inverse of T exp(v t).
   MotionState seen_from_tag;
   seen_from_tag.pose = film.truth.pose.inverse();
@@ -218,7 +187,7 @@ TEST(FitMotion, FindsPoseAndVelocityFromWhereThePredictionIs) {
 
 TEST(FitMotion, DetectedCornersHoldWhatThePixelsDoNotShow) {
   // All is dark, but corners are told: the pose that they determine comes out.
-  const MovingTag& film = MovingTag::instance();
+  const TagFilm& film = moving_tag();
   PhotometricWorld world = film.world();
   PhotometricFrame dark;
   dark.light = light_pyramid(Image<float>(320, 240), PhotometricWorld::kNumLevels);

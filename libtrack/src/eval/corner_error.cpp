@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "apriltrack/base/check.h"
+#include "apriltrack/geometry/tag_view.h"
 
 namespace apriltrack {
 namespace {
@@ -31,8 +32,7 @@ bool is_visible(const CornerScene& scene, const MapTag& tag,
   const bool is_in_image = pixel.x() >= 0.0 && pixel.x() < scene.camera.width && pixel.y() >= 0.0 &&
                            pixel.y() < scene.camera.height;
   if (!is_in_image) return false;
-  const Eigen::Vector3d into_tag = T_camera_tag.rotation() * Eigen::Vector3d::UnitZ();
-  return into_tag.dot(centre.normalized()) >= std::cos(kMaxViewAngle_rad);
+  return tag_view_cosine(T_camera_tag) >= std::cos(kMaxViewAngle_rad);
 }
 
 }  // namespace

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "apriltrack/base/check.h"
-
 namespace apriltrack {
 namespace {
 
@@ -45,24 +43,6 @@ double effective_size(std::span<const double> weights) {
   double squares = 0.0;
   for (const double weight : weights) squares += weight * weight;
   return squares > 0.0 ? 1.0 / squares : 0.0;
-}
-
-double next_temperature(std::span<const double> log_likelihoods, double from, double effective_share) {
-  APRILTRACK_CHECK(effective_share > 0.0 && effective_share < 1.0, "effective_share must lie in (0, 1)");
-  const double wanted = effective_share * static_cast<double>(log_likelihoods.size());
-  std::vector<double> scaled(log_likelihoods.size());
-  const auto is_enough = [&](double beta) {
-    std::transform(log_likelihoods.begin(), log_likelihoods.end(), scaled.begin(),
-                   [&](double value) { return (beta - from) * value; });
-    return effective_size(normalized_weights(scaled)) >= wanted;
-  };
-  if (is_enough(1.0)) return 1.0;
-  double low = from, high = 1.0;
-  while (high - low > 1e-6) {
-    const double middle = 0.5 * (low + high);
-    (is_enough(middle) ? low : high) = middle;
-  }
-  return high;
 }
 
 }  // namespace apriltrack

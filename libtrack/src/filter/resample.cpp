@@ -27,15 +27,6 @@ std::vector<std::size_t> invert_distribution(std::span<const double> weights,
 
 }  // namespace
 
-std::vector<std::size_t> resample_systematic(std::span<const double> weights, std::size_t count,
-                                             RandomStream& random) {
-  const double offset = random.uniform();
-  std::vector<double> points(count);
-  for (std::size_t i = 0; i < count; ++i)
-    points[i] = (static_cast<double>(i) + offset) / static_cast<double>(count);
-  return invert_distribution(weights, points);
-}
-
 std::vector<std::size_t> resample_multinomial(std::span<const double> weights, std::size_t count,
                                               RandomStream& random) {
   std::vector<double> points(count);

@@ -12,6 +12,7 @@
 #include "apriltrack/geometry/homography.h"
 #include "apriltrack/geometry/rotation.h"
 #include "apriltrack/geometry/tag_corners.h"
+#include "apriltrack/geometry/tag_view.h"
 
 namespace apriltrack {
 namespace {
@@ -151,7 +152,7 @@ class RayProblem {
     for (std::size_t i = 0; i < 4; ++i) {
       if (!((T_camera_tag * corners_tag_[i]).dot(rays_[i]) > 0.0)) return false;
     }
-    return T_camera_tag.rotation_matrix().col(2).dot(T_camera_tag.translation()) > 0.0;
+    return tag_view_cosine(T_camera_tag) > 0.0;
   }
 
  private:

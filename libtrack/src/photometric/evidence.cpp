@@ -1,22 +1,20 @@
 #include "apriltrack/photometric/evidence.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "active_tags.h"
+#include "apriltrack/photometric/profile_likelihood.h"
 
 namespace apriltrack {
 namespace {
 
 constexpr double kMaxSamples = 340.0;  // of one tag: a patch of 32 x 32, three samples counted as one
-constexpr double kPixelsPerSample = 3.0;
-constexpr double kModelErrorOfVariance = 0.03;
 
 }  // namespace
 
 double TagEvidence::independent_samples() const {
-  return std::min({kMaxSamples, area_px / kPixelsPerSample, static_cast<double>(num_pixels)});
+  return std::min({kMaxSamples, area_px / kPixelsPerIndependentSample, static_cast<double>(num_pixels)});
 }
 
 std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const PhotometricFrame& frame,
@@ -36,10 +34,8 @@ std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const Photometr
 
 double log_likelihood(const std::vector<TagEvidence>& tags) {
   double sum = 0.0;
-  for (const TagEvidence& tag : tags) {
-    const double unexplained = 1.0 - tag.correlation * tag.correlation + kModelErrorOfVariance;
-    sum -= 0.5 * tag.independent_samples() * std::log(unexplained);
-  }
+  for (const TagEvidence& tag : tags)
+    sum += profile_log_likelihood(tag.correlation, tag.independent_samples(), kUnexplainedVariance);
   return sum;
 }
 

@@ -31,17 +31,15 @@ bool is_out_of_view(const Eigen::Matrix3d& camera_from_plane, const PatchGrid& g
   return !may_be_in_view(camera_from_plane.col(2), radius, max_angle_rad);
 }
 
-/// Independent samples in a patch: neighbours share the light of a pixel and of the lens blur, about three
-/// to one. A patch of more pixels than samples has no more than its samples.
+/// Independent samples in a patch: one of more pixels than samples has no more than its samples.
 double num_independent(const CameraModel& model, const Eigen::Matrix3d& camera_from_plane,
                        const PatchGrid& grid) {
-  constexpr double kSamplesPerIndependent = 3.0;
   const double depth = camera_from_plane(2, 2);
   if (!(depth > 0.0)) return 0.0;
   // d pixel / d plane of the homography at the patch's centre, times the grid's area.
   const double area_px = model.pinhole().fx * model.pinhole().fy * camera_from_plane.determinant() /
                          (depth * depth * depth) * 4.0 * grid.half_extent * grid.half_extent;
-  return std::clamp(area_px, 0.0, static_cast<double>(grid.num_samples())) / kSamplesPerIndependent;
+  return std::clamp(area_px, 0.0, static_cast<double>(grid.num_samples())) / kPixelsPerIndependentSample;
 }
 
 /// docs/algorithms/paper_filter.md, equations (13) to (15).
@@ -57,7 +55,9 @@ double log_likelihood(const JointLikelihoodOptions& options, const TagScore& sco
       break;
   }
   const double positive = std::max(score.correlation, 0.0);
-  return -0.5 * independent * score.seen_share * std::log1p(-positive * positive / (1.0 + options.kappa));
+  const double num_samples = independent * score.seen_share;
+  return profile_log_likelihood(positive, num_samples, options.kappa) -
+         profile_log_likelihood(0.0, num_samples, options.kappa);
 }
 
 /// What the pattern looks like along the hypothesis' path, at the samples of `grid`.

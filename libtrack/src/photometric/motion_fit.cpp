@@ -6,12 +6,16 @@
 #include <limits>
 
 #include "active_tags.h"
+#include "apriltrack/base/geman_mcclure.h"
+#include "apriltrack/camera/pixel_jacobian.h"
 
 namespace apriltrack {
 namespace {
 
 /// Neighbouring pixels err together (demosaicing, compression, the model): so many count as one.
 constexpr double kCorrelatedPixels = 4.0;
+/// Of detected corners, in standard deviations: a false detection must not hold the fit.
+constexpr GemanMcClure kCornerError(3.0);
 
 /// How much of the information of independent pixels these carry.
 double information_share(const TagPixels& pixels) {
@@ -21,11 +25,6 @@ double information_share(const TagPixels& pixels) {
 TagPrediction prediction_of(PhotometricWorld& world, int index, const MotionState& state,
                             const PhotometricFrame& frame, int level) {
   return {world, world.tags[static_cast<std::size_t>(index)], state, frame.exposure_s, level};
-}
-
-/// The matrix from a right perturbation of the pose to a left one of the camera's view of the map.
-Matrix6d view_by_pose(const MotionState& state, TrackMode mode) {
-  return mode == TrackMode::kEgo ? Matrix6d(-Matrix6d::Identity()) : state.pose.adjoint();
 }
 
 struct NormalEquations {
@@ -118,15 +117,9 @@ class Fit {
       const auto pixel = world_.model.project(view * corner.point_map);
       const double r2 =
           pixel ? (*pixel - corner.pixel).squaredNorm() / (corner.sigma_px * corner.sigma_px) : 1e6;
-      sum += 0.5 * corner_penalty(r2);
+      sum += 0.5 * kCornerError.penalty(r2);
     }
     return sum;
-  }
-
-  static double corner_penalty(double r2) { return kCornerReach2 * r2 / (kCornerReach2 + r2); }
-  static double corner_weight(double r2) {
-    const double share = kCornerReach2 / (kCornerReach2 + r2);
-    return share * share;
   }
 
   NormalEquations equations(const std::vector<ActiveTag>& active, const MotionState& state, int level) {
@@ -142,7 +135,7 @@ class Fit {
     }
     add_corners(state, left);
     Matrix12d A = Matrix12d::Zero();
-    A.block<6, 6>(0, 0) = A.block<6, 6>(6, 6) = view_by_pose(state, world_.mode);
+    A.block<6, 6>(0, 0) = A.block<6, 6>(6, 6) = view_by_pose(state.pose, world_.mode);
     NormalEquations right{A.transpose() * left.H * A, A.transpose() * left.g};
     if (prior_) {
       right.H += prior_information_;
@@ -158,19 +151,13 @@ class Fit {
       const Eigen::Vector3d point = view * corner.point_map;
       const auto pixel = world_.model.project(point, &by_point);
       if (!pixel) continue;
-      Eigen::Matrix<double, 2, 6> J;
-      J.leftCols<3>() = by_point;
-      for (int row = 0; row < 2; ++row)
-        J.block<1, 3>(row, 3) = point.cross(Eigen::Vector3d(by_point.row(row).transpose())).transpose();
-      J /= corner.sigma_px;
+      const Eigen::Matrix<double, 2, 6> J = pixel_jacobian(by_point, point) / corner.sigma_px;
       const Eigen::Vector2d r = (*pixel - corner.pixel) / corner.sigma_px;
-      const double w = corner_weight(r.squaredNorm());
+      const double w = kCornerError.weight(r.squaredNorm());
       left.H.block<6, 6>(0, 0) += w * J.transpose() * J;
       left.g.head<6>() += w * J.transpose() * r;
     }
   }
-
-  static constexpr double kCornerReach2 = 3.0 * 3.0;
 
   PhotometricWorld& world_;
   const PhotometricFrame& frame_;

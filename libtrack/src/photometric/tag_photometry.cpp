@@ -5,21 +5,15 @@
 #include <cmath>
 #include <vector>
 
+#include "apriltrack/base/geman_mcclure.h"
+
 namespace apriltrack {
 namespace {
 
-/// Residuals beyond so many scales count for little.
-constexpr double kReach2 = 2.5 * 2.5;
+/// Of a pixel's residual, in scales: hands and glare are not the tag.
+constexpr GemanMcClure kPixelError(2.5);
 /// Pull of the background towards the black of the tag, in pixels: settles it where no pixel shows any.
 constexpr double kBackgroundRidge = 0.5;
-
-double penalty(double r2) {
-  return kReach2 * r2 / (kReach2 + r2);
-}
-double penalty_weight(double r2) {
-  const double share = kReach2 / (kReach2 + r2);
-  return share * share;
-}
 
 Eigen::Vector3d basis(const PixelPrediction& prediction) {
   return {prediction.light, prediction.presence, 1.0 - prediction.presence};
@@ -73,7 +67,7 @@ TagMisfit measure_misfit(const TagPixels& pixels, const TagPrediction& predictio
       const TagPixel& pixel = pixels.pixels[i];
       sizes[i] = std::abs(residual(misfit.colours, predictions[i], pixel.light)) / pixel.relative_sigma;
       if (scale > 0.0)
-        weights[i] = prior_weight(pixel) * penalty_weight(sizes[i] * sizes[i] / (scale * scale));
+        weights[i] = prior_weight(pixel) * kPixelError.weight(sizes[i] * sizes[i] / (scale * scale));
     }
   }
   double sum_w = 0.0, mean = 0.0, left = 0.0, total = 0.0;
@@ -82,7 +76,7 @@ TagMisfit measure_misfit(const TagPixels& pixels, const TagPrediction& predictio
     mean += weights[i] * pixels.pixels[i].light;
     const double sigma = pixels.pixels[i].relative_sigma;
     left += weights[i] * sigma * sigma * sizes[i] * sizes[i];
-    if (scale > 0.0) misfit.cost += 0.5 * penalty(sizes[i] * sizes[i] / (scale * scale));
+    if (scale > 0.0) misfit.cost += 0.5 * kPixelError.penalty(sizes[i] * sizes[i] / (scale * scale));
   }
   mean /= std::max(1e-12, sum_w);
   for (std::size_t i = 0; i < n; ++i) {
@@ -107,7 +101,7 @@ TagNormalEquations linearise(const TagPixels& pixels, const TagPrediction& predi
     const PixelPrediction predicted = prediction.predict(pixel.ray, jacobian);
     const double sigma = scale * pixel.relative_sigma;
     const double r = residual(colours, predicted, pixel.light) / sigma;
-    const double w = penalty_weight(r * r);
+    const double w = kPixelError.weight(r * r);
     Row row;
     for (std::size_t k = 0; k < 6; ++k) {
       const auto index = static_cast<Eigen::Index>(k);

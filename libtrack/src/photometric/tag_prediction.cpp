@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apriltrack/geometry/tag_view.h"
+#include "apriltrack/photometric/patch.h"
 #include "view_cone.h"
 
 namespace apriltrack {
@@ -13,17 +15,8 @@ constexpr double kMinCosine = 0.14;  ///< 82 degrees: beyond, a tag is a line.
 constexpr int kMaxInstants = 16;
 constexpr double kInstantSpacing = 1.2;  ///< Pixels of the level.
 
-/// Points (u, v, 1) of the tag's plane, in half tag sizes, to the camera.
-Eigen::Matrix3d camera_from_plane(const Pose& T_camera_tag, double half_size_m) {
-  Eigen::Matrix3d H = T_camera_tag.rotation_matrix() * half_size_m;
-  H.col(2) = T_camera_tag.translation();
-  return H;
-}
-
 bool faces_camera(const Pose& T_camera_tag, double half_size_m) {
-  const Eigen::Vector3d& centre = T_camera_tag.translation();
-  const Eigen::Vector3d normal = T_camera_tag.rotation_matrix().col(2);
-  return centre.z() > half_size_m && normal.dot(centre) > kMinCosine * centre.norm();
+  return T_camera_tag.translation().z() > half_size_m && tag_view_cosine(T_camera_tag) > kMinCosine;
 }
 
 /// Where the point is in a plain pinhole image, pixels.
@@ -61,7 +54,8 @@ TagPrediction::TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const
   const int count = static_cast<int>(std::clamp(needed, 1.0, static_cast<double>(kMaxInstants)));
   for (int m = 0; m < count; ++m) {
     const double time_s = exposure_s * ((m + 0.5) / count - 0.5);
-    const Eigen::Matrix3d H = camera_from_plane(count == 1 ? T_camera_tag_ : view_at(time_s), half_size);
+    const Eigen::Matrix3d H =
+        camera_from_tag_plane(count == 1 ? T_camera_tag_ : view_at(time_s), tag.tag.size_m);
     const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> N = H.inverse().cast<float>();
     Instant instant;
     std::copy_n(N.data(), 9, instant.plane_from_ray.begin());
@@ -74,7 +68,7 @@ TagPrediction::TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const
                            extra_sigma_px * extra_sigma_px;
   Eigen::Matrix2d blur = isotropic * Eigen::Matrix2d::Identity();
   blur += streak * streak.transpose() / (12.0 * count * count);
-  const Eigen::Matrix3d H = camera_from_plane(T_camera_tag_, half_size);
+  const Eigen::Matrix3d H = camera_from_tag_plane(T_camera_tag_, tag.tag.size_m);
   const Eigen::Vector3d& centre = T_camera_tag_.translation();
   Eigen::Matrix2d pixel_from_plane;
   for (int k = 0; k < 2; ++k)

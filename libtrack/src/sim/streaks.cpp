@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "apriltrack/geometry/tag_view.h"
+
 namespace apriltrack {
 namespace {
 
@@ -25,14 +27,12 @@ std::optional<std::array<Eigen::Vector2d, 4>> project_corners(const Camera& came
 }
 
 bool shows_its_face(const Camera& camera, const Pose& T_camera_tag) {
-  const Eigen::Vector3d centre = T_camera_tag.translation();
-  const auto pixel = camera.model.project(centre);
+  const auto pixel = camera.model.project(T_camera_tag.translation());
   if (!pixel || (*pixel).x() < 0.0 || (*pixel).y() < 0.0 || (*pixel).x() >= camera.width ||
       (*pixel).y() >= camera.height) {
     return false;
   }
-  const Eigen::Vector3d into_tag = T_camera_tag.rotation() * Eigen::Vector3d::UnitZ();
-  return into_tag.dot(centre.normalized()) >= std::cos(kSteepest_deg * std::numbers::pi / 180.0);
+  return tag_view_cosine(T_camera_tag) >= std::cos(kSteepest_deg * std::numbers::pi / 180.0);
 }
 
 double longest_path(const std::array<Eigen::Vector2d, 4>& middle, const std::array<Eigen::Vector2d, 4>& end) {

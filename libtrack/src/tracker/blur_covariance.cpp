@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "apriltrack/camera/pixel_jacobian.h"
 #include "map_uncertainty.h"
 #include "pose_adjustment.h"
 
@@ -18,19 +19,14 @@ Matrix6d shared_information(const PhotometricWorld& world, const MotionFit& fit,
                             const TagEvidence& evidence) {
   const double sigma_px = std::hypot(kSharedSigma_px, kSharedSigmaPerBlur * evidence.path_px);
   const Pose view = camera_from_map(fit.state.pose, world.mode);
-  const Matrix6d left_by_right =
-      world.mode == TrackMode::kEgo ? Matrix6d(-Matrix6d::Identity()) : fit.state.pose.adjoint();
+  const Matrix6d left_by_right = view_by_pose(fit.state.pose, world.mode);
   Matrix6d information = Matrix6d::Zero();
   for (const Eigen::Vector3d& corner :
        corners_in_map(world.tags[static_cast<std::size_t>(evidence.tag_index)].tag)) {
     const Eigen::Vector3d point = view * corner;
     Eigen::Matrix<double, 2, 3> by_point;
     if (!world.model.project(point, &by_point)) continue;
-    Eigen::Matrix<double, 2, 6> J;
-    J.leftCols<3>() = by_point;
-    for (int row = 0; row < 2; ++row)
-      J.block<1, 3>(row, 3) = point.cross(Eigen::Vector3d(by_point.row(row).transpose())).transpose();
-    J = J * left_by_right / sigma_px;
+    const Eigen::Matrix<double, 2, 6> J = pixel_jacobian(by_point, point) * left_by_right / sigma_px;
     information += J.transpose() * J;
   }
   return information;
@@ -64,9 +60,7 @@ Matrix6d map_covariance(const PhotometricWorld& world, const MotionFit& fit) {
       map_uncertainty(world.model, observations, T_camera_map, information.solve(Matrix6d::Identity()))
           .covariance;
   if (!covariance.allFinite()) return Matrix6d::Zero();
-  if (world.mode == TrackMode::kJoint) return covariance;
-  const Matrix6d adjoint = T_camera_map.adjoint();  // to the perturbation of the inverse
-  return adjoint * covariance * adjoint.transpose();
+  return pose_covariance_from_camera(T_camera_map, covariance, world.mode);
 }
 
 }  // namespace apriltrack

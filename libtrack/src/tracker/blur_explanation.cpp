@@ -35,10 +35,7 @@ std::optional<MotionBelief> cold_belief(const PhotometricWorld& world, const Pos
   if (factor.info() != Eigen::Success) return std::nullopt;
   Matrix6d covariance = kColdCornerSigma_px * kColdCornerSigma_px * factor.solve(Matrix6d::Identity());
   if (!covariance.allFinite()) return std::nullopt;
-  if (world.mode == TrackMode::kEgo) {
-    const Matrix6d adjoint = candidate.T_camera_map.adjoint();
-    covariance = adjoint * covariance * adjoint.transpose();
-  }
+  covariance = pose_covariance_from_camera(candidate.T_camera_map, covariance, world.mode);
   MotionBelief belief;
   belief.mean.pose = pose_from_camera(candidate.T_camera_map, world.mode);
   belief.covariance.topLeftCorner<6, 6>() = 0.5 * (covariance + covariance.transpose());

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <set>
 
 #include "apriltrack/base/error.h"
 #include "blur_corners.h"
@@ -14,6 +13,7 @@
 #include "blur_explanation.h"
 #include "contrast_memory.h"
 #include "image_size.h"
+#include "known_exposure.h"
 #include "map_detection.h"
 
 namespace apriltrack {
@@ -65,7 +65,7 @@ class BlurTracker::Implementation {
   }
 
   TrackResult track(const Frame& frame) {
-    if (const TrackResult other = of_another_camera(frame); !other.reason.empty()) return other;
+    if (const auto lost = lost_to_another_camera(frame, camera_)) return *lost;
     prepare();  // the tables are no part of a frame's latency
     const auto start = std::chrono::steady_clock::now();
     return track(frame, detector_->detect(frame.image), start);
@@ -73,16 +73,14 @@ class BlurTracker::Implementation {
 
   TrackResult track(const Frame& frame, const std::vector<Detection>& detections,
                     std::chrono::steady_clock::time_point start) {
-    if (const TrackResult other = of_another_camera(frame); !other.reason.empty()) return other;
+    if (const auto lost = lost_to_another_camera(frame, camera_)) return *lost;
     fit_size(frame.image);
     TrackResult result;
     result.timestamp = frame.timestamp;
     const std::optional<MotionBelief> belief = predicted(frame.timestamp);
     if (!belief) forget();
     const BlurFrame blur_frame = prepared(frame, detections);
-    std::set<const MapTag*> tags;
-    for (const TagObservation& observation : blur_frame.observations) tags.insert(observation.tag);
-    result.tags_detected = static_cast<int>(tags.size());
+    result.tags_detected = count_tags(blur_frame.observations);
 
     const std::vector<Explanation> found = explainer_->explain(blur_frame, belief);
     const TagVotes votes = found.empty() ? TagVotes() : votes_for(blur_frame, found.front());
@@ -105,14 +103,6 @@ class BlurTracker::Implementation {
   const DetectorOptions& detector_options() const { return detector_options_; }
 
  private:
-  /// Lost, with the reason, where the frame is none of this camera's; else without a reason.
-  TrackResult of_another_camera(const Frame& frame) const {
-    TrackResult result;
-    result.timestamp = frame.timestamp;
-    result.reason = why_of_another_camera(frame.image, camera_);
-    return result;
-  }
-
   /// Where the camera's file tells no resolution, its first image does.
   void fit_size(const GrayView& image) {
     if (camera_.width > 0 && camera_.height > 0) return;
@@ -125,9 +115,8 @@ class BlurTracker::Implementation {
     BlurFrame result;
     result.photometric.light =
         light_pyramid(to_linear_light(frame.image, camera_.response), PhotometricWorld::kNumLevels);
-    result.photometric.exposure_s = options_.default_exposure_s;
-    for (const std::optional<double>& told : {camera_.exposure_s, frame.exposure_s})
-      if (told && *told >= 0.0 && std::isfinite(*told)) result.photometric.exposure_s = *told;
+    result.photometric.exposure_s =
+        known_exposure_s(frame.exposure_s, camera_.exposure_s).value_or(options_.default_exposure_s);
     result.observations = observe_mapped_tags(map_, camera_.model, detections);
     result.index = num_frames_++;
     if (belief_) result.interval_s = seconds_between(evidence_time_, frame.timestamp);

@@ -1,14 +1,15 @@
 #pragma once
 
-#include <string>
+#include <optional>
 
 #include "apriltrack/camera/camera.h"
-#include "apriltrack/image/image.h"
+#include "apriltrack/image/frame.h"
+#include "apriltrack/tracker/track_result.h"
 
 namespace apriltrack {
 
-/// Why an image is none of this camera's: empty, or not of its resolution. "" where it may be: a camera
-/// without a resolution (width or height 0) takes any.
-std::string why_of_another_camera(const GrayView& image, const Camera& camera);
+/// Lost, with the reason, where the frame is none of this camera's: its image is empty, or not of the
+/// camera's resolution. nullopt where it may be: a camera without a resolution (width or height 0) takes any.
+std::optional<TrackResult> lost_to_another_camera(const Frame& frame, const Camera& camera);
 
 }  // namespace apriltrack

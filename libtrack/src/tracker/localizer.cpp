@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <set>
 
 #include "corner_noise.h"
 #include "image_size.h"
+#include "known_exposure.h"
 #include "map_detection.h"
 #include "map_uncertainty.h"
 #include "pose_adjustment.h"
@@ -20,13 +20,6 @@ namespace {
 constexpr double kUnknownExposure_s = 0.01;     // indoor webcams: 5 to 30 ms
 constexpr double kMinOdds = 1e-3;               // what is less likely than this is ruled out
 constexpr double kMinLogPriorOfSupport = -5.0;  // 3 sigma from the prediction
-
-/// What is told of the frame, else of the camera; NaN, infinite or negative says nothing.
-std::optional<double> known_exposure_s(std::optional<double> of_frame, std::optional<double> of_camera) {
-  for (const std::optional<double>& exposure_s : {of_frame, of_camera})
-    if (exposure_s && std::isfinite(*exposure_s) && *exposure_s >= 0.0) return exposure_s;
-  return std::nullopt;
-}
 
 struct Choice {
   PoseCandidate candidate;
@@ -45,10 +38,7 @@ class Localizer::Implementation {
         detector_options_((options.check(), detector_options_for(camera, map, options.detector))) {}
 
   TrackResult localize(const Frame& frame) {
-    TrackResult other;
-    other.timestamp = frame.timestamp;
-    other.reason = why_of_another_camera(frame.image, camera_);
-    if (!other.reason.empty()) return other;
+    if (const auto lost = lost_to_another_camera(frame, camera_)) return *lost;
     prepare();  // the tables are no part of a frame's latency
     const auto start = std::chrono::steady_clock::now();
     const std::vector<Detection> detections = detector_->detect(frame.image);
@@ -74,9 +64,7 @@ class Localizer::Implementation {
     const double exposure_s =
         known_exposure_s(exposure_of_frame_s, camera_.exposure_s).value_or(kUnknownExposure_s);
     const auto observations = observe_mapped_tags(map_, camera_.model, detections);
-    std::set<const MapTag*> tags;
-    for (const TagObservation& observation : observations) tags.insert(observation.tag);
-    result.tags_detected = static_cast<int>(tags.size());
+    result.tags_detected = count_tags(observations);
     if (observations.empty()) {
       result.reason = detections.empty() ? "no tag seen" : "no tag of the map seen";
     } else if (const auto choice = choose(time, observations, exposure_s)) {
@@ -93,7 +81,8 @@ class Localizer::Implementation {
   std::optional<Choice> choose(Timestamp time, const std::vector<TagObservation>& observations,
                                double exposure_s) const {
     std::vector<Pose> predictions;
-    for (const PoseMemory::Mode& mode : memory_.predict(time)) predictions.push_back(swapped(mode.pose));
+    for (const PoseMemory::Mode& mode : memory_.predict(time))
+      predictions.push_back(T_camera_map_of(mode.pose));
     const CandidateOptions options{options_.corner_sigma_px, options_.max_residual_rms_px};
     std::vector<PoseCandidate> candidates =
         find_pose_candidates(camera_.model, observations, predictions, options);
@@ -111,7 +100,7 @@ class Localizer::Implementation {
     std::vector<double> cost;
     for (const PoseCandidate& candidate : candidates) {
       cost.push_back(misfit(camera_.model, observations, sigma_px, candidate.T_camera_map) -
-                     memory_.log_prior(time, swapped(candidate.T_camera_map)));
+                     memory_.log_prior(time, reported(candidate.T_camera_map)));
     }
     const auto best = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
     Choice choice{candidates[best],
@@ -133,16 +122,15 @@ class Localizer::Implementation {
   /// that the frame shows twice speaks for nothing by itself: any of its copies may be the false one.
   bool is_supported(Timestamp time, const std::vector<TagObservation>& observations,
                     const PoseCandidate& candidate) const {
-    std::set<const MapTag*> seen;
-    for (const TagObservation& observation : observations) seen.insert(observation.tag);
+    const auto num_seen = static_cast<std::size_t>(count_tags(observations));
     const bool has_unrepeated = std::any_of(candidate.inliers.begin(), candidate.inliers.end(),
                                             [](const TagObservation* o) { return !o->is_repeated; });
     const bool has_several = candidate.inliers.size() > 1;
-    const bool is_majority = 2 * candidate.inliers.size() > seen.size();
+    const bool is_majority = 2 * candidate.inliers.size() > num_seen;
     if (is_majority && (has_unrepeated || has_several)) return true;
-    const bool is_half = 2 * candidate.inliers.size() >= seen.size();
+    const bool is_half = 2 * candidate.inliers.size() >= num_seen;
     return is_half && !memory_.predict(time).empty() &&
-           memory_.log_prior(time, swapped(candidate.T_camera_map)) > kMinLogPriorOfSupport;
+           memory_.log_prior(time, reported(candidate.T_camera_map)) > kMinLogPriorOfSupport;
   }
 
   double expected_sigma_px(Timestamp time, const PoseCandidate& candidate, double exposure_s) const {
@@ -150,7 +138,8 @@ class Localizer::Implementation {
     if (exposure_s == 0.0) {
       blur_px = 0.0;
     } else if (const auto last = memory_.last(time)) {
-      blur_px = corner_blur_px(camera_.model, candidate, swapped(last->pose), last->age_s, exposure_s);
+      blur_px =
+          corner_blur_px(camera_.model, candidate, T_camera_map_of(last->pose), last->age_s, exposure_s);
     }
     return expected_corner_sigma_px(options_.corner_sigma_px, blur_px, candidate);
   }
@@ -162,12 +151,13 @@ class Localizer::Implementation {
       return;
     }
     result->status = TrackStatus::kDetected;
-    result->pose = swapped(T_camera_map);
-    result->covariance = covariance_of_swapped(T_camera_map, *choice.cov_T_camera_map);
+    result->pose = reported(T_camera_map);
+    const Matrix6d moved = pose_covariance_from_camera(T_camera_map, *choice.cov_T_camera_map, options_.mode);
+    result->covariance = 0.5 * (moved + moved.transpose());
     result->tags_tracked = count_tags(choice.candidate.inliers);
     std::optional<PoseMemory::Mode> second;
     if (choice.second) {
-      second = PoseMemory::Mode{swapped(choice.second->pose), choice.second->weight};
+      second = PoseMemory::Mode{reported(choice.second->pose), choice.second->weight};
       result->second_pose = second->pose;
       result->second_mode_odds = second->weight;
     }
@@ -189,19 +179,9 @@ class Localizer::Implementation {
     return covariance;
   }
 
-  /// T_camera_map to the pose that is reported and back: T_camera_body is itself, T_world_camera the inverse.
-  Pose swapped(const Pose& pose) const { return options_.mode == TrackMode::kEgo ? pose.inverse() : pose; }
-
-  /// (T exp(xi))^-1 = T^-1 exp(-adjoint(T) xi): the perturbation of the inverse is that of T, moved to its
-  /// left.
-  Matrix6d covariance_of_swapped(const Pose& T_camera_map, const Matrix6d& covariance) const {
-    Matrix6d moved = covariance;
-    if (options_.mode == TrackMode::kEgo) {
-      const Matrix6d adjoint = T_camera_map.adjoint();
-      moved = adjoint * covariance * adjoint.transpose();
-    }
-    return 0.5 * (moved + moved.transpose());
-  }
+  /// The pose that is reported: T_camera_body, or T_world_camera.
+  Pose reported(const Pose& T_camera_map) const { return pose_from_camera(T_camera_map, options_.mode); }
+  Pose T_camera_map_of(const Pose& pose) const { return camera_from_map(pose, options_.mode); }
 
   Camera camera_;
   TagMap map_;

@@ -1,7 +1,7 @@
 #include "map_uncertainty.h"
 
+#include "apriltrack/camera/pixel_jacobian.h"
 #include "apriltrack/tags/tag_corners.h"
-#include "pose_adjustment.h"
 
 namespace apriltrack {
 namespace {
@@ -22,8 +22,8 @@ TagSums sum_over_corners(const CameraModel& model, const TagObservation& observa
     Eigen::Matrix<double, 2, 3> d_pixel_d_point;
     if (!model.project(T_camera_map * observation.corners_map[i], &d_pixel_d_point)) continue;
     const auto J =
-        corner_jacobian(d_pixel_d_point, T_camera_map.rotation_matrix(), observation.corners_map[i]);
-    const auto K = corner_jacobian(d_pixel_d_point, T_camera_tag.rotation_matrix(), corners_tag[i]);
+        pixel_jacobian(d_pixel_d_point * T_camera_map.rotation_matrix(), observation.corners_map[i]);
+    const auto K = pixel_jacobian(d_pixel_d_point * T_camera_tag.rotation_matrix(), corners_tag[i]);
     sums.tag_tag += K.transpose() * K;
     sums.pose_tag += J.transpose() * K;
   }

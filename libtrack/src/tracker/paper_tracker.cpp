@@ -107,7 +107,7 @@ class PaperTracker::Implementation {
         parallel_(parallel_for(options.num_threads)) {}
 
   TrackResult track(const Frame& frame) {
-    if (TrackResult other = of_another_camera(frame); !other.reason.empty()) return other;
+    if (const auto lost = lost_to_another_camera(frame, camera_)) return *lost;
     prepare();
     const auto start = std::chrono::steady_clock::now();
     return track(frame, detector_->detect(frame.image), start);
@@ -115,7 +115,7 @@ class PaperTracker::Implementation {
 
   TrackResult track(const Frame& frame, const std::vector<Detection>& detections,
                     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now()) {
-    if (TrackResult other = of_another_camera(frame); !other.reason.empty()) return other;
+    if (const auto lost = lost_to_another_camera(frame, camera_)) return *lost;
     PhotometricFrame picture;
     picture.light.push_back(grey_levels(frame.image));
     const FrameDetections seen{frame.timestamp, camera_.name, detections};
@@ -138,14 +138,6 @@ class PaperTracker::Implementation {
   std::span<const double> reference_patch(std::size_t index) const { return likelihood_.reference(index); }
 
  private:
-  /// Lost, with the reason, where the frame is none of this camera's; else without a reason.
-  TrackResult of_another_camera(const Frame& frame) const {
-    TrackResult result;
-    result.timestamp = frame.timestamp;
-    result.reason = why_of_another_camera(frame.image, camera_);
-    return result;
-  }
-
   /// The paper counts frames, not time: frames that are missing are steps all the same.
   void advance(Timestamp time) {
     std::size_t steps = 1;

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "apriltrack/geometry/rotation.h"
+#include "apriltrack/camera/pixel_jacobian.h"
+#include "apriltrack/geometry/tag_view.h"
 
 namespace apriltrack {
 namespace {
@@ -31,7 +32,7 @@ NormalEquations linearise(const CameraModel& model, const std::vector<const TagO
       if (!pixel) continue;
       const Eigen::Vector2d error = *pixel - observation->corners_px[i];
       const double weight = kernel != nullptr ? kernel->weight(error.squaredNorm()) : 1.0;
-      const auto jacobian = corner_jacobian(d_pixel_d_point, R, observation->corners_map[i]);
+      const auto jacobian = pixel_jacobian(d_pixel_d_point * R, observation->corners_map[i]);
       equations.hessian += weight * jacobian.transpose() * jacobian;
       equations.gradient += weight * jacobian.transpose() * error;
     }
@@ -50,16 +51,6 @@ double scene_depth(const std::vector<const TagObservation*>& observations, const
 
 }  // namespace
 
-Eigen::Matrix<double, 2, 6> corner_jacobian(const Eigen::Matrix<double, 2, 3>& d_pixel_d_point,
-                                            const Eigen::Matrix3d& R_camera_a,
-                                            const Eigen::Vector3d& corner_a) {
-  // A point moves by R (v + w x point).
-  Eigen::Matrix<double, 2, 6> jacobian;
-  const Eigen::Matrix<double, 2, 3> d_pixel_d_translation = d_pixel_d_point * R_camera_a;
-  jacobian << d_pixel_d_translation, -d_pixel_d_translation * skew(corner_a);
-  return jacobian;
-}
-
 double RobustKernel::cost(double squared_error_px2) const {
   const double scale2 = scale_px * scale_px;
   if (shape == Shape::kCauchy) return scale2 * std::log1p(squared_error_px2 / scale2);
@@ -76,9 +67,7 @@ double RobustKernel::weight(double squared_error_px2) const {
 double squared_error_px2(const CameraModel& model, const TagObservation& observation,
                          const Pose& T_camera_map) {
   const Pose T_camera_tag = T_camera_map * observation.tag->T_map_tag;
-  const bool is_face_visible =
-      (T_camera_tag.rotation() * Eigen::Vector3d::UnitZ()).dot(T_camera_tag.translation()) > 0;
-  if (!is_face_visible) return std::numeric_limits<double>::infinity();
+  if (!(tag_view_cosine(T_camera_tag) > 0.0)) return std::numeric_limits<double>::infinity();
   double sum = 0.0;
   for (std::size_t i = 0; i < kNumCorners; ++i) {
     const auto pixel = model.project(T_camera_map * observation.corners_map[i]);

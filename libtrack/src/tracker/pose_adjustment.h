@@ -35,11 +35,6 @@ double robust_cost(const CameraModel& model, const std::vector<const TagObservat
 Pose adjust_pose(const CameraModel& model, const std::vector<const TagObservation*>& observations,
                  const RobustKernel& kernel, Pose T_camera_map);
 
-/// d pixel / d xi of a corner of frame a (the map's or a tag's) under T_camera_a * exp(xi).
-Eigen::Matrix<double, 2, 6> corner_jacobian(const Eigen::Matrix<double, 2, 3>& d_pixel_d_point,
-                                            const Eigen::Matrix3d& R_camera_a,
-                                            const Eigen::Vector3d& corner_a);
-
 /// Sum of J' J over all corners, J = d pixel / d xi of `T_camera_map * exp(xi)`: times 1 / sigma_px^2 it is
 /// the information on the right perturbation.
 Matrix6d corner_information(const CameraModel& model, const std::vector<const TagObservation*>& observations,

@@ -26,6 +26,12 @@ std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const CameraM
   return observations;
 }
 
+int count_tags(const std::vector<TagObservation>& observations) {
+  std::set<const MapTag*> tags;
+  for (const TagObservation& observation : observations) tags.insert(observation.tag);
+  return static_cast<int>(tags.size());
+}
+
 int count_tags(const std::vector<const TagObservation*>& observations) {
   std::set<const MapTag*> tags;
   for (const TagObservation* observation : observations) tags.insert(observation->tag);

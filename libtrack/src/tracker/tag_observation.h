@@ -26,6 +26,7 @@ std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const CameraM
                                                 const std::vector<Detection>& detections);
 
 /// How many different tags there are; copies of one count once.
+int count_tags(const std::vector<TagObservation>& observations);
 int count_tags(const std::vector<const TagObservation*>& observations);
 
 }  // namespace apriltrack

@@ -33,9 +33,9 @@ struct EvidenceOptions {
 std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const PhotometricFrame& frame,
                                         const MotionState& state, const EvidenceOptions& options = {});
 
-/// Log-likelihood of the evidence against "no tag here": sum over tags of -(n / 2) log(1 - c^2 + kappa)
-/// (docs/algorithms/blur_tracker.md, equation 9). A tag that should be seen and explains nothing (c = 0) costs
-/// (n / 2) log(1 + kappa), up to 5 nats: that it is not seen speaks against the state.
+/// Log-likelihood of the evidence against "no tag here": sum over tags of profile_log_likelihood, kappa 0.03
+/// (docs/algorithms/blur_tracker.md, equation 9). A tag that should be seen and explains nothing (c = 0)
+/// costs (n / 2) log(1 + kappa), up to 5 nats: that it is not seen speaks against the state.
 double log_likelihood(const std::vector<TagEvidence>& tags);
 /// Mean correlation, each tag weighed by its independent samples; 0 without tags.
 double mean_correlation(const std::vector<TagEvidence>& tags);

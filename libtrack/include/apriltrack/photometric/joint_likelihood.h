@@ -9,6 +9,7 @@
 #include "apriltrack/motion/motion_state.h"
 #include "apriltrack/photometric/patch.h"
 #include "apriltrack/photometric/photometric_world.h"
+#include "apriltrack/photometric/profile_likelihood.h"
 #include "apriltrack/tags/tag_map.h"
 
 namespace apriltrack {
@@ -19,7 +20,7 @@ class TagPrediction;
 enum class PatchError {
   kLinear,    ///< -gamma (1/2 - c/2): the paper's (13) and (14).
   kMinusLog,  ///< -gamma (-log c), c not below min_correlation: what the paper's author ran.
-  /// -(n/2) log((1 - c^2 + kappa) / (1 + kappa)), c not below 0: Gaussian noise of unknown size, gain and
+  /// profile_log_likelihood less its value at c = 0, c not below 0: Gaussian noise of unknown size, gain and
   /// offset unknown; n independent samples.
   kGaussianProfile,
 };
@@ -38,7 +39,8 @@ struct JointLikelihoodOptions {
   double gamma = 10.0;  ///< Of kLinear and kMinusLog.
   /// Of kMinusLog: what is worse counts as this, seen or not; in (0, 1).
   double min_correlation = 1e-4;
-  double kappa = 0.02;  ///< Of kGaussianProfile: share of a patch's variance that no template explains.
+  /// Of kGaussianProfile: share of a patch's variance that no template explains; in (0, 1).
+  double kappa = kUnexplainedVariance;
   /// Mean over the tags instead of the sum: the author's program. Evidence then does not grow with the tags.
   bool average_over_tags = false;
 
