@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <map>
 
@@ -87,6 +88,7 @@ void count_statuses(const TrackRecord& record, TrackFigures& figures) {
     const std::size_t status = index_of_status(row.status);
     ++figures.statuses[status].frames;
     figures.with_evidence += claims_evidence(row);
+    figures.from_one_tag += claims_evidence(row) && row.tags_tracked == 1;
     figures.with_second_pose += row.second_mode_odds > 0.0;
     claims[status].add(row);
     all.add(row);

@@ -53,6 +53,7 @@ struct TrackFigures {
   std::optional<ClaimedSigma> sigma;  ///< Of all poses.
   std::vector<BlindStretch> blind;    ///< The longest first.
   std::optional<double> first_pose_s;
+  std::size_t from_one_tag = 0;  ///< Poses that rest on evidence, of one tag only.
   std::size_t with_second_pose = 0;
   std::optional<double> latency_p50_ms;
   std::optional<double> latency_p99_ms;

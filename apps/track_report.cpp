@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "apriltrack/base/error.h"
 #include "apriltrack/report/html_page.h"
 #include "track_charts.h"

@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 #include <numbers>
 #include <set>
 
 #include "apriltrack/eval/statistics.h"
 #include "apriltrack/tracker/blur_tracker.h"
-#include "apriltrack/tracker/paper_tracker.h"
 
 namespace apriltrack::app {
 namespace {
@@ -54,7 +53,7 @@ std::string exposure(const TrackRun& run) {
 }
 
 std::string median_and_worst(const std::optional<ClaimedSigma>& sigma) {
-  if (!sigma) return "-";
+  if (!sigma) return "no pose claims any";
   return fmt::format("{:.2f} mm and {:.3f} degrees; at worst {:.2f} mm and {:.3f} degrees",
                      1e3 * sigma->median_position_m, kDegPerRadian * sigma->median_rotation_rad,
                      1e3 * sigma->worst_position_m, kDegPerRadian * sigma->worst_rotation_rad);
@@ -85,28 +84,6 @@ std::string numbers_of(const BlindStretch& stretch) {
   return text;
 }
 
-std::string describe_camera(const Camera& camera) {
-  const std::string size = camera.width > 0 ? fmt::format("{} x {} pixels", camera.width, camera.height)
-                                            : std::string("resolution not told");
-  return fmt::format("{}, {}", camera.name, size);
-}
-
-std::string particles(const MethodOptions& options) {
-  if (options.num_particles) return fmt::format("{}", *options.num_particles);
-  if (options.name == "blur")
-    return fmt::format("{} in each of five rounds", BlurTrackerOptions().num_particles);
-  const bool is_printed = options.paper_variant == "printed";
-  return fmt::format(
-      "{}", PaperTrackerOptions::published(is_printed ? PaperVariant::kPrinted : PaperVariant::kProgram)
-                .filter.num_particles);
-}
-
-const char* describe_method(const std::string& method) {
-  if (method == "pnp") return "pnp: detection plus multi-tag PnP";
-  if (method == "paper") return "paper: the seed paper's particle filter";
-  return "blur: detected corners and blurred tag patterns";
-}
-
 }  // namespace
 
 const std::string& input_name(const TrackArguments& arguments) {
@@ -114,16 +91,19 @@ const std::string& input_name(const TrackArguments& arguments) {
 }
 
 std::string verdict(const TrackRun& run, const TrackFigures& figures) {
-  if (!run.record.has_pose()) return "No frame has a pose. " + run.record.why_no_pose(run.map) + ".";
+  if (!run.record.has_pose()) return "No frame has a pose: " + run.record.why_no_pose(run.map);
   if (figures.blind.empty())
     return fmt::format("All {} frames have a pose that rests on what the frame shows (detected or tracked).",
                        figures.frames);
   std::string text = fmt::format(
       "{} of {} frames ({}) have a pose that rests on what the frame shows (detected or tracked).",
       figures.with_evidence, figures.frames, share_of(figures.with_evidence, figures.frames));
-  text += fmt::format(" The others lie in {} {}, the longest of {:.3f} s from {:.3f} s on.",
-                      figures.blind.size(), figures.blind.size() == 1 ? "stretch" : "stretches",
-                      figures.blind.front().duration_s(), figures.blind.front().from_s);
+  const BlindStretch& longest = figures.blind.front();
+  const std::string stretches = figures.blind.size() == 1
+                                    ? std::string("one stretch")
+                                    : fmt::format("{} stretches, the longest", figures.blind.size());
+  text += fmt::format(" The others lie in {} of {:.3f} s from {:.3f} s on.", stretches, longest.duration_s(),
+                      longest.from_s);
   const std::size_t predicted = figures.statuses[index_of_status("predicted")].frames;
   if (predicted > 0)
     text += fmt::format(" {} {} predicted only: do not rely on {}.", predicted,
@@ -146,20 +126,24 @@ std::string describe_tags(const TrackRecord& record, const TagMap& map) {
 }
 
 HtmlTable summary_table(const TrackRun& run, const TrackFigures& figures) {
-  const auto second_pose =
-      fmt::format("{} ({})", figures.with_second_pose, share_of(figures.with_second_pose, figures.frames));
-  return {{"figure", "value"},
-          {{"frames", fmt::format("{} in {:.3f} s", figures.frames, figures.duration_s)},
-           {"first pose", figures.first_pose_s ? fmt::format("at {:.3f} s", *figures.first_pose_s) : "none"},
-           {"longest stretch without evidence", longest_blind(figures)},
-           {"claimed error (sigma), median of all poses", median_and_worst(figures.sigma)},
-           {"frames with a second explanation", second_pose},
-           {"exposure", exposure(run)},
-           {"latency", latency(figures)}},
-          fmt::format("Times count from the first frame, {} ns. Sigma is the root mean square length of the "
-                      "error that the covariance expects. A second explanation is another pose that fits the "
-                      "same corners, as one flat tag far away has it.",
-                      run.record.rows().front().timestamp.ns)};
+  const auto number = [&](std::size_t count) {
+    return fmt::format("{} ({})", count, share_of(count, figures.frames));
+  };
+  return {
+      {"figure", "value"},
+      {{"frames", fmt::format("{} in {:.3f} s", figures.frames, figures.duration_s)},
+       {"first pose", figures.first_pose_s ? fmt::format("at {:.3f} s", *figures.first_pose_s) : "none"},
+       {"longest stretch without evidence", longest_blind(figures)},
+       {"claimed error (sigma), median of all poses", median_and_worst(figures.sigma)},
+       {"poses from a single tag", number(figures.from_one_tag)},
+       {"poses with a second explanation", number(figures.with_second_pose)},
+       {"exposure", exposure(run)},
+       {"latency", latency(figures)}},
+      fmt::format("Times count from the first frame, {} ns. Sigma is the root mean square length of the "
+                  "error that the covariance expects. A pose from a single tag has nothing to contradict it, "
+                  "and needs the right map all the more. A second explanation is another pose that fits the "
+                  "same corners, as one flat tag far away has it.",
+                  run.record.rows().front().timestamp.ns)};
 }
 
 HtmlTable status_table(const TrackFigures& figures) {
@@ -214,33 +198,6 @@ HtmlTable reasons_table(const TrackRecord& record) {
     }
   }
   if (others > 0) table.rows.push_back({"other reasons", fmt::format("{}", others)});
-  return table;
-}
-
-HtmlTable settings_table(const TrackRun& run) {
-  const TrackArguments& arguments = run.arguments;
-  const MethodOptions options = arguments.method_options();
-  HtmlTable table{{"what", "value"}, {}, ""};
-  const auto add = [&](std::string what, std::string value) {
-    table.rows.push_back({std::move(what), std::move(value)});
-  };
-  add("program", "apriltrack " APRILTRACK_VERSION);
-  add("input", input_name(arguments));
-  add("camera", fmt::format("{} ({})", run.camera_file, describe_camera(run.camera)));
-  add("map", fmt::format("{} ({} tags in frame '{}')", run.map_file, run.map.tags.size(), run.map.frame));
-  add("mode", arguments.mode == "joint" ? "joint: poses are T_camera_body" : "ego: poses are T_world_camera");
-  add("method", describe_method(options.name));
-  if (options.name == "paper") add("variant of the paper", options.paper_variant);
-  if (options.name != "pnp") add("particles", particles(options));
-  if (options.name != "pnp") add("seed", fmt::format("{}", options.seed));
-  if (arguments.rate_hz) add("frames a second", fmt::format("{:g}", *arguments.rate_hz));
-  if (!arguments.detections.empty()) return table;
-  const DetectorOptions& detector = options.localizer.detector;
-  add("threads",
-      options.num_threads == 0 ? "one per core, 8 at most" : fmt::format("{}", options.num_threads));
-  add("least decision margin", fmt::format("{:g}", detector.min_decision_margin));
-  add("most corrected bits", fmt::format("{}", detector.max_hamming));
-  add("search in an image smaller by", fmt::format("{:g}", detector.decimate));
   return table;
 }
 

@@ -144,6 +144,9 @@ TEST_F(TrackReport, TellsTheClaimsAndLatenciesOfTheFrameLog) {
   EXPECT_NEAR(claims[1], kDegrees * quantile(sigma_rad, 0.5), 0.00051);
   EXPECT_NEAR(claims[2], 1e3 * quantile(sigma_m, 1.0), 0.0051);
   EXPECT_NEAR(claims[3], kDegrees * quantile(sigma_rad, 1.0), 0.00051);
+  const auto from_one_tag = std::ranges::count_if(
+      log, [](const LogLine& line) { return !line.at("tx").empty() && line.at("tags_tracked") == "1"; });
+  EXPECT_EQ(numbers_in(page.row("poses from a single tag")[0])[0], static_cast<double>(from_one_tag));
   const auto latency = numbers_in(page.row("latency")[0]);
   ASSERT_GE(latency.size(), 2U);
   EXPECT_NEAR(latency[0], quantile(column(log, "latency_ms"), 0.5), 0.051);
@@ -247,7 +250,7 @@ TEST_F(TrackReportOfNothing, SaysWhy) {
   EXPECT_THAT(track({"--report", path("report.html")}), EndsWith(1, "no tag of family"));
   EXPECT_FALSE(std::filesystem::exists(path("out.tum")));
   const ReadReport page(path("report.html"));
-  EXPECT_THAT(page.texts("p"), Contains(HasSubstr("No frame has a pose. no tag of family")));
+  EXPECT_THAT(page.texts("p"), Contains(HasSubstr("No frame has a pose: no tag of family")));
   EXPECT_THAT(page.row("lost")[0], "1");
   EXPECT_THAT(page.row("first pose"), ElementsAre("none"));
   EXPECT_THAT(page.texts("h2"), Not(Contains("Where the camera was")));
