@@ -58,6 +58,7 @@ void Console::info(std::string_view text) const {
 
 void Console::warning(std::string_view text) const {
   std::cerr << "warning: " << text << '\n';
+  warnings_->emplace_back(text);
 }
 
 LogSink Console::log() const {

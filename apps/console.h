@@ -2,11 +2,13 @@
 
 #include <chrono>
 #include <cstddef>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <streambuf>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "apriltrack/base/log.h"
 
@@ -28,6 +30,8 @@ class Console {
   void info(std::string_view text) const;     ///< Silent under --quiet.
   void warning(std::string_view text) const;  ///< Always heard.
   LogSink log() const;
+  /// What warning() said so far, of this console and of its copies.
+  const std::vector<std::string>& warnings() const { return *warnings_; }
 
   /// The end of a command: `summary` on stdout as JSON under --json, else `text` on stdout (even under
   /// --quiet, which hushes talk and not answers). Throws Error(kIo) when stdout cannot be written.
@@ -37,6 +41,7 @@ class Console {
   friend class Progress;
   bool json_ = false;
   bool quiet_ = false;
+  std::shared_ptr<std::vector<std::string>> warnings_ = std::make_shared<std::vector<std::string>>();
 };
 
 /// While it lives, what commands answer on stdout is talk of a larger one whose own answer comes last: it

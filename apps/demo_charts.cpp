@@ -2,16 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-#include "apriltrack/report/chart.h"
+#include "error_chart.h"
 
 namespace apriltrack::app {
 namespace {
-
-constexpr double kLimit_px = 5.0;
 
 Colour colour_of(const std::string& method) {
   if (method == "pnp") return kVermilion;
@@ -25,16 +19,8 @@ const char* legend(const std::string& method) {
   return "blur: AprilTrack";
 }
 
-ChartAxis error_axis() {
-  return {.label = "corner error, px", .is_logarithmic = true, .low = 0.01, .high = 1000.0};
-}
-
 Chart chart_of(const DemoScene& scene, const char* what) {
-  Chart chart;
-  chart.title = fmt::format("{}: {}", scene.name, what);
-  chart.y = error_axis();
-  chart.levels = {{kLimit_px, "5 px"}};
-  return chart;
+  return corner_error_chart(fmt::format("{}: {}", scene.name, what));
 }
 
 ChartSeries series_of(const DemoScore& score, ChartMark mark) {
@@ -43,13 +29,6 @@ ChartSeries series_of(const DemoScore& score, ChartMark mark) {
   series.colour = colour_of(score.method);
   series.mark = mark;
   return series;
-}
-
-void add_points(ChartSeries& series, const std::vector<FrameScore>& frames, Timestamp start) {
-  for (const FrameScore& frame : frames) {
-    series.x.push_back(seconds_between(start, frame.timestamp));
-    series.y.push_back(frame.corner_error_px.value_or(std::numeric_limits<double>::quiet_NaN()));
-  }
 }
 
 }  // namespace
@@ -64,8 +43,8 @@ void draw_error_over_time(const std::filesystem::path& picture, const DemoScene&
     if (score.scene != &scene) continue;
     const Timestamp start = score.evaluation.frames.front().timestamp;
     chart.series.push_back(series_of(score, ChartMark::kLine));
-    add_points(chart.series.back(), score.evaluation.frames, start);
-    if (score.method == "blur") add_points(predicted, score.predicted, start);
+    add_corner_errors(chart.series.back(), score.evaluation.frames, start);
+    if (score.method == "blur") add_corner_errors(predicted, score.predicted, start);
   }
   chart.series.push_back(predicted);
   write_chart(picture, chart);

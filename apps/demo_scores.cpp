@@ -51,12 +51,12 @@ DemoScore score(const DemoFiles& files, const DemoScene& scene, const std::strin
   return result;
 }
 
-std::string percent(std::optional<double> share) {
+std::string whole_percent(std::optional<double> share) {
   return share ? fmt::format("{:.0f} %", 100.0 * *share) : "-";
 }
 
 std::string percent_of(int count, int all) {
-  return all == 0 ? "-" : percent(static_cast<double>(count) / all);
+  return all == 0 ? "-" : whole_percent(static_cast<double>(count) / all);
 }
 
 /// "0.12 / 0.45": median and 95 % of the poses there are.
@@ -74,7 +74,8 @@ std::string errors(const std::vector<FrameScore>& frames, const Range& range) {
 std::vector<std::string> row(const DemoScore& score) {
   const ErrorSummary& all = score.evaluation.overall;
   std::vector<std::string> cells = {score.scene->name, score.method,
-                                    percent(score.log.claimed_share_of_frames), percent(all.success_5px)};
+                                    whole_percent(score.log.claimed_share_of_frames),
+                                    whole_percent(all.success_5px)};
   for (const Range& range : kBlurRanges) cells.push_back(errors(score.evaluation.frames, range));
   cells.push_back(percent_of(score.log.claimed_good_but_over_10px.value_or(0), score.log.claimed_good));
   cells.push_back(fmt::format("{:.0f}", score.log.latency_p50_ms.value_or(0.0)));

@@ -8,6 +8,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/staged_files.h"
 #include "command_help.h"
+#include "command_line.h"
 #include "commands.h"
 #include "exposure_check.h"
 #include "frame_loop.h"
@@ -16,6 +17,7 @@
 #include "track_methods.h"
 #include "track_options.h"
 #include "track_record.h"
+#include "track_report.h"
 #include "track_video.h"
 
 namespace apriltrack::app {
@@ -24,18 +26,16 @@ namespace {
 const CommandHelp kTrackHelp = {
     "Localises a camera in a map of tags, or a body of tags before a camera.",
     "apriltrack track recording --camera camera.yaml --map map.yaml --output camera.tum --frames-csv "
-    "frames.csv\n"
+    "frames.csv --report report.html\n"
     "apriltrack track room_blur --output camera.tum",
     "A sequence folder, such as room_blur, brings its own camera and map."};
 
-CameraRig load_cameras(const TrackArguments& arguments) {
-  return read_cameras(
-      file_or_own(arguments.camera, sequence_camera_file(arguments.input), "--camera", "camera.yaml"),
-      arguments.console.log());
+std::filesystem::path camera_file(const TrackArguments& arguments) {
+  return file_or_own(arguments.camera, sequence_camera_file(arguments.input), "--camera", "camera.yaml");
 }
 
-TagMap load_map(const TrackArguments& arguments) {
-  return read_tag_map(file_or_own(arguments.map, sequence_map_file(arguments.input), "--map", "map.yaml"));
+std::filesystem::path map_file(const TrackArguments& arguments) {
+  return file_or_own(arguments.map, sequence_map_file(arguments.input), "--map", "map.yaml");
 }
 
 std::vector<FrameDetections> load_detections(const std::string& path, const CameraRig& rig,
@@ -86,7 +86,7 @@ bool track_images(const TrackArguments& arguments, const Camera& camera, const M
     exposures.add(image.timestamp, image.exposure_s ? image.exposure_s : camera.exposure_s);
     const FrameDetections frame{image.timestamp, camera.name, std::move(detected.detections)};
     const TrackResult result = method.track(image.frame(), frame.detections);
-    record.add(frame, result, detected.latency_s + result.latency_s);
+    record.add(frame, result, detected.latency_s + result.latency_s, image.exposure_s);
     if (video) video->add(image, result);
   };
   return detect_frames(*source, options, arguments.console, track).is_interrupted;
@@ -122,15 +122,31 @@ void finish(const TrackArguments& arguments, const TrackRecord& record, bool was
     summary["video"] = arguments.video;
     text += "\nvideo: " + arguments.video;
   }
+  if (!arguments.report.empty()) {
+    summary["report"] = arguments.report;
+    text += "\nreport: " + arguments.report;
+  }
   arguments.console.finish(summary, text);
+}
+
+/// A run without a pose leaves the page alone, which says why; others all that was asked for, or nothing.
+void write_outputs(const TrackArguments& arguments, const TrackRun& tracked) {
+  StagedFiles outputs;
+  if (!arguments.report.empty()) write_track_report(outputs.stage(arguments.report), tracked);
+  if (tracked.record.has_pose()) {
+    write_tum(outputs.stage(arguments.output), tracked.record.trajectory());
+    if (!arguments.frames_csv.empty())
+      write_frame_log(outputs.stage(arguments.frames_csv), tracked.record.rows());
+  }
+  outputs.commit();
 }
 
 void run(const CLI::App& command, const TrackArguments& arguments) {
   check_track_arguments(command, arguments);
-  const CameraRig rig = load_cameras(arguments);
+  const CameraRig rig = read_cameras(camera_file(arguments), arguments.console.log());
   const Camera& camera =
       arguments.camera_name.empty() ? rig.cameras.front() : rig.find(arguments.camera_name);
-  const TagMap map = load_map(arguments);
+  const TagMap map = read_tag_map(map_file(arguments));
   Warnings warnings(arguments.console);
   if (const auto warning = rolling_shutter_warning(camera)) warnings.add(*warning);
   const Method method = make_method(arguments.method_options(), camera, map, warnings);
@@ -145,11 +161,9 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   const bool was_interrupted = has_images ? track_images(arguments, camera, method, warnings, record, video)
                                           : track_detections(arguments, detections, method, record);
   warn_of_contradictions(record, warnings);
+  write_outputs(arguments, {command_line_of(command), arguments, camera_file(arguments), map_file(arguments),
+                            camera, map, record});
   record.check_has_pose(has_images ? arguments.input : arguments.detections, map);
-  StagedFiles outputs;
-  write_tum(outputs.stage(arguments.output), record.trajectory());
-  if (!arguments.frames_csv.empty()) write_frame_log(outputs.stage(arguments.frames_csv), record.rows());
-  outputs.commit();
   if (video) video->close();
   finish(arguments, record, was_interrupted, warnings);
 }

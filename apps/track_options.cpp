@@ -33,9 +33,11 @@ void check_track_arguments(const CLI::App& command, const TrackArguments& argume
   if (!arguments.input.empty()) check_input(arguments.input);
   std::vector<std::string> read = camera_inputs(arguments.camera, {arguments.input});
   read.insert(read.end(), {arguments.input, arguments.detections, arguments.map});
-  check_outputs(
-      {{arguments.output, "--output"}, {arguments.frames_csv, "--frames-csv"}, {arguments.video, "--video"}},
-      read);
+  check_outputs({{arguments.output, "--output"},
+                 {arguments.frames_csv, "--frames-csv"},
+                 {arguments.video, "--video"},
+                 {arguments.report, "--report"}},
+                read);
   if (!arguments.video.empty() && std::filesystem::path(arguments.video).extension() != ".mp4")
     throw invalid_input("--video", fmt::format("'{}' must end in .mp4", arguments.video));
 }
@@ -74,6 +76,8 @@ void add_track_options(CLI::App& command, TrackArguments& arguments) {
                      "Log with a line for every frame: status, pose, covariance");
   command.add_option("--video", arguments.video,
                      "The recording with the tags outlined where the poses put them, H.264 in .mp4");
+  command.add_option("--report", arguments.report,
+                     "Web page about the run, one file: how far it can be trusted, where not, and why");
   command.add_option("--rate", arguments.rate_hz, "Frames a second, for images whose names are no times")
       ->check(rate());
   command

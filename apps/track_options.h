@@ -23,6 +23,7 @@ struct TrackArguments {
   std::string output;
   std::string frames_csv;
   std::string video;
+  std::string report;
   std::optional<double> rate_hz;
   MethodOptions options;
   Console console;

@@ -14,23 +14,6 @@
 namespace apriltrack::app {
 namespace {
 
-/// "tag36h11/0 to 13, tag16h5/2": sorted keys with runs drawn together.
-std::string list_of_tags(const std::set<TagKey>& keys) {
-  std::string text;
-  for (auto first = keys.begin(); first != keys.end();) {
-    auto last = first;
-    for (auto next = std::next(last);
-         next != keys.end() && next->family == last->family && next->id == last->id + 1; ++next) {
-      last = next;
-    }
-    if (!text.empty()) text += ", ";
-    text += to_string(*first);
-    if (last != first) text += fmt::format(" to {}", last->id);
-    first = std::next(last);
-  }
-  return text;
-}
-
 struct MapContents {
   std::set<TagKey> tags;
   std::set<std::string> families;
@@ -66,7 +49,24 @@ std::string why_without_pose(const MapContents& map, const std::set<TagKey>& see
 
 }  // namespace
 
-void TrackRecord::add(const FrameDetections& frame, const TrackResult& result, double latency_s) {
+std::string list_of_tags(const std::set<TagKey>& keys) {
+  std::string text;
+  for (auto first = keys.begin(); first != keys.end();) {
+    auto last = first;
+    for (auto next = std::next(last);
+         next != keys.end() && next->family == last->family && next->id == last->id + 1; ++next) {
+      last = next;
+    }
+    if (!text.empty()) text += ", ";
+    text += to_string(*first);
+    if (last != first) text += fmt::format(" to {}", last->id);
+    first = std::next(last);
+  }
+  return text;
+}
+
+void TrackRecord::add(const FrameDetections& frame, const TrackResult& result, double latency_s,
+                      const std::optional<double>& exposure_s) {
   std::set<TagKey> tags;
   for (const Detection& detection : frame.detections) tags.insert(detection.tag);
   for (const TagKey& tag : tags) ++frames_by_tag_[tag];
@@ -79,6 +79,8 @@ void TrackRecord::add(const FrameDetections& frame, const TrackResult& result, d
                    .second_mode_odds = result.second_mode_odds,
                    .covariance = result.covariance});
   latencies_ms_.push_back(1e3 * latency_s);
+  reasons_.push_back(result.pose ? "" : result.reason);
+  if (exposure_s) exposures_s_.push_back(*exposure_s);
   if (result.pose) {
     trajectory_.push_back({result.timestamp, *result.pose});
   } else {
@@ -92,13 +94,17 @@ void TrackRecord::add_unreadable(Timestamp timestamp) {
   row.timestamp = timestamp;
   row.status = to_string(TrackStatus::kUnreadable);
   rows_.push_back(row);
+  reasons_.emplace_back();
+}
+
+std::string TrackRecord::why_no_pose(const TagMap& map) const {
+  std::set<TagKey> seen;
+  for (const auto& [key, count] : frames_by_tag_) seen.insert(key);
+  return why_without_pose(MapContents(map), seen, num_lost());
 }
 
 void TrackRecord::check_has_pose(const std::string& input, const TagMap& map) const {
-  if (!trajectory_.empty()) return;
-  std::set<TagKey> seen;
-  for (const auto& [key, count] : frames_by_tag_) seen.insert(key);
-  throw no_result(input, why_without_pose(MapContents(map), seen, num_lost()));
+  if (!has_pose()) throw no_result(input, why_no_pose(map));
 }
 
 TrackRecord::SeveralTags TrackRecord::frames_with_several_tags() const {

@@ -2,6 +2,8 @@
 
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,14 +15,21 @@
 
 namespace apriltrack::app {
 
+/// "tag36h11/0 to 13, tag16h5/2": sorted keys with runs drawn together.
+std::string list_of_tags(const std::set<TagKey>& keys);
+
 /// What a run of `track` leaves behind, frame by frame.
 class TrackRecord {
  public:
-  /// latency_s: from the decoded image to the result.
-  void add(const FrameDetections& frame, const TrackResult& result, double latency_s);
+  /// latency_s: from the decoded image to the result. exposure_s: where the frame tells its own.
+  void add(const FrameDetections& frame, const TrackResult& result, double latency_s,
+           const std::optional<double>& exposure_s = std::nullopt);
   void add_unreadable(Timestamp timestamp);
 
-  /// Throws Error(kNoResult) that tells why a whole recording gave no pose, and what to do.
+  bool has_pose() const { return !trajectory_.empty(); }
+  /// Why a whole recording gave no pose, and what to do.
+  std::string why_no_pose(const TagMap& map) const;
+  /// Throws Error(kNoResult) that says so.
   void check_has_pose(const std::string& input, const TagMap& map) const;
 
   struct SeveralTags {
@@ -33,6 +42,14 @@ class TrackRecord {
 
   const Trajectory& trajectory() const { return trajectory_; }
   const std::vector<FrameLogRow>& rows() const { return rows_; }
+  /// For each row why it has no pose; empty where it has one, or is unreadable.
+  const std::vector<std::string>& reasons() const { return reasons_; }
+  /// Frames that are lost, by cause.
+  const std::map<std::string, int>& lost_reasons() const { return lost_reasons_; }
+  /// Of the frames that told their own.
+  const std::vector<double>& exposures_s() const { return exposures_s_; }
+  /// Frames in which a tag was detected, mapped or not.
+  const std::map<TagKey, int>& frames_by_tag() const { return frames_by_tag_; }
 
   /// Counts and latencies, for machines and for people.
   nlohmann::json summary() const;
@@ -45,6 +62,8 @@ class TrackRecord {
 
   Trajectory trajectory_;
   std::vector<FrameLogRow> rows_;
+  std::vector<std::string> reasons_;
+  std::vector<double> exposures_s_;
   std::vector<double> latencies_ms_;
   std::map<TagKey, int> frames_by_tag_;      ///< Everything detected, mapped or not.
   std::map<std::string, int> lost_reasons_;  ///< Frames without a pose, by cause.

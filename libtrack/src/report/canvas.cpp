@@ -78,12 +78,16 @@ void Canvas::picture(const GrayView& image, cv::Rect2d area) {
   cv::resize(colour, pixels_(target), target.size(), 0.0, 0.0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
 }
 
-void Canvas::write_png(const std::filesystem::path& path) const {
+std::string Canvas::png() const {
   cv::Mat shown;
   cv::resize(pixels_, shown, {}, 1.0 / kScale, 1.0 / kScale, cv::INTER_AREA);
   std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", shown, bytes)) throw io_error(path.string(), "cannot be encoded as PNG");
-  write_file_atomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  if (!cv::imencode(".png", shown, bytes)) throw io_error("picture", "cannot be encoded as PNG");
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+void Canvas::write_png(const std::filesystem::path& path) const {
+  write_file_atomically(path, png());
 }
 
 }  // namespace apriltrack

@@ -45,6 +45,8 @@ class Canvas {
   /// Cut short, with "..." at its end, where it is wider than max_width.
   static std::string fitted(const std::string& words, double height, double max_width);
 
+  /// The bytes of a PNG file.
+  std::string png() const;
   /// Throws Error(kIo).
   void write_png(const std::filesystem::path& path) const;
 

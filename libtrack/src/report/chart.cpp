@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apriltrack/base/check.h"
+#include "apriltrack/io/atomic_file.h"
 #include "canvas.h"
 #include "chart_legend.h"
 #include "chart_series.h"
@@ -43,6 +44,10 @@ void check_chart(const Chart& chart) {
     APRILTRACK_CHECK(series.x.size() == series.y.size(), "a series has as many x as y");
     APRILTRACK_CHECK(series.shade.empty() || series.shade.size() == series.x.size(),
                      "a series has no shades, or one for each point");
+    APRILTRACK_CHECK(series.half_width.empty() || series.half_width.size() == series.x.size(),
+                     "a series has no band, or a half width for each point");
+    for (const double half_width : series.half_width)
+      APRILTRACK_CHECK(!(half_width < 0.0), "a band's half widths are at least zero");
     for (const double shade : series.shade)
       APRILTRACK_CHECK(shade >= 0.0 && shade <= 1.0, "shades are numbers from 0 to 1");
   }
@@ -130,7 +135,7 @@ bool has_shades(const Chart& chart) {
 
 }  // namespace
 
-void write_chart(const std::filesystem::path& path, const Chart& chart) {
+std::string chart_png(const Chart& chart) {
   check_chart(chart);
   const ChartLegend legend(chart.series, kWidth - 2.0 * kMargin - 40.0);
   const double top = kLegendLine + legend.height() + kAxisNameGap;
@@ -147,12 +152,17 @@ void write_chart(const std::filesystem::path& path, const Chart& chart) {
   legend.draw(canvas, {left, kLegendLine});
   draw_grid(canvas, area, x_ticks, y_ticks);
   canvas.frame({area.box.x - 0.5, area.box.y - 0.5, area.box.width + 1.0, area.box.height + 1.0}, kGrid);
+  for (const ChartSeries& series : chart.series) draw_band(canvas, series, area);
   for (const ChartSeries& series : chart.series) draw_series(canvas, series, area);
   draw_levels(canvas, chart.levels, area);
   draw_tick_labels(canvas, area, x_ticks, y_ticks);
   draw_axis_names(canvas, chart, area);
   if (has_shades(chart)) draw_shade_bar(canvas, chart.shade_label, area.box, kWidth - kMargin);
-  canvas.write_png(path);
+  return canvas.png();
+}
+
+void write_chart(const std::filesystem::path& path, const Chart& chart) {
+  write_file_atomically(path, chart_png(chart));
 }
 
 }  // namespace apriltrack

@@ -41,6 +41,33 @@ void draw_line(Canvas& canvas, const ChartSeries& series, const PlotArea& area) 
   }
 }
 
+/// Towards white, as a band lies behind the lines of others too.
+cv::Scalar band_colour(const Colour& colour) {
+  constexpr double kInkShare = 0.25;
+  const cv::Scalar white(255.0, 255.0, 255.0);
+  return kInkShare * bgr_of(colour) + (1.0 - kInkShare) * white;
+}
+
+/// Column by column from one point to the next; a point of its own is one column.
+void draw_band_between(Canvas& canvas, const ChartSeries& series, const PlotArea& area, std::size_t from,
+                       std::size_t to) {
+  const auto held_place = [&](std::size_t i, double sign) {
+    return area.held(area.place(series.x[i], series.y[i] + sign * series.half_width[i]));
+  };
+  if (std::isnan(series.half_width[from]) || std::isnan(series.half_width[to])) return;
+  const cv::Point2d high_from = held_place(from, 1.0), high_to = held_place(to, 1.0);
+  const cv::Point2d low_from = held_place(from, -1.0), low_to = held_place(to, -1.0);
+  const double width = high_to.x - high_from.x;
+  const int columns = std::max(1, static_cast<int>(std::ceil(width)));
+  for (int column = 0; column < columns; ++column) {
+    const double part = (column + 0.5) / columns;
+    const double top = high_from.y + part * (high_to.y - high_from.y);
+    const double bottom = low_from.y + part * (low_to.y - low_from.y);
+    canvas.box({high_from.x + column * width / columns, top, std::max(1.0, width / columns), bottom - top},
+               band_colour(series.colour));
+  }
+}
+
 double point_radius(std::size_t count) {
   return count > 1000 ? 2.2 : 3.0;
 }
@@ -84,6 +111,15 @@ bool draws_points(const ChartSeries& series) {
 bool draws_line(const ChartSeries& series) {
   return series.mark == ChartMark::kLineAndPoints ||
          (series.mark == ChartMark::kLine && series.shade.empty());
+}
+
+void draw_band(Canvas& canvas, const ChartSeries& series, const PlotArea& area) {
+  if (series.half_width.empty()) return;
+  for (std::size_t i = 0; i < series.x.size(); ++i) {
+    if (is_gap(series, i)) continue;
+    const bool is_joined = i > 0 && !is_gap(series, i - 1);
+    draw_band_between(canvas, series, area, is_joined ? i - 1 : i, i);
+  }
 }
 
 void draw_series(Canvas& canvas, const ChartSeries& series, const PlotArea& area) {

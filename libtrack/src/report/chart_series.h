@@ -16,6 +16,8 @@ cv::Scalar shade_colour(double shade);
 bool draws_points(const ChartSeries& series);
 bool draws_line(const ChartSeries& series);
 
+/// Below all lines.
+void draw_band(Canvas& canvas, const ChartSeries& series, const PlotArea& area);
 void draw_series(Canvas& canvas, const ChartSeries& series, const PlotArea& area);
 
 /// Over the series, lest they hide what they are measured by.

@@ -124,10 +124,17 @@ void HtmlPage::table(const HtmlTable& table) {
   body_ += "</tbody>\n</table></div>\n";
 }
 
+void HtmlPage::png(std::string_view bytes, const std::string& caption) {
+  add_png(bytes, caption, "picture");
+}
+
 void HtmlPage::picture(const std::filesystem::path& png, const std::string& caption) {
-  const std::string bytes = read_file(png);
+  add_png(read_file(png), caption, png.string());
+}
+
+void HtmlPage::add_png(std::string_view bytes, const std::string& caption, const std::string& name) {
   if (!bytes.starts_with("\x89PNG\r\n\x1A\n"))
-    throw invalid_input(png.string(), "is no PNG picture, which is what a page can hold");
+    throw invalid_input(name, "is no PNG picture, which is what a page can hold");
   body_ += figure_of(
       fmt::format("<img alt=\"{}\" src=\"{}\"/>", escaped(caption), data_url("image/png", bytes)), caption);
 }

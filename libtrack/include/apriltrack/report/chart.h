@@ -24,6 +24,9 @@ struct ChartSeries {
   /// 2019). Points are drawn in the order of their shades. A shaded series is drawn as points, also where its
   /// mark is kLine.
   std::vector<double> shade = {};
+  /// Empty, or a half width >= 0 for each point: y plus and minus it is a pale band behind the line, over the
+  /// same gaps. NaN: none there. Bands do not stretch the axis; they are cut off where it ends.
+  std::vector<double> half_width = {};
 };
 
 struct ChartAxis {
@@ -55,5 +58,8 @@ struct Chart {
 /// Requires as many x as y, and as many shades or none; shades in [0, 1]; finite ends of axes with low <
 /// high, and > 0 on logarithmic ones; finite levels. Throws Error(kIo).
 void write_chart(const std::filesystem::path& path, const Chart& chart);
+
+/// The same picture as the bytes of a PNG file, for HtmlPage::png.
+std::string chart_png(const Chart& chart);
 
 }  // namespace apriltrack

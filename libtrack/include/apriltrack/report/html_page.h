@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace apriltrack {
@@ -24,6 +25,8 @@ class HtmlPage {
   void paragraph(const std::string& words);
   /// Requires rows as long as the header.
   void table(const HtmlTable& table);
+  /// bytes: a PNG file's. Throws Error(kInvalidInput) when they are not.
+  void png(std::string_view bytes, const std::string& caption);
   /// Both read the file now. Throw Error(kIo), and Error(kInvalidInput) when it is no PNG, or no MP4.
   void picture(const std::filesystem::path& png, const std::string& caption);
   void video(const std::filesystem::path& mp4, const std::string& caption);
@@ -33,6 +36,8 @@ class HtmlPage {
   std::string html() const;
 
  private:
+  void add_png(std::string_view bytes, const std::string& caption, const std::string& name);
+
   std::string title_;
   std::string body_;
 };

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+
+#include "apriltrack/report/html_page.h"
+#include "track_figures.h"
+#include "track_report.h"
+
+namespace apriltrack::app {
+
+/// INPUT, or the file of detections.
+const std::string& input_name(const TrackArguments& arguments);
+
+/// What came of the run in a few sentences.
+std::string verdict(const TrackRun& run, const TrackFigures& figures);
+/// Which tags were seen, which never, and which the map does not have.
+std::string describe_tags(const TrackRecord& record, const TagMap& map);
+
+/// Times, errors claimed, exposure, latency: a line each.
+HtmlTable summary_table(const TrackRun& run, const TrackFigures& figures);
+/// Each status with its meaning, its frames, and what its poses claim.
+HtmlTable status_table(const TrackFigures& figures);
+/// The longest stretches without evidence.
+HtmlTable blind_table(const TrackFigures& figures);
+HtmlTable reasons_table(const TrackRecord& record);
+/// Files, method and options, defaults included.
+HtmlTable settings_table(const TrackRun& run);
+
+}  // namespace apriltrack::app

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "apriltrack/report/colour.h"
+
+namespace apriltrack {
+
+/// A row of the picture.
+struct EventLane {
+  std::string name;
+  Colour colour = {};
+};
+
+/// Something that fell into a lane.
+struct LaneEvent {
+  double time_s = 0.0;
+  std::size_t lane = 0;
+};
+
+/// Draws what happened when, such as the status of every frame: a lane for each kind, in it a bar for each
+/// event that lasts until the next one, and beside it how many there are. Returns the bytes of a PNG file
+/// 1200 pixels wide. A bar has at least the width that can be seen, however many events there are.
+///
+/// Requires at least one lane; events in the order of time, with finite times and lanes that are there.
+std::string event_lanes_png(const std::string& title, std::span<const EventLane> lanes,
+                            std::span<const LaneEvent> events);
+
+}  // namespace apriltrack
