@@ -157,6 +157,23 @@ TEST(TrackMode, EgoPosesAreTheInverseOfTheView) {
     EXPECT_THAT(pose_from_camera(camera_from_map(pose, mode), mode), PoseNear(pose, kRounding, 1e-7));
 }
 
+TEST(MotionBelief, DistanceIsInStandardDeviations) {
+  RandomStream random(8);
+  MotionBelief belief;
+  belief.mean.pose = Pose::exp(random_vector(random, 1.0));
+  belief.mean.velocity = random_vector(random, 2.0);
+  belief.covariance = random_covariance(random);
+  const Matrix12d L = belief.covariance.llt().matrixL();
+  const Matrix6d pose_L = Matrix6d(belief.covariance.topLeftCorner<6, 6>()).llt().matrixL();
+  for (int run = 0; run < 10; ++run) {
+    Vector12d z;  // a step of |z| standard deviations, by the covariance's root
+    for (double& value : z) value = 0.02 * random.normal();
+    EXPECT_NEAR(distance(belief, moved(belief.mean, L * z)), z.norm(), 1e-9);
+    const Pose pose = belief.mean.pose * Pose::exp(pose_L * z.head<6>());
+    EXPECT_NEAR(distance(belief, pose), z.head<6>().norm(), 1e-9);
+  }
+}
+
 TEST(TrackMode, APerturbationOfThePoseIsOneOfTheViewOnItsLeft) {
   RandomStream random(6);
   for (int run = 0; run < 20; ++run) {

@@ -1,5 +1,8 @@
 #include "apriltrack/motion/motion_state.h"
 
+#include <Eigen/Cholesky>
+#include <cmath>
+
 #include "apriltrack/base/check.h"
 #include "apriltrack/geometry/rotation.h"
 
@@ -56,6 +59,16 @@ MotionState predict(const MotionState& state, double dt_s) {
   next.velocity.head<3>() = turned * state.velocity.head<3>();
   next.velocity.tail<3>() = state.velocity.tail<3>();
   return next;
+}
+
+double distance(const MotionBelief& belief, const MotionState& state) {
+  const Vector12d off = difference(belief.mean, state);
+  return std::sqrt(off.dot(belief.covariance.ldlt().solve(off)));
+}
+
+double distance(const MotionBelief& belief, const Pose& pose) {
+  const Vector6d off = (belief.mean.pose.inverse() * pose).log();
+  return std::sqrt(off.dot(Matrix6d(belief.covariance.topLeftCorner<6, 6>()).ldlt().solve(off)));
 }
 
 MotionBelief predict(const MotionBelief& belief, const MotionNoise& noise, double dt_s) {

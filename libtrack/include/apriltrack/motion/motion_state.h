@@ -37,6 +37,11 @@ struct MotionBelief {
   Matrix12d covariance = Matrix12d::Zero();
 };
 
+/// How far from what the belief expects, in its standard deviations (Mahalanobis): of pose and velocity
+/// together, or of the pose alone. Infinite, or no number, where the covariance has no inverse.
+double distance(const MotionBelief& belief, const MotionState& state);
+double distance(const MotionBelief& belief, const Pose& pose);
+
 /// Integrated white acceleration (Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and
 /// Navigation", 2001, 6.2.2), in its spectral densities.
 struct MotionNoise {
