@@ -14,7 +14,7 @@
 namespace apriltrack {
 namespace {
 
-struct Film {
+struct SceneFilm {
   const char* name;
   const char* scene;
   double speed;
@@ -22,7 +22,7 @@ struct Film {
   std::uint64_t seed;
 };
 
-void PrintTo(const Film& film, std::ostream* out) {
+void PrintTo(const SceneFilm& film, std::ostream* out) {
   *out << film.name;
 }
 
@@ -31,7 +31,7 @@ struct Judged {
   double longest_blur_px = 0.0;
 };
 
-Judged localise(const Film& film, std::size_t num_frames) {
+Judged localise(const SceneFilm& film, std::size_t num_frames) {
   const Scene scene = make_scene(film.scene, {.speed = film.speed, .texel_m = 0.02});
   const Renderer renderer(scene, {.seed = film.seed});
   LocalizerOptions options;
@@ -50,10 +50,10 @@ Judged localise(const Film& film, std::size_t num_frames) {
   return judged;
 }
 
-class SimulatedFilm : public testing::TestWithParam<Film> {};
+class SimulatedFilm : public testing::TestWithParam<SceneFilm> {};
 INSTANTIATE_TEST_SUITE_P(Films, SimulatedFilm,
-                         testing::Values(Film{"Room", "room", 1.0, 60, 612},
-                                         Film{"Bundle", "bundle", 1.0, 40, 613}),
+                         testing::Values(SceneFilm{"Room", "room", 1.0, 60, 612},
+                                         SceneFilm{"Bundle", "bundle", 1.0, 40, 613}),
                          [](const auto& film) { return film.param.name; });
 
 TEST_P(SimulatedFilm, CovarianceIsTheScatterUnderBlur) {
