@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <utility>
 
 #include "apriltrack/base/random.h"
@@ -113,6 +114,17 @@ Scene shaken_scene() {
   return scene;
 }
 
+Scene swung_scene() {
+  Scene scene = shaken_scene();
+  Motion motion;
+  constexpr double kFramesOfSwing = 9.5;
+  motion.pitch_rad.waves = {{0.3, 30.0 / kFramesOfSwing, 0.5 * std::numbers::pi}};
+  scene.T_world_camera = motion;
+  scene.start_ns = 0;
+  scene.num_frames = 16;
+  return scene;
+}
+
 }  // namespace
 
 BlurFilm::BlurFilm(Scene filmed, std::uint64_t noise_seed) : scene(std::move(filmed)) {
@@ -159,6 +171,11 @@ const BlurFilm& far_tag() {
 
 const BlurFilm& wild_tag() {
   static const BlurFilm film(waved_scene(0.32), 3);
+  return film;
+}
+
+const BlurFilm& swung_camera() {
+  static const BlurFilm film(swung_scene(), 5);
   return film;
 }
 

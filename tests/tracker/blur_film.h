@@ -32,5 +32,8 @@ const BlurFilm& wild_tag();
 const BlurFilm& far_tag();
 /// Three tags on two walls of a corner, in a camera that is shaken: up to 34 px.
 const BlurFilm& shaken_camera();
+/// The tags of shaken_camera(), in a camera that swings to and fro in 9.5 frames: sharp at first, where it turns
+/// about, up to 43 px blurred; other turns lie between frames that are blurred by 14 px on both sides.
+const BlurFilm& swung_camera();
 
 }  // namespace apriltrack::test

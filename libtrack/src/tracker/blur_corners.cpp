@@ -23,6 +23,21 @@ double corner_sigma_px(const PhotometricWorld& world, const Eigen::Vector3d& poi
   return std::hypot(kSharpFactor * sharp_sigma_px, kSigmaPerBlur * (*last - *first).norm());
 }
 
+/// Whether the middle of the detection lies on the tag.
+bool is_on_tag(const CameraModel& model, const Detection& detection, const Pose& T_camera_tag,
+               double half_size_m) {
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& corner : detection.corners_px) middle += corner / double{kNumCorners};
+  const auto ray = model.unproject(middle);
+  if (!ray) return false;
+  const Pose T_tag_camera = T_camera_tag.inverse();
+  const Eigen::Vector3d direction = T_tag_camera.rotation() * *ray;
+  const Eigen::Vector3d& eye = T_tag_camera.translation();
+  const double depth = -eye.z() / direction.z();
+  const Eigen::Vector2d point = (eye + depth * direction).head<2>();
+  return depth > 0.0 && point.cwiseAbs().maxCoeff() < half_size_m;
+}
+
 }  // namespace
 
 std::vector<CornerObservation> corner_observations(const PhotometricWorld& world,
@@ -62,6 +77,19 @@ TagVotes count_votes(const PhotometricWorld& world, const std::vector<TagObserva
     if (!is_near && is_sure) contradicting.insert(observation.tag);
   }
   return {static_cast<int>(agreeing.size()), static_cast<int>(contradicting.size())};
+}
+
+void discredit_tags_read_as_others(const PhotometricWorld& world, const std::vector<Detection>& detections,
+                                   const MotionState& state, std::vector<TagEvidence>& tags) {
+  const Pose view = camera_from_map(state.pose, world.mode);
+  for (TagEvidence& evidence : tags) {
+    const PhotometricTag& tag = world.tags[static_cast<std::size_t>(evidence.tag_index)];
+    const bool is_another = std::ranges::any_of(detections, [&](const Detection& detection) {
+      return detection.tag != tag.tag.key && detection.hamming.value_or(0) == 0 &&
+             is_on_tag(world.model, detection, view * tag.tag.T_map_tag, tag.half_size_m());
+    });
+    if (is_another) evidence.correlation = 0.0;
+  }
 }
 
 }  // namespace apriltrack

@@ -23,4 +23,9 @@ struct TagVotes {
 TagVotes count_votes(const PhotometricWorld& world, const std::vector<TagObservation>& observations,
                      const MotionState& state, double exposure_s, double sharp_sigma_px);
 
+/// Takes the correlation of those tags that `state` shows where another tag was read, without a corrected
+/// bit: blurred, neighbours look much alike, and some are in no map.
+void discredit_tags_read_as_others(const PhotometricWorld& world, const std::vector<Detection>& detections,
+                                   const MotionState& state, std::vector<TagEvidence>& tags);
+
 }  // namespace apriltrack

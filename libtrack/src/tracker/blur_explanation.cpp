@@ -27,6 +27,9 @@ constexpr double kColdCornerSigma_px = 3.0;
 constexpr double kColdLinear_m_per_s = 1.5;
 constexpr double kColdAngular_rad_per_s = 6.0;
 constexpr std::size_t kMaxColdSearches = 2;
+/// Of the next frame's motion noise: nearer than this, the path and its reverse lead to the same place.
+constexpr double kMinReversedDistance = 1.0;
+constexpr double kUsualInterval_s = 1.0 / 30.0;
 
 /// What a detection alone says of the motion: about where, and nothing of the velocity but that it is usual.
 std::optional<MotionBelief> cold_belief(const PhotometricWorld& world, const PoseCandidate& candidate) {
@@ -56,8 +59,8 @@ std::optional<MotionState> conditioned(const MotionBelief& belief, const Pose& p
 }
 
 double prior_cost(const MotionBelief& prior, const MotionState& state) {
-  const Vector12d d = difference(prior.mean, state);
-  return 0.5 * d.dot(prior.covariance.ldlt().solve(d));
+  const double sigmas = distance(prior, state);
+  return 0.5 * sigmas * sigmas;
 }
 
 void sort_by_score(std::vector<Explanation>& found) {
@@ -68,87 +71,118 @@ void sort_by_score(std::vector<Explanation>& found) {
 }  // namespace
 
 std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
-                                                const std::optional<MotionBelief>& belief) {
+                                                const std::vector<MotionHypothesis>& hypotheses) {
   std::vector<Explanation> found;
-  for (const Start& start : starts(frame, belief))
-    found.push_back(explained(frame, start, belief.has_value(), {}));
+  for (const Start& start : starts(frame, hypotheses)) found.push_back(explained(frame, start, {}));
   sort_by_score(found);
   if (found.empty()) return found;
+  if (found.front().mean_correlation < kGoodCorrelation) vary_velocity(frame, found);
   const bool is_recent = frame.interval_s && *frame.interval_s <= kMaxSecondCloudAge_s;
   for (int cloud = 0; cloud < (is_recent ? kMaxClouds : 1); ++cloud) {
     if (found.front().mean_correlation >= (cloud == 0 ? kGoodCorrelation : kPoorCorrelation)) break;
-    search(frame, belief, cloud, found);
-    sort_by_score(found);
+    search(frame, hypotheses, cloud, found);
   }
   if (frame.interval_s && !found.front().is_cold) accelerate(frame, found.front());
+  reverse(frame, found);
   return found;
 }
 
-std::vector<BlurExplainer::Start> BlurExplainer::starts(const BlurFrame& frame,
-                                                        const std::optional<MotionBelief>& belief) const {
+std::vector<BlurExplainer::Start> BlurExplainer::starts(
+    const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses) const {
   std::vector<Start> result;
   std::vector<Pose> predictions;
-  if (belief) {
-    result.push_back({belief->mean, *belief, false});
-    predictions.push_back(camera_from_map(belief->mean.pose, world_.mode));
+  for (const MotionHypothesis& hypothesis : hypotheses) {
+    result.push_back({hypothesis.belief.mean, hypothesis, false});
+    predictions.push_back(camera_from_map(hypothesis.belief.mean.pose, world_.mode));
   }
   if (frame.observations.empty()) return result;
   const CandidateOptions options{.expected_sigma_px = options_.corner_sigma_px};
   for (const PoseCandidate& candidate :
        find_pose_candidates(world_.model, frame.observations, predictions, options)) {
     const Pose pose = pose_from_camera(candidate.T_camera_map, world_.mode);
-    if (belief) {
-      if (const auto state = conditioned(*belief, pose)) {
-        result.push_back({*state, *belief, false});
-        continue;
-      }
+    bool is_expected = false;
+    for (const MotionHypothesis& hypothesis : hypotheses) {
+      const auto state = conditioned(hypothesis.belief, pose);
+      if (state) result.push_back({*state, hypothesis, false});
+      is_expected = is_expected || state;
     }
-    if (const auto cold = cold_belief(world_, candidate)) result.push_back({cold->mean, *cold, true});
+    if (is_expected) continue;
+    // A detection that the motion so far did not expect pays as much as any surprise may cost.
+    const double log_odds = hypotheses.empty() ? 0.0 : -kMaxStartPriorCost;
+    if (const auto cold = cold_belief(world_, candidate))
+      result.push_back({cold->mean, {*cold, log_odds}, true});
   }
   return result;
 }
 
-Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start, bool has_belief,
+Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
                                      const MotionFitOptions& options) {
   const auto corners = corner_observations(world_, frame.observations, start.state,
                                            frame.photometric.exposure_s, options_.corner_sigma_px);
+  const MotionBelief& belief = start.prior.belief;
   Explanation explanation;
-  explanation.fit = fit_motion(world_, frame.photometric, start.state, start.prior, corners, options);
+  explanation.fit = fit_motion(world_, frame.photometric, start.state, belief, corners, options);
+  discredit_tags_read_as_others(world_, frame.detections, explanation.fit.state, explanation.fit.tags);
   explanation.prior = start.prior;
   explanation.is_cold = start.is_cold;
   explanation.mean_correlation = mean_correlation(explanation.fit.tags);
   explanation.typical_correlation = typical_correlation(explanation.fit.tags);
-  // A detection that the motion so far did not expect pays as much as any surprise may cost.
-  if (!start.is_cold) explanation.prior_cost = prior_cost(start.prior, explanation.fit.state);
-  const double surprise =
-      start.is_cold && has_belief ? kMaxStartPriorCost : std::min(kMaxStartPriorCost, explanation.prior_cost);
-  explanation.score = log_likelihood(explanation.fit.tags) - surprise;
+  if (!start.is_cold) explanation.prior_cost = prior_cost(belief, explanation.fit.state);
+  explanation.score = log_likelihood(explanation.fit.tags) + start.prior.log_odds -
+                      std::min(kMaxStartPriorCost, explanation.prior_cost);
   return explanation;
 }
 
-void BlurExplainer::search(const BlurFrame& frame, const std::optional<MotionBelief>& belief, int cloud,
+void BlurExplainer::vary_velocity(const BlurFrame& frame, std::vector<Explanation>& found) {
+  const Explanation best = found.front();
+  for (const double factor : {0.0, -1.0}) {
+    MotionState state = best.fit.state;
+    state.velocity *= factor;
+    found.push_back(explained(frame, {state, best.prior, best.is_cold}, {}));
+  }
+  sort_by_score(found);
+}
+
+void BlurExplainer::search(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses, int cloud,
                            std::vector<Explanation>& found) {
   std::vector<Start> bases;
-  if (belief) bases.push_back({belief->mean, *belief, false});
+  for (const MotionHypothesis& hypothesis : hypotheses)
+    bases.push_back({hypothesis.belief.mean, hypothesis, false});
   for (const Explanation& explanation : found) {
-    if (!belief && bases.size() < kMaxColdSearches)
-      bases.push_back({explanation.prior.mean, explanation.prior, true});
+    if (hypotheses.empty() && bases.size() < kMaxColdSearches)
+      bases.push_back({explanation.prior.belief.mean, explanation.prior, true});
   }
   std::vector<MotionState> seeds;
   for (const Explanation& explanation : found) seeds.push_back(explanation.fit.state);
   for (const Start& base : bases) {
     const CloudOptions options{(1 + cloud) * options_.num_particles, options_.seed,
                                kMaxClouds * frame.index + static_cast<std::uint64_t>(cloud)};
-    for (const MotionState& state : search_cloud(world_, frame.photometric, base.prior, seeds, options))
-      found.push_back(explained(frame, {state, base.prior, base.is_cold}, belief.has_value(), {}));
+    for (const MotionState& state :
+         search_cloud(world_, frame.photometric, base.prior.belief, seeds, options))
+      found.push_back(explained(frame, {state, base.prior, base.is_cold}, {}));
   }
+  sort_by_score(found);
 }
 
 void BlurExplainer::accelerate(const BlurFrame& frame, Explanation& best) {
   MotionState state = best.fit.state;
-  state.acceleration = kAccelerationShare / *frame.interval_s * (state.velocity - best.prior.mean.velocity);
-  Explanation curved = explained(frame, {state, best.prior, best.is_cold}, true, {.coarsest_level = 0});
+  state.acceleration =
+      kAccelerationShare / *frame.interval_s * (state.velocity - best.prior.belief.mean.velocity);
+  Explanation curved = explained(frame, {state, best.prior, best.is_cold}, {.coarsest_level = 0});
   if (curved.score > best.score) best = std::move(curved);
+}
+
+void BlurExplainer::reverse(const BlurFrame& frame, std::vector<Explanation>& found) {
+  const Explanation& best = found.front();
+  const MotionBelief here{best.fit.state, Matrix12d::Zero()};
+  MotionState state = best.fit.state;
+  state.velocity = -state.velocity;  // and the same acceleration: the same places, in the other order
+  const double interval_s = frame.interval_s.value_or(kUsualInterval_s);
+  const MotionBelief next = predict(here, options_.motion_noise, interval_s);
+  const MotionState other = predict(state, interval_s);
+  if (distance(next, other.pose) < kMinReversedDistance) return;
+  found.push_back(explained(frame, {state, best.prior, best.is_cold}, {.coarsest_level = 0}));
+  sort_by_score(found);
 }
 
 }  // namespace apriltrack

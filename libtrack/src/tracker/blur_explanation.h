@@ -6,6 +6,7 @@
 
 #include "apriltrack/photometric/motion_fit.h"
 #include "apriltrack/tracker/blur_tracker.h"
+#include "motion_memory.h"
 #include "tag_observation.h"
 
 namespace apriltrack {
@@ -13,15 +14,16 @@ namespace apriltrack {
 /// One frame, ready to be explained.
 struct BlurFrame {
   PhotometricFrame photometric;
-  std::vector<TagObservation> observations;
-  std::uint64_t index = 0;           ///< In the recording: the key of its random numbers.
-  std::optional<double> interval_s;  ///< Since the frame before that was explained.
+  std::vector<Detection> detections;
+  std::vector<TagObservation> observations;  ///< Of them, those of mapped tags.
+  std::uint64_t index = 0;                   ///< In the recording: the key of its random numbers.
+  std::optional<double> interval_s;          ///< Since the frame before that was explained.
 };
 
 /// A state that explains a frame, and why.
 struct Explanation {
   MotionFit fit;
-  MotionBelief prior;
+  MotionHypothesis prior;
   bool is_cold = false;     ///< The prior is that of a detection alone, not of the motion so far.
   double prior_cost = 0.0;  ///< -log of the prior's density over its peak; 0 when it is cold.
   double mean_correlation = 0.0;
@@ -37,23 +39,27 @@ class BlurExplainer {
   BlurExplainer(PhotometricWorld& world, const BlurTrackerOptions& options)
       : world_(world), options_(options) {}
 
-  /// Best first; empty when there is neither a belief nor a detection. belief: of this frame's time.
-  std::vector<Explanation> explain(const BlurFrame& frame, const std::optional<MotionBelief>& belief);
+  /// Best first; empty when there is neither a hypothesis nor a detection. hypotheses: of this frame's time,
+  /// the likeliest first.
+  std::vector<Explanation> explain(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses);
 
  private:
   struct Start {
     MotionState state;
-    MotionBelief prior;
+    MotionHypothesis prior;
     bool is_cold;
   };
 
-  std::vector<Start> starts(const BlurFrame& frame, const std::optional<MotionBelief>& belief) const;
+  std::vector<Start> starts(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses) const;
+  /// The best pose with other velocities: none, and the reverse.
+  void vary_velocity(const BlurFrame& frame, std::vector<Explanation>& found);
   /// cloud: 0, or 1 for the one after.
-  void search(const BlurFrame& frame, const std::optional<MotionBelief>& belief, int cloud,
+  void search(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses, int cloud,
               std::vector<Explanation>& found);
   void accelerate(const BlurFrame& frame, Explanation& best);
-  Explanation explained(const BlurFrame& frame, const Start& start, bool has_belief,
-                        const MotionFitOptions& options);
+  /// Adds the best explanation's reverse where the next frame could tell them apart.
+  void reverse(const BlurFrame& frame, std::vector<Explanation>& found);
+  Explanation explained(const BlurFrame& frame, const Start& start, const MotionFitOptions& options);
 
   PhotometricWorld& world_;
   const BlurTrackerOptions& options_;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,25 +10,19 @@
 #include "blur_corners.h"
 #include "blur_covariance.h"
 #include "blur_explanation.h"
-#include "contrast_memory.h"
+#include "blur_judge.h"
 #include "image_size.h"
 #include "known_exposure.h"
 #include "map_detection.h"
+#include "motion_memory.h"
 
 namespace apriltrack {
 namespace {
 
-// Right states reach 0.943 and more where a tag is read, 0.957 where none is, in photoreal recordings; half a
-// tag behind a hand costs some of that.
-constexpr double kMinCorrelation = 0.85;
-constexpr double kMinCorrelationWithDetection = 0.5;
-// Found again without a detection: a wide search also finds what merely looks like a blurred tag. It reached
-// 0.95, and 11 standard deviations of the motion, before a wall of patches; right states reached 7.5 of them.
-constexpr double kMinCorrelationAgain = 0.95;
-constexpr double kMaxPriorCostAgain = 0.5 * 9.0 * 9.0;
-// Of what a claim without a detection rests on: a sliver of a border fits nearly any edge.
-constexpr double kMinSamples = 40.0;
 constexpr double kLeastOdds = 1e-3;  // what is less likely than this is ruled out
+// The same before the next frame was seen: that one may tell by tens of nats.
+constexpr double kLeastLogOddsCarried = -10.0;
+constexpr double kDistinctSigmas = 5.0;
 
 }  // namespace
 
@@ -52,7 +45,10 @@ void BlurTrackerOptions::check() const {
 class BlurTracker::Implementation {
  public:
   Implementation(const Camera& camera, const TagMap& map, const BlurTrackerOptions& options)
-      : camera_(camera), map_(map), options_(options) {
+      : camera_(camera),
+        map_(map),
+        options_(options),
+        motion_(options.motion_noise, options.max_prediction_s) {
     options.check();
     detector_options_ = detector_options_for(camera, map, options.detector);
     // The tags' ids are checked now; without a size in the camera file, rays wait for the first image.
@@ -77,25 +73,21 @@ class BlurTracker::Implementation {
     fit_size(frame.image);
     TrackResult result;
     result.timestamp = frame.timestamp;
-    const std::optional<MotionBelief> belief = predicted(frame.timestamp);
-    if (!belief) forget();
+    const std::vector<MotionHypothesis> expected = motion_.predict(frame.timestamp);
     const BlurFrame blur_frame = prepared(frame, detections);
     result.tags_detected = count_tags(blur_frame.observations);
 
-    const std::vector<Explanation> found = explainer_->explain(blur_frame, belief);
+    const std::vector<Explanation> found = explainer_->explain(blur_frame, expected);
     const TagVotes votes = found.empty() ? TagVotes() : votes_for(blur_frame, found.front());
-    const bool has_evidence = !found.empty() && is_convincing(found.front(), votes);
-    if (has_evidence) {
-      result.status = votes.agreeing > 0 ? TrackStatus::kDetected : TrackStatus::kTracked;
+    if (expected.empty()) judge_.missed();
+    if (!found.empty() && judge_.is_convincing(found.front(), votes)) {
       report_evidence(found, votes, result);
-    } else if (belief) {
-      result.status = TrackStatus::kPredicted;
-      result.pose = belief->mean.pose;
-      result.covariance = belief->covariance.topLeftCorner<6, 6>() + map_covariance_;
     } else {
-      result.reason = why_lost(detections, blur_frame, result.tags_detected, !found.empty());
+      judge_.missed();
+      report_prediction(expected, result);
+      if (!result.pose)
+        result.reason = why_lost(detections, blur_frame, result.tags_detected, !found.empty());
     }
-    is_confirmed_ = has_evidence && (is_confirmed_ || votes.agreeing > 0);
     result.latency_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return result;
   }
@@ -117,18 +109,11 @@ class BlurTracker::Implementation {
         light_pyramid(to_linear_light(frame.image, camera_.response), PhotometricWorld::kNumLevels);
     result.photometric.exposure_s =
         known_exposure_s(frame.exposure_s, camera_.exposure_s).value_or(options_.default_exposure_s);
+    result.detections = detections;
     result.observations = observe_mapped_tags(map_, camera_.model, detections);
     result.index = num_frames_++;
-    if (belief_) result.interval_s = seconds_between(evidence_time_, frame.timestamp);
+    result.interval_s = motion_.age_s(frame.timestamp);
     return result;
-  }
-
-  /// The belief at `time`; none when the last evidence is too old, or time does not run forward.
-  std::optional<MotionBelief> predicted(Timestamp time) const {
-    if (!belief_) return std::nullopt;
-    const double age_s = seconds_between(evidence_time_, time);
-    if (!(age_s > 0.0 && age_s <= options_.max_prediction_s)) return std::nullopt;
-    return predict(*belief_, options_.motion_noise, age_s);
   }
 
   static std::string why_lost(const std::vector<Detection>& detections, const BlurFrame& frame,
@@ -140,43 +125,6 @@ class BlurTracker::Implementation {
     return "the corners seen fit no pose";
   }
 
-  /// A frame that is too late, or not later, starts anew. What is known of the tags' contrast stays: a
-  /// detection renews it.
-  void forget() {
-    belief_.reset();
-    is_confirmed_ = false;
-  }
-
-  /// Enough of what should be seen is seen, and more tags speak for the state than against it: in the map of
-  /// another place single tags fit, and only the others can tell.
-  bool is_convincing(const Explanation& best, const TagVotes& votes) const {
-    const std::vector<TagEvidence> tags = trusted_tags(best, votes);
-    if (std::max(num_explained(tags), votes.agreeing) <= votes.contradicting) return false;
-    if (votes.agreeing > 0) return typical_correlation(tags) >= kMinCorrelationWithDetection;
-    if (samples_of_explained(tags) < kMinSamples) return false;
-    if (is_confirmed_) return typical_correlation(tags) >= kMinCorrelation;
-    return typical_correlation(tags) >= kMinCorrelationAgain && best.prior_cost <= kMaxPriorCostAgain;
-  }
-
-  /// Without a detection that agrees, tags of another contrast than they had count as not explained.
-  std::vector<TagEvidence> trusted_tags(const Explanation& explanation, const TagVotes& votes) const {
-    std::vector<TagEvidence> tags = explanation.fit.tags;
-    if (votes.agreeing == 0) contrasts_.doubt(tags);
-    return tags;
-  }
-
-  static int num_explained(const std::vector<TagEvidence>& tags) {
-    return static_cast<int>(std::ranges::count_if(tags, is_explained));
-  }
-
-  static bool is_explained(const TagEvidence& tag) { return tag.correlation >= kMinCorrelation; }
-
-  static double samples_of_explained(const std::vector<TagEvidence>& tags) {
-    double sum = 0.0;
-    for (const TagEvidence& tag : tags) sum += is_explained(tag) ? tag.independent_samples() : 0.0;
-    return sum;
-  }
-
   TagVotes votes_for(const BlurFrame& frame, const Explanation& explanation) const {
     return count_votes(*world_, frame.observations, explanation.fit.state, frame.photometric.exposure_s,
                        options_.corner_sigma_px);
@@ -184,28 +132,51 @@ class BlurTracker::Implementation {
 
   void report_evidence(const std::vector<Explanation>& found, const TagVotes& votes, TrackResult& result) {
     const Explanation& best = found.front();
-    const std::vector<TagEvidence> tags = trusted_tags(best, votes);
-    MotionBelief belief{best.fit.state, fit_covariance(*world_, best.fit)};
-    belief.mean.acceleration.setZero();
+    const MotionBelief belief = belief_of(best);
+    result.status = votes.agreeing > 0 ? TrackStatus::kDetected : TrackStatus::kTracked;
     result.pose = belief.mean.pose;
     map_covariance_ = map_covariance(*world_, best.fit);
     result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_;
-    result.tags_tracked = std::max(num_explained(tags), votes.agreeing);
-    for (const Explanation& other : found) {
-      const double odds = std::exp(other.score - best.score);
-      if (odds < kLeastOdds || result.second_pose || !is_distinct(belief, other.fit.state.pose)) continue;
-      result.second_pose = other.fit.state.pose;
-      result.second_mode_odds = odds;
-    }
-    contrasts_.remember(tags);
-    belief_ = belief;
-    evidence_time_ = result.timestamp;
+    result.tags_tracked = judge_.num_supporting(best, votes);
+    const auto second = std::ranges::find_if(found, [&](const Explanation& other) {
+      return distance(belief, other.fit.state.pose) > kDistinctSigmas;
+    });
+    if (second != found.end()) report_second_pose(second->fit.state.pose, second->score - best.score, result);
+    judge_.claimed(best, votes);
+    motion_.remember(result.timestamp, motions(belief, found));
   }
 
-  /// Beyond five standard deviations.
-  static bool is_distinct(const MotionBelief& belief, const Pose& pose) {
-    const Vector6d off = (belief.mean.pose.inverse() * pose).log();
-    return off.dot(Matrix6d(belief.covariance.topLeftCorner<6, 6>()).ldlt().solve(off)) > 25.0;
+  /// The motion found, and the likeliest other one where the next frame may decide for it.
+  std::vector<MotionHypothesis> motions(const MotionBelief& belief,
+                                        const std::vector<Explanation>& found) const {
+    std::vector<MotionHypothesis> result = {{belief, 0.0}};
+    for (const Explanation& other : found) {
+      const double log_odds = other.score - found.front().score;
+      if (log_odds < kLeastLogOddsCarried || result.size() > 1) break;
+      if (distance(belief, other.fit.state) > kDistinctSigmas) result.push_back({belief_of(other), log_odds});
+    }
+    return result;
+  }
+
+  MotionBelief belief_of(const Explanation& explanation) const {
+    MotionBelief belief{explanation.fit.state, fit_covariance(*world_, explanation.fit)};
+    belief.mean.acceleration.setZero();
+    return belief;
+  }
+
+  void report_prediction(const std::vector<MotionHypothesis>& expected, TrackResult& result) const {
+    if (expected.empty()) return;
+    const MotionBelief& belief = expected.front().belief;
+    result.status = TrackStatus::kPredicted;
+    result.pose = belief.mean.pose;
+    result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_;
+    if (expected.size() > 1) report_second_pose(expected[1].belief.mean.pose, expected[1].log_odds, result);
+  }
+
+  static void report_second_pose(const Pose& pose, double log_odds, TrackResult& result) {
+    if (std::exp(log_odds) < kLeastOdds) return;
+    result.second_pose = pose;
+    result.second_mode_odds = std::exp(log_odds);
   }
 
   Camera camera_;
@@ -215,11 +186,9 @@ class BlurTracker::Implementation {
   std::optional<Detector> detector_;  ///< Made by prepare(): detections from a file need none.
   std::optional<PhotometricWorld> world_;
   std::optional<BlurExplainer> explainer_;
-  std::optional<MotionBelief> belief_;          ///< At evidence_time_.
-  Matrix6d map_covariance_ = Matrix6d::Zero();  ///< What the map adds to it.
-  Timestamp evidence_time_;
-  ContrastMemory contrasts_;
-  bool is_confirmed_ = false;  ///< Evidence in every frame since one with a detection that agrees.
+  MotionMemory motion_;
+  BlurJudge judge_;
+  Matrix6d map_covariance_ = Matrix6d::Zero();  ///< What the map adds to that of the last evidence.
   std::uint64_t num_frames_ = 0;
 };
 

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "blur_corners.h"
+#include "blur_explanation.h"
+#include "contrast_memory.h"
+
+namespace apriltrack {
+
+/// Decides which explanation of a frame may be claimed (docs/algorithms/blur_tracker.md, section 6).
+class BlurJudge {
+ public:
+  /// Enough of what should be seen is seen, and more tags speak for the state than against it: in the map of
+  /// another place single tags fit, and only the others can tell.
+  bool is_convincing(const Explanation& explanation, const TagVotes& votes) const;
+  /// Tags that speak for it.
+  int num_supporting(const Explanation& explanation, const TagVotes& votes) const;
+
+  /// After a frame that was claimed.
+  void claimed(const Explanation& explanation, const TagVotes& votes);
+  /// After a frame without evidence. What is known of the tags' contrast stays: a detection renews it.
+  void missed() { is_confirmed_ = false; }
+
+ private:
+  /// Without a detection that agrees, tags of another contrast than they had count as not explained.
+  std::vector<TagEvidence> trusted_tags(const Explanation& explanation, const TagVotes& votes) const;
+
+  ContrastMemory contrasts_;
+  bool is_confirmed_ = false;  ///< Evidence in every frame since one with a detection that agrees.
+};
+
+}  // namespace apriltrack

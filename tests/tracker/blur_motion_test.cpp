@@ -1,0 +1,113 @@
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <vector>
+
+#include "apriltrack/tracker/blur_tracker.h"
+#include "blur_corners.h"
+#include "blur_film.h"
+#include "motion_memory.h"
+
+namespace apriltrack::test {
+namespace {
+
+TEST(BlurTracker, FollowsWhatTurnsAboutWhileItIsBlurred) {
+  // A path and its reverse blur alike, and constant velocity expects the wrong one at each turn: only the
+  // frame after it can tell.
+  constexpr std::size_t kNumRead = 1;
+  const BlurFilm& film = swung_camera();
+  BlurTrackerOptions options;
+  options.num_particles = 16;  // no search finds by chance what was not expected
+  BlurTracker tracker(film.scene.camera, film.scene.map, options);
+  double most_blur_px = 0.0;
+  for (std::size_t i = 0; i < film.size(); ++i) {
+    const FrameDetections unread{film.frames[i].timestamp, "", {}};
+    const TrackResult result =
+        tracker.track(film.frames[i].frame(), i < kNumRead ? film.detections[i] : unread);
+    ASSERT_TRUE(result.pose) << "frame " << i;
+    EXPECT_EQ(result.status, i < kNumRead ? TrackStatus::kDetected : TrackStatus::kTracked) << "frame " << i;
+    EXPECT_LT(film.corner_error_px(i, *result.pose), 2.0) << "frame " << i;
+    most_blur_px = std::max(most_blur_px, film.blur_px[i]);
+  }
+  EXPECT_GT(most_blur_px, 25.0);
+}
+
+TEST(MotionMemory, KeepsSeveralMotionsForAsLongAsAllowed) {
+  const MotionNoise noise;
+  MotionMemory memory(noise, 0.5);
+  EXPECT_TRUE(memory.predict({0}).empty());
+  MotionBelief there, back;
+  there.mean.velocity << 1.0, 0.0, 0.0, 0.0, 0.0, 2.0;
+  back.mean.velocity = -there.mean.velocity;
+  memory.remember({1'000'000'000}, {{there, 0.0}, {back, -3.0}});
+  const std::vector<MotionHypothesis> expected = memory.predict({1'100'000'000});
+  ASSERT_EQ(expected.size(), 2U);
+  EXPECT_NEAR(memory.age_s({1'100'000'000}).value_or(0.0), 0.1, 1e-12);
+  EXPECT_NEAR(expected[0].belief.mean.pose.translation().x(), 0.1, 1e-12);
+  EXPECT_NEAR(expected[1].belief.mean.pose.translation().x(), -0.1, 1e-12);
+  EXPECT_EQ(expected[1].log_odds, -3.0);
+  EXPECT_NEAR(expected[1].belief.covariance(6, 6), 0.1 * noise.linear_m2_per_s3, 1e-12);
+  EXPECT_EQ(memory.predict({1'500'000'000}).size(), 2U);
+  for (const std::int64_t time_ns : {1'500'000'001, 1'000'000'000, 999'999'999}) {
+    EXPECT_TRUE(memory.predict({time_ns}).empty()) << time_ns;
+    EXPECT_FALSE(memory.age_s({time_ns})) << time_ns;
+  }
+}
+
+/// Two tags of 0.2 m, 0.5 m apart, square before a camera, 2 m away.
+class TagsReadAsOthers : public ::testing::Test {
+ protected:
+  TagsReadAsOthers() : world_(camera(), map(), TrackMode::kJoint, 320, 240) {
+    state_.pose = {Eigen::Quaterniond::Identity(), {0.0, 0.0, 2.0}};
+  }
+
+  static Camera camera() { return {.model = CameraModel({200.0, 200.0, 160.0, 120.0}, NoDistortion{})}; }
+  static TagMap map() {
+    TagMap map;
+    for (const int id : {0, 1}) {
+      MapTag tag;
+      tag.key = {"tag36h11", id};
+      tag.size_m = 0.2;
+      tag.T_map_tag = {Eigen::Quaterniond::Identity(), {0.5 * id, 0.0, 0.0}};
+      map.tags.push_back(tag);
+    }
+    return map;
+  }
+  /// 20 px wide, as the tags are.
+  static Detection detection(int id, double x_px, double y_px, std::optional<int> corrected_bits = 0) {
+    Detection result;
+    result.tag = {"tag36h11", id};
+    result.hamming = corrected_bits;
+    result.corners_px = {Eigen::Vector2d(x_px - 10, y_px + 10), Eigen::Vector2d(x_px + 10, y_px + 10),
+                         Eigen::Vector2d(x_px + 10, y_px - 10), Eigen::Vector2d(x_px - 10, y_px - 10)};
+    return result;
+  }
+  std::vector<double> correlations_after(const std::vector<Detection>& detections) {
+    std::vector<TagEvidence> tags(2);
+    for (int k = 0; k < 2; ++k) {
+      tags[static_cast<std::size_t>(k)].tag_index = k;
+      tags[static_cast<std::size_t>(k)].correlation = 0.9;
+    }
+    discredit_tags_read_as_others(world_, detections, state_, tags);
+    return {tags[0].correlation, tags[1].correlation};
+  }
+
+  PhotometricWorld world_;
+  MotionState state_;
+};
+
+TEST_F(TagsReadAsOthers, AreNoEvidence) {
+  using Correlations = std::vector<double>;
+  // Tag 0 is at (160, 120), tag 1 at (210, 120).
+  EXPECT_EQ(correlations_after({}), Correlations({0.9, 0.9}));
+  EXPECT_EQ(correlations_after({detection(0, 160, 120), detection(1, 210, 120)}), Correlations({0.9, 0.9}));
+  EXPECT_EQ(correlations_after({detection(7, 160, 120)}), Correlations({0.0, 0.9}));
+  EXPECT_EQ(correlations_after({detection(0, 210, 120)}), Correlations({0.9, 0.0}));  // mapped, elsewhere
+  EXPECT_EQ(correlations_after({detection(7, 169, 129)}), Correlations({0.0, 0.9}));  // its middle on the tag
+  EXPECT_EQ(correlations_after({detection(7, 172, 120)}), Correlations({0.9, 0.9}));
+  EXPECT_EQ(correlations_after({detection(7, 160, 120, 1)}), Correlations({0.9, 0.9}));  // may be false
+  EXPECT_EQ(correlations_after({detection(7, 160, 120, std::nullopt)}), Correlations({0.0, 0.9}));
+}
+
+}  // namespace
+}  // namespace apriltrack::test
