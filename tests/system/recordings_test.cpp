@@ -24,8 +24,9 @@ TEST(Recordings, ARoomIsCalibratedToMillimetres) {
   EXPECT_LE(score["rotation_deg"]["rms"].get<double>(), 0.5) << score.dump(1);
 }
 
-json follow(const std::filesystem::path& recording, const std::string& mode, const std::string& method) {
-  const std::filesystem::path folder = temporary_folder();
+/// The score of a run whose files go to `folder`.
+json follow(const std::filesystem::path& recording, const std::string& mode, const std::string& method,
+            const std::filesystem::path& folder) {
   run_for_json({"track", recording, "--mode", mode, "--method", method, "--output", folder / "out.tum",
                 "--frames-csv", folder / "out.csv"});
   return run_for_json({"evaluate", "--truth", recording, "--estimate", folder / "out.tum", "--frames-csv",
@@ -48,7 +49,7 @@ class Localising : public ::testing::TestWithParam<Promise> {};
 TEST_P(Localising, ByDetectionIsAheadOfStockCorners) {
   const Promise& promise = GetParam();
   APRILTRACK_SHARED_OR_SKIP(recording, std::string("data/") + promise.recording);
-  const json score = follow(recording, promise.mode, "pnp");
+  const json score = follow(recording, promise.mode, "pnp", temporary_folder());
   EXPECT_GE(score["success_5px"].get<double>(), promise.success_5px) << score.dump(1);
   EXPECT_LE(score["median_px"].get<double>(), promise.median_px) << score.dump(1);
 }
@@ -60,10 +61,10 @@ INSTANTIATE_TEST_SUITE_P(Recordings, Localising,
                                            Promise{"bundle_blur", "joint", 0.71, 0.2}),
                          [](const auto& promise) { return std::string(promise.param.recording); });
 
-/// `count` frames of a recording with their truth, as a recording of its own.
-std::filesystem::path part_of(const std::filesystem::path& recording, std::size_t first, std::size_t count) {
+/// `count` frames of a recording with their truth, as a recording of its own: `part`.
+void copy_part(const std::filesystem::path& recording, std::size_t first, std::size_t count,
+               const std::filesystem::path& part) {
   namespace fs = std::filesystem;
-  const fs::path part = temporary_folder() / "part";
   fs::create_directories(part / "frames");
   for (const char* name : {"camera.yaml", "map.yaml"}) fs::copy_file(recording / name, part / name);
   std::map<std::int64_t, fs::path> frames;  // by time, as the names say
@@ -81,7 +82,6 @@ std::filesystem::path part_of(const std::filesystem::path& recording, std::size_
     fs::create_symlink(path, part / "frames" / path.filename());
     out << line << '\n';
   }
-  return part;
 }
 
 class FollowingThroughBlur : public ::testing::TestWithParam<Promise> {};
@@ -90,8 +90,10 @@ TEST_P(FollowingThroughBlur, HardlyLosesAFrame) {
   const Promise& promise = GetParam();
   APRILTRACK_SHARED_OR_SKIP(recording, std::string("data/") + promise.recording);
   constexpr std::size_t kFirst = 130, kCount = 110;  // of 360: the wildest part of room_blur; else all
+  const std::filesystem::path folder = temporary_folder(), part = folder / "part";
   const bool is_long = std::string(promise.recording) == "room_blur";
-  const json score = follow(is_long ? part_of(recording, kFirst, kCount) : recording, promise.mode, "blur");
+  if (is_long) copy_part(recording, kFirst, kCount, part);
+  const json score = follow(is_long ? part : recording, promise.mode, "blur", folder);
   EXPECT_GE(score["frames"].get<int>(), 110) << score.dump(1);
   EXPECT_GE(score["success_5px"].get<double>(), promise.success_5px) << score.dump(1);
   EXPECT_LE(score["median_px"].get<double>(), promise.median_px) << score.dump(1);
