@@ -4,7 +4,11 @@
 
 #include <cmath>
 #include <memory>
+#include <new>
+#include <string_view>
 #include <vector>
+
+#include "allocation_limit.h"
 
 namespace apriltrack {
 namespace {
@@ -52,6 +56,42 @@ TEST(PatternTextures, OfAllTagsTogetherStayWithinTheirMemoryAndTheLatestStay) {
   EXPECT_GT(alive_bytes, kMaxBytes / 2);
   EXPECT_TRUE(seen.front().expired());
   EXPECT_FALSE(seen.back().expired());
+}
+
+TEST(PatternTextures, ForgetAPictureThatMemoryHadNoRoomFor) {
+  constexpr std::size_t kMaxBytes = 1 << 20;
+  PatternTextures textures(first_patterns(20), kMaxBytes);
+  const double cell = textures.pattern(0).cell_size();
+  {
+    const test::AllocationLimit limit(50'000);  // less than any picture's texels take
+    EXPECT_THROW(textures.blurred(0, 0.5 * cell, 0.5 * cell), std::bad_alloc);
+  }
+  EXPECT_EQ(textures.num_bytes(), 0U);
+  // The oldest go several times over, and what failed is among them.
+  for (std::size_t id = 1; id < 20; ++id) {
+    textures.blurred(id, 0.5 * cell, 0.5 * cell);
+    EXPECT_LE(textures.num_bytes(), kMaxBytes);
+  }
+  const auto now = textures.blurred(0, 0.5 * cell, 0.5 * cell);
+  ASSERT_NE(now, nullptr);
+  EXPECT_EQ(now, textures.blurred(0, 0.5 * cell, 0.5 * cell));
+}
+
+TEST(PatternTextures, TakeTheMemoryThatTheirHeaderTells) {
+  for (const std::string_view family : TagFamily::names()) {
+    PatternTextures textures({TagFamily::get(family).pattern(0)});
+    const double cell = textures.pattern(0).cell_size();
+    const auto num_bytes = [&](double sigma_in_cells) {
+      return textures.blurred(0, sigma_in_cells * cell, sigma_in_cells * cell)->num_bytes();
+    };
+    const std::size_t sharp = num_bytes(0.0), middling = num_bytes(0.25), wide = num_bytes(3.0);
+    EXPECT_GE(sharp, 1'200'000U) << family;
+    EXPECT_LE(sharp, 2'750'000U) << family;
+    EXPECT_GE(middling, 45'000U) << family;
+    EXPECT_LE(middling, 100'000U) << family;
+    EXPECT_GE(wide, 320'000U) << family;
+    EXPECT_LE(wide, 440'000U) << family;
+  }
 }
 
 }  // namespace

@@ -34,13 +34,15 @@ std::shared_ptr<const PatternTexture> PatternTextures::blurred(std::size_t index
                                                                double sigma_v) {
   const double cell = patterns_[index].cell_size();
   const int level_u = level_of_sigma(sigma_u / cell), level_v = level_of_sigma(sigma_v / cell);
-  Entry& entry = entries_[key_of(index, level_u, level_v)];
-  entry.last_use = ++num_uses_;
-  if (entry.texture) return entry.texture;
+  const std::uint64_t key = key_of(index, level_u, level_v);
+  if (const auto found = entries_.find(key); found != entries_.end()) {
+    found->second.last_use = ++num_uses_;
+    return found->second.texture;
+  }
   const auto sigma_of = [cell](int level) { return cell * std::exp2(level / kStepsPerOctave); };
   const auto texture =
       std::make_shared<const PatternTexture>(patterns_[index], sigma_of(level_u), sigma_of(level_v));
-  entry.texture = texture;
+  entries_.emplace(key, Entry{texture, ++num_uses_});
   num_bytes_ += texture->num_bytes();
   if (num_bytes_ > max_bytes_) drop_oldest();
   return texture;
