@@ -49,16 +49,24 @@ TexelAxis texel_axis(const TagPattern& pattern, double sigma) {
   return axis;
 }
 
-Eigen::MatrixXd brightness_of_cells(const TagPattern& pattern) {
+/// What is known of the cells, row by row. Those that the family leaves to the printer count as beyond the
+/// tag.
+struct KnownCells {
+  Eigen::MatrixXd light, presence;
+};
+
+KnownCells known_cells(const TagPattern& pattern) {
   const int n = pattern.cells().width();
-  Eigen::MatrixXd brightness(n, n);
+  KnownCells known{Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n)};
   for (int row = 0; row < n; ++row) {
     for (int column = 0; column < n; ++column) {
       const double value = pattern.cells()(column, row);
-      brightness(row, column) = std::isnan(value) ? 1.0 : value;
+      if (std::isnan(value)) continue;
+      known.light(row, column) = value;
+      known.presence(row, column) = 1.0;
     }
   }
-  return brightness;
+  return known;
 }
 
 }  // namespace
@@ -73,8 +81,13 @@ PatternTexture::PatternTexture(const TagPattern& pattern, double sigma_u, double
   last_column_ = static_cast<float>(u.count - 1);
   last_row_ = static_cast<float>(v.count - 1);
   width_ = u.count;
-  const Eigen::MatrixXd light = v.cell_shares * brightness_of_cells(pattern) * u.cell_shares.transpose();
-  const Eigen::MatrixXd presence = v.cell_shares.rowwise().sum() * u.cell_shares.rowwise().sum().transpose();
+  const KnownCells known = known_cells(pattern);
+  const Eigen::MatrixXd light = v.cell_shares * known.light * u.cell_shares.transpose();
+  // Most families print all of their cells: a product of sums then.
+  const Eigen::MatrixXd presence =
+      known.presence.minCoeff() > 0.0
+          ? Eigen::MatrixXd(v.cell_shares.rowwise().sum() * u.cell_shares.rowwise().sum().transpose())
+          : Eigen::MatrixXd(v.cell_shares * known.presence * u.cell_shares.transpose());
   texels_.reserve(static_cast<std::size_t>(light.size()));
   for (int row = 0; row < v.count; ++row) {
     for (int column = 0; column < u.count; ++column)

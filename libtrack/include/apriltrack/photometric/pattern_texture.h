@@ -20,8 +20,9 @@ struct PatternGradient {
 
 /// The printed cells of a tag, blurred by a Gaussian along the axes of its plane.
 ///
-/// The plane is measured in half tag sizes, as TagPattern's. Beyond the printed cells nothing is known, so
-/// that light comes with the share of the blur kernel that lies on print. The Gaussian's integral over each
+/// The plane is measured in half tag sizes, as TagPattern's. Beyond the printed cells, and on those that the
+/// family leaves to the printer, nothing is known, so that light comes with the share of the blur kernel that
+/// lies on print. The Gaussian's integral over each
 /// cell is exact at the texture's points (error functions); between them it is interpolated bilinearly.
 class PatternTexture {
  public:
