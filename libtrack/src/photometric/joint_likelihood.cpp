@@ -16,9 +16,12 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::size_t kPerTask = 32;     // hypotheses: enough work for a thread, little enough to share out
-constexpr std::size_t kPerBatch = 1024;  // whose predictions are held at once: 1 kB each and tag
-constexpr double kLeastPresence = 0.5;   // of the printed cells in a sample's light
+/// Hypotheses: enough work for a thread, little enough to share out.
+constexpr std::size_t kMaxPerTask = 32;
+constexpr std::size_t kMaxPerBatch = 1024;
+/// A batch's predictions, of 1 kB each, are held at once.
+constexpr std::size_t kMaxPredictions = 4096;
+constexpr double kLeastPresence = 0.5;  // of the printed cells in a sample's light
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 void require(bool holds, const char* field, double value, const char* range) {
@@ -126,12 +129,16 @@ void JointLikelihood::evaluate(const PhotometricFrame& frame, std::span<const Mo
   scores->num_tags = num_tags();
   scores->log_likelihoods.resize(hypotheses.size());
   scores->tags.resize(hypotheses.size() * num_tags());
-  for (std::size_t begin = 0; begin < hypotheses.size(); begin += kPerBatch) {
-    const std::span batch = hypotheses.subspan(begin, std::min(kPerBatch, hypotheses.size() - begin));
+  const std::size_t per_batch =
+      std::clamp(kMaxPredictions / std::max<std::size_t>(1, num_tags()), std::size_t{1}, kMaxPerBatch);
+  // The fewer hypotheses in a batch, the more tags each has: as much work for a thread.
+  const std::size_t per_task = std::max<std::size_t>(1, kMaxPerTask * per_batch / kMaxPerBatch);
+  for (std::size_t begin = 0; begin < hypotheses.size(); begin += per_batch) {
+    const std::span batch = hypotheses.subspan(begin, std::min(per_batch, hypotheses.size() - begin));
     const std::vector<TagPrediction> predictions = predict_tags(frame, batch);
-    parallel((batch.size() + kPerTask - 1) / kPerTask, [&](std::size_t task) {
-      const std::size_t first = task * kPerTask;
-      const std::size_t count = std::min(kPerTask, batch.size() - first);
+    parallel((batch.size() + per_task - 1) / per_task, [&](std::size_t task) {
+      const std::size_t first = task * per_task;
+      const std::size_t count = std::min(per_task, batch.size() - first);
       const std::span<const TagPrediction> theirs =
           predictions.empty() ? std::span<const TagPrediction>()
                               : std::span(predictions).subspan(first * num_tags(), count * num_tags());
