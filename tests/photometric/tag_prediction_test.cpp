@@ -42,7 +42,9 @@ TEST(TagPrediction, ExplainsARenderedPictureOnEveryLevel) {
     const TagPrediction prediction(world, world.tags[0], film.truth, kExposure_s, level);
     ASSERT_TRUE(prediction.is_visible());
     EXPECT_GT(prediction.path_px(), 15.0);
-    const TagPixels pixels = select_pixels(world, film.frame.light, prediction, world.tags[0], level, 700);
+    const TagPixels pixels =
+        select_pixels(world, film.frame.light, prediction,
+                      swept_pixels(world, film.frame.light, prediction, world.tags[0], level), level, 700);
     ASSERT_GT(pixels.pixels.size(), 300U);
     const TagMisfit misfit = measure_misfit(pixels, prediction, 0.0);
     EXPECT_GT(misfit.correlation, 0.996) << "level " << level;
@@ -108,7 +110,9 @@ TEST(TagPrediction, JacobianIsTheNumericOne) {
   const TagFilm& film = moving_tag();
   PhotometricWorld world = film.world();
   const TagPrediction prediction(world, world.tags[0], film.truth, kExposure_s, 0);
-  const TagPixels pixels = select_pixels(world, film.frame.light, prediction, world.tags[0], 0, 300);
+  const TagPixels pixels =
+      select_pixels(world, film.frame.light, prediction,
+                    swept_pixels(world, film.frame.light, prediction, world.tags[0], 0), 0, 300);
   std::vector<Eigen::Vector2f> rays;
   for (const TagPixel& pixel : pixels.pixels) rays.push_back(pixel.ray);
   ASSERT_GT(rays.size(), 150U);

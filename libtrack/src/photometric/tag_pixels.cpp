@@ -1,6 +1,5 @@
 #include "tag_pixels.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -29,14 +28,11 @@ Eigen::AlignedBox2d swept_box(const CameraModel& model, const TagPrediction& pre
 
 }  // namespace
 
-TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light,
-                        const TagPrediction& prediction, const PhotometricTag& tag, int level,
-                        int max_pixels) {
-  TagPixels result;
+Eigen::AlignedBox2i swept_pixels(const PhotometricWorld& world, const LightPyramid& light,
+                                 const TagPrediction& prediction, const PhotometricTag& tag, int level) {
   const Image<float>& image = light[static_cast<std::size_t>(level)];
-  const auto rays = world.rays.level(level);
   const Eigen::AlignedBox2d box = swept_box(world.model, prediction, tag);
-  if (box.isEmpty()) return result;
+  if (box.isEmpty()) return {};
   // Clamped before it is an integer: what is nearly behind the camera may lie anywhere.
   const auto clamped = [&](double pixel, int size) {
     return static_cast<int>(std::clamp(level_pixel(pixel, level), -2.0, size + 1.0));
@@ -45,8 +41,17 @@ TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light
   const int y0 = std::max(0, clamped(box.min().y(), image.height()));
   const int x1 = std::min(image.width() - 1, clamped(box.max().x(), image.width()) + 1);
   const int y1 = std::min(image.height() - 1, clamped(box.max().y(), image.height()) + 1);
-  if (x1 < x0 || y1 < y0) return result;
+  return {Eigen::Vector2i(x0, y0), Eigen::Vector2i(x1, y1)};
+}
 
+TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light,
+                        const TagPrediction& prediction, const Eigen::AlignedBox2i& swept, int level,
+                        int max_pixels) {
+  TagPixels result;
+  if (swept.isEmpty()) return result;
+  const Image<float>& image = light[static_cast<std::size_t>(level)];
+  const auto rays = world.rays.level(level);
+  const int x0 = swept.min().x(), y0 = swept.min().y(), x1 = swept.max().x(), y1 = swept.max().y();
   // Tags fill about half of their box.
   const double candidates = 0.5 * (x1 - x0 + 1.0) * (y1 - y0 + 1.0);
   result.stride = std::max(1, static_cast<int>(std::lround(std::sqrt(candidates / max_pixels))));

@@ -24,6 +24,7 @@ struct TagEvidence {
 /// Where and how finely evidence is looked for.
 struct EvidenceOptions {
   int level = 0;
+  /// About; where many tags show, each has its share of 10,000, 64 at least.
   int max_pixels_per_tag = 700;
   double extra_sigma_px = 0.0;  ///< Further blur of the tags' pictures, pixels of level 0.
   bool is_robust = true;        ///< Errors beyond the usual count less (hands, glare).

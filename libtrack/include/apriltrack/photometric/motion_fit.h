@@ -27,7 +27,7 @@ struct MotionFit {
 struct MotionFitOptions {
   int coarsest_level = 2;
   int max_steps_per_level = 8;
-  int max_pixels_per_tag = 700;
+  int max_pixels_per_tag = 700;  ///< As EvidenceOptions'.
 };
 
 /// Maximises the joint photometric likelihood of all visible tags over pose and velocity, coarse to fine,

@@ -1,0 +1,125 @@
+#include "active_tags.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "apriltrack/base/random.h"
+#include "apriltrack/photometric/evidence.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr int kWidth = 640, kHeight = 480;
+
+/// `across` x `across` tags of 12 cm, 15 cm apart, on a wall that a camera at rest looks at from a distance
+/// at which they just fill the picture's height.
+struct Wall {
+  Camera camera{.model = CameraModel({500.0, 500.0, 319.5, 239.5}, NoDistortion{})};
+  TagMap map;
+  MotionState state;
+  PhotometricFrame frame;
+
+  explicit Wall(int across) {
+    camera.width = kWidth;
+    camera.height = kHeight;
+    for (int i = 0; i < across * across; ++i) {
+      MapTag tag;
+      tag.key = {"tag36h11", i};
+      tag.size_m = 0.12;
+      const double half = 0.5 * (across - 1);
+      const int row = i / across;
+      tag.T_map_tag = {Eigen::Quaterniond::Identity(),
+                       {0.15 * (i % across - half), 0.15 * (row - half), 0.0}};
+      map.tags.push_back(tag);
+    }
+    state.pose = {Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.15 * across * 500.0 / kHeight}};
+    RandomStream random(1);
+    Image<float> image(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) image(x, y) = static_cast<float>(random.uniform(0.0, 0.9));
+    }
+    frame.light = light_pyramid(std::move(image), PhotometricWorld::kNumLevels);
+    frame.exposure_s = 0.01;
+  }
+
+  PhotometricWorld world() const { return {camera, map, TrackMode::kJoint, kWidth, kHeight}; }
+};
+
+/// Level and pixels asked for of each tag: those of the fit and of the cloud.
+struct Asked {
+  int level, max_pixels;
+};
+constexpr Asked kAsked[] = {{0, 700}, {1, 700}, {2, 700}, {2, 196}};
+
+TEST(ActiveTags, AFewHaveAllThePixelsThatAreAskedFor) {
+  // Nine in view, and nine times as many in the map that are not.
+  Wall wall(3);
+  for (int i = 0; i < 81; ++i) {
+    MapTag tag = wall.map.tags[0];
+    tag.key.id = 100 + i;
+    tag.T_map_tag = {Eigen::Quaterniond::Identity(), {3.0 + 0.15 * i, 0.0, 0.0}};
+    wall.map.tags.push_back(tag);
+  }
+  PhotometricWorld world = wall.world();
+  for (const Asked& asked : kAsked) {
+    const std::vector<ActiveTag> active =
+        active_tags(world, wall.frame, wall.state, asked.level, asked.max_pixels);
+    ASSERT_EQ(active.size(), 9U);
+    for (const ActiveTag& tag : active) {
+      PhotometricTag& mapped = world.tags[static_cast<std::size_t>(tag.index)];
+      const TagPrediction prediction(world, mapped, wall.state, wall.frame.exposure_s, asked.level);
+      const TagPixels alone =
+          select_pixels(world, wall.frame.light, prediction,
+                        swept_pixels(world, wall.frame.light, prediction, mapped, asked.level), asked.level,
+                        asked.max_pixels);
+      EXPECT_EQ(tag.pixels.stride, alone.stride);
+      EXPECT_EQ(tag.pixels.area_px, alone.area_px);
+      ASSERT_EQ(tag.pixels.pixels.size(), alone.pixels.size());
+      for (std::size_t i = 0; i < alone.pixels.size(); ++i) {
+        EXPECT_EQ(tag.pixels.pixels[i].ray, alone.pixels[i].ray);
+        EXPECT_EQ(tag.pixels.pixels[i].light, alone.pixels[i].light);
+      }
+    }
+  }
+}
+
+TEST(ActiveTags, ManyShareThePixelsOfAFrame) {
+  // 100 and 225 tags of 38 and 26 px: 144,000 pixels that could be looked at.
+  for (const int across : {10, 15}) {
+    const Wall wall(across);
+    PhotometricWorld world = wall.world();
+    const std::size_t num_tags = wall.map.tags.size();
+    const double share = std::max(64.0, 10'000.0 / static_cast<double>(num_tags));
+    for (const int max_pixels : {700, 196}) {
+      const std::vector<ActiveTag> active = active_tags(world, wall.frame, wall.state, 0, max_pixels);
+      EXPECT_EQ(active.size(), num_tags);
+      std::size_t num_pixels = 0;
+      for (const ActiveTag& tag : active) {
+        num_pixels += tag.pixels.pixels.size();
+        EXPECT_GE(tag.pixels.pixels.size(), 48U);
+        // Thinned out evenly: what is left stands for all of the tag, which is 8 / 10 of its cell of the
+        // wall.
+        const double edge_px = 0.8 * kHeight / across * 10.0 / 8.0;
+        EXPECT_NEAR(tag.pixels.area_px, edge_px * edge_px, 0.25 * edge_px * edge_px);
+      }
+      // Tags that face the camera fill their box, which is twice what is expected of tags.
+      EXPECT_LT(static_cast<double>(num_pixels), 3.0 * share * static_cast<double>(num_tags));
+      EXPECT_GT(static_cast<double>(num_pixels), share * static_cast<double>(num_tags));
+    }
+  }
+}
+
+TEST(ActiveTags, EvidenceOfManyStandsForWhatTheTagsCover) {
+  const Wall wall(10);
+  PhotometricWorld world = wall.world();
+  int num_pixels = 0;
+  for (const TagEvidence& tag : weigh_evidence(world, wall.frame, wall.state)) num_pixels += tag.num_pixels;
+  EXPECT_LT(num_pixels, 30'000);
+  EXPECT_GT(num_pixels, 10'000);
+}
+
+}  // namespace
+}  // namespace apriltrack
