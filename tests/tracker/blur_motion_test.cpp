@@ -73,22 +73,25 @@ class TagsReadAsOthers : public ::testing::Test {
     }
     return map;
   }
-  /// 20 px wide, as the tags are.
-  static Detection detection(int id, double x_px, double y_px, std::optional<int> corrected_bits = 0) {
+  /// Usually 20 px wide, as the tags are.
+  static Detection detection(int id, double x_px, double y_px, std::optional<int> corrected_bits = 0,
+                             double half_px = 10.0) {
     Detection result;
     result.tag = {"tag36h11", id};
     result.hamming = corrected_bits;
-    result.corners_px = {Eigen::Vector2d(x_px - 10, y_px + 10), Eigen::Vector2d(x_px + 10, y_px + 10),
-                         Eigen::Vector2d(x_px + 10, y_px - 10), Eigen::Vector2d(x_px - 10, y_px - 10)};
+    const Eigen::Vector2d middle(x_px, y_px), right(half_px, 0.0), down(0.0, half_px);
+    result.corners_px = {middle - right + down, middle + right + down, middle + right - down,
+                         middle - right - down};
     return result;
   }
-  std::vector<double> correlations_after(const std::vector<Detection>& detections) {
+  std::vector<double> correlations_after(const std::vector<Detection>& detections,
+                                         const TagVotes& votes = {}) {
     std::vector<TagEvidence> tags(2);
     for (int k = 0; k < 2; ++k) {
       tags[static_cast<std::size_t>(k)].tag_index = k;
       tags[static_cast<std::size_t>(k)].correlation = 0.9;
     }
-    discredit_tags_read_as_others(world_, detections, state_, tags);
+    discredit_tags_read_as_others(world_, detections, state_, votes, tags);
     return {tags[0].correlation, tags[1].correlation};
   }
 
@@ -107,6 +110,17 @@ TEST_F(TagsReadAsOthers, AreNoEvidence) {
   EXPECT_EQ(correlations_after({detection(7, 172, 120)}), Correlations({0.9, 0.9}));
   EXPECT_EQ(correlations_after({detection(7, 160, 120, 1)}), Correlations({0.9, 0.9}));  // may be false
   EXPECT_EQ(correlations_after({detection(7, 160, 120, std::nullopt)}), Correlations({0.0, 0.9}));
+  EXPECT_EQ(correlations_after({detection(7, 160, 120, 0, 4.0)}), Correlations({0.9, 0.9}));   // upon the tag
+  EXPECT_EQ(correlations_after({detection(7, 160, 120, 0, 25.0)}), Correlations({0.9, 0.9}));  // under it
+}
+
+TEST_F(TagsReadAsOthers, AreSparedWhereTheTagOrTheOtherAgrees) {
+  using Correlations = std::vector<double>;
+  const std::vector<Detection> both = {detection(0, 160, 120), detection(7, 160, 120)};
+  EXPECT_EQ(correlations_after(both, {{0}, 0}), Correlations({0.9, 0.9}));
+  const std::vector<Detection> other = {detection(1, 160, 120)};
+  EXPECT_EQ(correlations_after(other), Correlations({0.0, 0.9}));
+  EXPECT_EQ(correlations_after(other, {{1}, 0}), Correlations({0.9, 0.9}));
 }
 
 }  // namespace

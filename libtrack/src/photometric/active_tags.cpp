@@ -24,10 +24,12 @@ struct TagInImage {
 };
 
 std::vector<TagInImage> tags_in_image(PhotometricWorld& world, const PhotometricFrame& frame,
-                                      const MotionState& state, int level, double extra_sigma_px) {
+                                      const MotionState& state, int level, double extra_sigma_px,
+                                      bool with_hidden) {
   std::vector<TagInImage> found;
   for (std::size_t k = 0; k < world.tags.size(); ++k) {
     PhotometricTag& tag = world.tags[k];
+    if (tag.is_hidden && !with_hidden) continue;
     TagPrediction prediction(world, tag, state, frame.exposure_s, level, extra_sigma_px);
     if (!prediction.is_visible()) continue;
     const Eigen::AlignedBox2i swept = swept_pixels(world, frame.light, prediction, tag, level);
@@ -45,9 +47,10 @@ int pixels_per_tag(int max_pixels, std::size_t num_tags) {
 }  // namespace
 
 std::vector<ActiveTag> active_tags(PhotometricWorld& world, const PhotometricFrame& frame,
-                                   const MotionState& state, int level, int max_pixels,
-                                   double extra_sigma_px) {
-  const std::vector<TagInImage> shown = tags_in_image(world, frame, state, level, extra_sigma_px);
+                                   const MotionState& state, int level, int max_pixels, double extra_sigma_px,
+                                   bool with_hidden) {
+  const std::vector<TagInImage> shown =
+      tags_in_image(world, frame, state, level, extra_sigma_px, with_hidden);
   const int share = pixels_per_tag(max_pixels, shown.size());
   std::vector<ActiveTag> active;
   for (const TagInImage& tag : shown) {

@@ -17,11 +17,11 @@ struct ActiveTag {
   double path_px = 0.0;
 };
 
-/// The tags that `state` shows. max_pixels: of each tag; less where more than 14 share a frame's budget
-/// (docs/algorithms/blur_tracker.md, section 2).
+/// The tags that `state` shows, but for those known to be hidden. max_pixels: of each tag; less where more
+/// than 14 share a frame's budget (docs/algorithms/blur_tracker.md, section 2).
 std::vector<ActiveTag> active_tags(PhotometricWorld& world, const PhotometricFrame& frame,
                                    const MotionState& state, int level, int max_pixels,
-                                   double extra_sigma_px = 0.0);
+                                   double extra_sigma_px = 0.0, bool with_hidden = false);
 
 /// The residuals' scale that a first, plain fit of the colours shows, with a floor for what no model
 /// explains.

@@ -17,11 +17,17 @@ double TagEvidence::independent_samples() const {
   return std::min({kMaxSamples, area_px / kPixelsPerIndependentSample, static_cast<double>(num_pixels)});
 }
 
+std::vector<TagEvidence> explained_tags(const std::vector<TagEvidence>& tags) {
+  std::vector<TagEvidence> explained;
+  std::ranges::copy_if(tags, std::back_inserter(explained), &TagEvidence::is_explained);
+  return explained.empty() ? tags : explained;
+}
+
 std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const PhotometricFrame& frame,
                                         const MotionState& state, const EvidenceOptions& options) {
   std::vector<TagEvidence> evidence;
-  for (const ActiveTag& active :
-       active_tags(world, frame, state, options.level, options.max_pixels_per_tag, options.extra_sigma_px)) {
+  for (const ActiveTag& active : active_tags(world, frame, state, options.level, options.max_pixels_per_tag,
+                                             options.extra_sigma_px, options.with_hidden)) {
     const TagPrediction prediction(world, world.tags[static_cast<std::size_t>(active.index)], state,
                                    frame.exposure_s, options.level, options.extra_sigma_px);
     TagMisfit misfit = measure_misfit(active.pixels, prediction, 0.0);

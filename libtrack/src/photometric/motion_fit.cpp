@@ -52,8 +52,13 @@ class Fit {
     return state;
   }
 
-  Matrix12d information(const MotionState& state, int level, int max_pixels) {
+  /// Of the tags given: what explains nothing knows nothing of the state.
+  Matrix12d information(const MotionState& state, int level, int max_pixels,
+                        const std::vector<TagEvidence>& tags) {
     std::vector<ActiveTag> active = active_tags(world_, frame_, state, level, max_pixels);
+    std::erase_if(active, [&](const ActiveTag& one) {
+      return std::ranges::none_of(tags, [&](const TagEvidence& tag) { return tag.tag_index == one.index; });
+    });
     set_scales(active, state, level);
     return equations(active, state, level).H;
   }
@@ -177,9 +182,10 @@ MotionFit fit_motion(PhotometricWorld& world, const PhotometricFrame& frame, con
   for (int level = options.coarsest_level; level >= 0; --level)
     result.state =
         fit.refine_on_level(result.state, level, options.max_steps_per_level, options.max_pixels_per_tag);
-  result.information = fit.information(result.state, 0, options.max_pixels_per_tag);
   result.tags =
       weigh_evidence(world, frame, result.state, {.max_pixels_per_tag = options.max_pixels_per_tag});
+  result.information =
+      fit.information(result.state, 0, options.max_pixels_per_tag, explained_tags(result.tags));
   return result;
 }
 

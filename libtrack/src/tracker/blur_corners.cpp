@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 namespace apriltrack {
@@ -23,19 +24,40 @@ double corner_sigma_px(const PhotometricWorld& world, const Eigen::Vector3d& poi
   return std::hypot(kSharpFactor * sharp_sigma_px, kSigmaPerBlur * (*last - *first).norm());
 }
 
-/// Whether the middle of the detection lies on the tag.
-bool is_on_tag(const CameraModel& model, const Detection& detection, const Pose& T_camera_tag,
-               double half_size_m) {
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector2d& corner : detection.corners_px) middle += corner / double{kNumCorners};
-  const auto ray = model.unproject(middle);
-  if (!ray) return false;
+/// Of the map; every mapped tag has one.
+int index_of(const PhotometricWorld& world, const TagKey& key) {
+  const auto found =
+      std::ranges::find_if(world.tags, [&](const PhotometricTag& tag) { return tag.tag.key == key; });
+  return static_cast<int>(found - world.tags.begin());
+}
+
+/// In the tag's plane, in half tag sizes; nullopt where the ray does not meet it.
+std::optional<Eigen::Vector2d> on_plane(const CameraModel& model, const Eigen::Vector2d& pixel,
+                                        const Pose& T_camera_tag, double half_size_m) {
+  const auto ray = model.unproject(pixel);
+  if (!ray) return std::nullopt;
   const Pose T_tag_camera = T_camera_tag.inverse();
   const Eigen::Vector3d direction = T_tag_camera.rotation() * *ray;
   const Eigen::Vector3d& eye = T_tag_camera.translation();
   const double depth = -eye.z() / direction.z();
-  const Eigen::Vector2d point = (eye + depth * direction).head<2>();
-  return depth > 0.0 && point.cwiseAbs().maxCoeff() < half_size_m;
+  if (!(depth > 0.0) || !std::isfinite(depth)) return std::nullopt;
+  return (eye + depth * direction).head<2>() / half_size_m;
+}
+
+/// Whether the detection takes the tag's place: its middle lies on it, and it is half to twice as large.
+bool takes_place_of(const CameraModel& model, const Detection& detection, const Pose& T_camera_tag,
+                    double half_size_m) {
+  std::array<Eigen::Vector2d, kNumCorners> corners;
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < kNumCorners; ++i) {
+    const auto point = on_plane(model, detection.corners_px[i], T_camera_tag, half_size_m);
+    if (!point) return false;
+    corners[i] = *point;
+    middle += *point / double{kNumCorners};
+  }
+  const double longest =
+      std::max((corners[2] - corners[0]).norm(), (corners[3] - corners[1]).norm()) / std::sqrt(8.0);
+  return middle.cwiseAbs().maxCoeff() < 1.0 && longest > 0.5 && longest < 2.0;
 }
 
 }  // namespace
@@ -62,7 +84,8 @@ TagVotes count_votes(const PhotometricWorld& world, const std::vector<TagObserva
   constexpr double kSlack_px = 1.0;
   constexpr double kFarthest_px = 5.0;  // or a fast enough state would agree with any detection
   const Pose view = camera_from_map(state.pose, world.mode);
-  std::set<const MapTag*> agreeing, contradicting;
+  std::set<int> agreeing;
+  std::set<const MapTag*> contradicting;
   for (const TagObservation& observation : observations) {
     bool is_near = true;
     for (std::size_t i = 0; i < kNumCorners; ++i) {
@@ -73,20 +96,32 @@ TagVotes count_votes(const PhotometricWorld& world, const std::vector<TagObserva
       is_near = is_near && pixel && (*pixel - observation.corners_px[i]).norm() < limit_px;
     }
     const bool is_sure = observation.corrected_bits == 0 && !observation.is_repeated;
-    if (is_near) agreeing.insert(observation.tag);
+    if (is_near) agreeing.insert(index_of(world, observation.tag->key));
     if (!is_near && is_sure) contradicting.insert(observation.tag);
   }
-  return {static_cast<int>(agreeing.size()), static_cast<int>(contradicting.size())};
+  return {{agreeing.begin(), agreeing.end()}, static_cast<int>(contradicting.size())};
+}
+
+std::vector<TagEvidence> quorum(const std::vector<TagEvidence>& tags, const TagVotes& votes) {
+  std::vector<TagEvidence> result;
+  std::ranges::copy_if(tags, std::back_inserter(result), [&](const TagEvidence& tag) {
+    return std::ranges::count(votes.agreeing, tag.tag_index) > 0;
+  });
+  return result.empty() ? tags : result;
 }
 
 void discredit_tags_read_as_others(const PhotometricWorld& world, const std::vector<Detection>& detections,
-                                   const MotionState& state, std::vector<TagEvidence>& tags) {
+                                   const MotionState& state, const TagVotes& votes,
+                                   std::vector<TagEvidence>& tags) {
   const Pose view = camera_from_map(state.pose, world.mode);
+  const auto agrees = [&](int index) { return std::ranges::count(votes.agreeing, index) > 0; };
   for (TagEvidence& evidence : tags) {
+    if (agrees(evidence.tag_index)) continue;
     const PhotometricTag& tag = world.tags[static_cast<std::size_t>(evidence.tag_index)];
     const bool is_another = std::ranges::any_of(detections, [&](const Detection& detection) {
       return detection.tag != tag.tag.key && detection.hamming.value_or(0) == 0 &&
-             is_on_tag(world.model, detection, view * tag.tag.T_map_tag, tag.half_size_m());
+             !agrees(index_of(world, detection.tag)) &&
+             takes_place_of(world.model, detection, view * tag.tag.T_map_tag, tag.half_size_m());
     });
     if (is_another) evidence.correlation = 0.0;
   }

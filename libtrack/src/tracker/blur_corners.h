@@ -16,16 +16,22 @@ std::vector<CornerObservation> corner_observations(const PhotometricWorld& world
 
 /// What the tags detected say of a state.
 struct TagVotes {
-  int agreeing = 0;  ///< They lie where it says, within what their noise allows.
+  /// Indices (of the map) of those that lie where it says, within what their noise allows.
+  std::vector<int> agreeing;
   /// They do not. Those read with a corrected bit or seen twice are not counted: they may be false.
   int contradicting = 0;
 };
+/// The evidence by which a state is judged: that of the tags that agree, if any does; else of all.
+std::vector<TagEvidence> quorum(const std::vector<TagEvidence>& tags, const TagVotes& votes);
+
 TagVotes count_votes(const PhotometricWorld& world, const std::vector<TagObservation>& observations,
                      const MotionState& state, double exposure_s, double sharp_sigma_px);
 
-/// Takes the correlation of those tags that `state` shows where another tag was read, without a corrected
-/// bit: blurred, neighbours look much alike, and some are in no map.
+/// Takes the correlation of those tags that `state` shows where another tag of about their size was read,
+/// without a corrected bit: blurred, neighbours look much alike, and some are in no map. Those that agree are
+/// spared, and so are tags under another that agrees: a small tag may lie upon a large one.
 void discredit_tags_read_as_others(const PhotometricWorld& world, const std::vector<Detection>& detections,
-                                   const MotionState& state, std::vector<TagEvidence>& tags);
+                                   const MotionState& state, const TagVotes& votes,
+                                   std::vector<TagEvidence>& tags);
 
 }  // namespace apriltrack

@@ -37,7 +37,8 @@ Matrix6d shared_information(const PhotometricWorld& world, const MotionFit& fit,
 Matrix12d fit_covariance(const PhotometricWorld& world, const MotionFit& fit) {
   Matrix12d covariance = fit.information.ldlt().solve(Matrix12d::Identity());
   Matrix6d shared = Matrix6d::Zero();
-  for (const TagEvidence& evidence : fit.tags) shared += shared_information(world, fit, evidence);
+  for (const TagEvidence& evidence : explained_tags(fit.tags))
+    shared += shared_information(world, fit, evidence);
   const Eigen::LDLT<Matrix6d> factor(shared);
   if (!fit.tags.empty() && factor.rcond() > 1e-14)
     covariance.topLeftCorner<6, 6>() += factor.solve(Matrix6d::Identity());
@@ -45,10 +46,11 @@ Matrix12d fit_covariance(const PhotometricWorld& world, const MotionFit& fit) {
 }
 
 Matrix6d map_covariance(const PhotometricWorld& world, const MotionFit& fit) {
-  std::vector<TagObservation> seen(fit.tags.size());
+  const std::vector<TagEvidence> tags = explained_tags(fit.tags);
+  std::vector<TagObservation> seen(tags.size());
   std::vector<const TagObservation*> observations;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    const MapTag& tag = world.tags[static_cast<std::size_t>(fit.tags[i].tag_index)].tag;
+    const MapTag& tag = world.tags[static_cast<std::size_t>(tags[i].tag_index)].tag;
     seen[i].tag = &tag;
     seen[i].corners_map = corners_in_map(tag);
     observations.push_back(&seen[i]);

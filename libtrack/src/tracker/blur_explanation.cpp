@@ -18,7 +18,7 @@ constexpr double kGoodCorrelation = 0.94;
 /// evidence than this the prior is too wide for any.
 constexpr double kPoorCorrelation = 0.85;
 constexpr double kMaxSecondCloudAge_s = 0.1;
-constexpr int kMaxClouds = 2;
+constexpr std::uint64_t kMaxClouds = 2;
 constexpr double kMaxStartPriorCost =
     30.0;  // -log of the prior, beyond which its Gaussian is not to be trusted
 constexpr double kMaxPriorDistance = 6.0;  // standard deviations of the pose
@@ -26,9 +26,10 @@ constexpr double kAccelerationShare = 0.7;
 constexpr double kColdCornerSigma_px = 3.0;
 constexpr double kColdLinear_m_per_s = 1.5;
 constexpr double kColdAngular_rad_per_s = 6.0;
-constexpr std::size_t kMaxColdSearches = 2;
+constexpr std::size_t kMaxBases = 2;  // of clouds: hypotheses, or cold starts
 /// Of the next frame's motion noise: nearer than this, the path and its reverse lead to the same place.
 constexpr double kMinReversedDistance = 1.0;
+constexpr double kMinReversedPath_px = 2.0;
 constexpr double kUsualInterval_s = 1.0 / 30.0;
 
 /// What a detection alone says of the motion: about where, and nothing of the velocity but that it is usual.
@@ -63,6 +64,12 @@ double prior_cost(const MotionBelief& prior, const MotionState& state) {
   return 0.5 * sigmas * sigmas;
 }
 
+double longest_path_px(const Explanation& explanation) {
+  double longest_px = 0.0;
+  for (const TagEvidence& tag : explanation.fit.tags) longest_px = std::max(longest_px, tag.path_px);
+  return longest_px;
+}
+
 void sort_by_score(std::vector<Explanation>& found) {
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.score > b.score; });
@@ -78,7 +85,7 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
   if (found.empty()) return found;
   if (found.front().mean_correlation < kGoodCorrelation) vary_velocity(frame, found);
   const bool is_recent = frame.interval_s && *frame.interval_s <= kMaxSecondCloudAge_s;
-  for (int cloud = 0; cloud < (is_recent ? kMaxClouds : 1); ++cloud) {
+  for (std::size_t cloud = 0; cloud < (is_recent ? kMaxClouds : 1); ++cloud) {
     if (found.front().mean_correlation >= (cloud == 0 ? kGoodCorrelation : kPoorCorrelation)) break;
     search(frame, hypotheses, cloud, found);
   }
@@ -122,11 +129,13 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
   const MotionBelief& belief = start.prior.belief;
   Explanation explanation;
   explanation.fit = fit_motion(world_, frame.photometric, start.state, belief, corners, options);
-  discredit_tags_read_as_others(world_, frame.detections, explanation.fit.state, explanation.fit.tags);
+  explanation.votes = count_votes(world_, frame.observations, explanation.fit.state,
+                                  frame.photometric.exposure_s, options_.corner_sigma_px);
+  discredit_tags_read_as_others(world_, frame.detections, explanation.fit.state, explanation.votes,
+                                explanation.fit.tags);
   explanation.prior = start.prior;
   explanation.is_cold = start.is_cold;
-  explanation.mean_correlation = mean_correlation(explanation.fit.tags);
-  explanation.typical_correlation = typical_correlation(explanation.fit.tags);
+  explanation.mean_correlation = mean_correlation(quorum(explanation.fit.tags, explanation.votes));
   if (!start.is_cold) explanation.prior_cost = prior_cost(belief, explanation.fit.state);
   explanation.score = log_likelihood(explanation.fit.tags) + start.prior.log_odds -
                       std::min(kMaxStartPriorCost, explanation.prior_cost);
@@ -143,23 +152,33 @@ void BlurExplainer::vary_velocity(const BlurFrame& frame, std::vector<Explanatio
   sort_by_score(found);
 }
 
-void BlurExplainer::search(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses, int cloud,
-                           std::vector<Explanation>& found) {
+std::vector<BlurExplainer::Start> BlurExplainer::search_bases(const std::vector<MotionHypothesis>& hypotheses,
+                                                              const std::vector<Explanation>& found) {
   std::vector<Start> bases;
   for (const MotionHypothesis& hypothesis : hypotheses)
     bases.push_back({hypothesis.belief.mean, hypothesis, false});
-  for (const Explanation& explanation : found) {
-    if (hypotheses.empty() && bases.size() < kMaxColdSearches)
-      bases.push_back({explanation.prior.belief.mean, explanation.prior, true});
+  if (!hypotheses.empty()) return bases;
+  for (const Explanation& explanation : found) {  // the best of each detection's
+    const MotionBelief& belief = explanation.prior.belief;
+    const bool is_new = std::ranges::none_of(bases, [&](const Start& base) {
+      return base.state.pose.translation() == belief.mean.pose.translation();
+    });
+    if (is_new && bases.size() < kMaxBases) bases.push_back({belief.mean, explanation.prior, true});
   }
+  return bases;
+}
+
+void BlurExplainer::search(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses,
+                           std::size_t cloud, std::vector<Explanation>& found) {
   std::vector<MotionState> seeds;
   for (const Explanation& explanation : found) seeds.push_back(explanation.fit.state);
-  for (const Start& base : bases) {
-    const CloudOptions options{(1 + cloud) * options_.num_particles, options_.seed,
-                               kMaxClouds * frame.index + static_cast<std::uint64_t>(cloud)};
-    for (const MotionState& state :
-         search_cloud(world_, frame.photometric, base.prior.belief, seeds, options))
-      found.push_back(explained(frame, {state, base.prior, base.is_cold}, {}));
+  const std::vector<Start> bases = search_bases(hypotheses, found);
+  for (std::size_t base = 0; base < bases.size(); ++base) {
+    const MotionHypothesis& prior = bases[base].prior;
+    const CloudOptions options{static_cast<int>(1 + cloud) * options_.num_particles, options_.seed,
+                               kMaxBases * (kMaxClouds * frame.index + cloud) + base};
+    for (const MotionState& state : search_cloud(world_, frame.photometric, prior.belief, seeds, options))
+      found.push_back(explained(frame, {state, prior, bases[base].is_cold}, {}));
   }
   sort_by_score(found);
 }
@@ -174,6 +193,7 @@ void BlurExplainer::accelerate(const BlurFrame& frame, Explanation& best) {
 
 void BlurExplainer::reverse(const BlurFrame& frame, std::vector<Explanation>& found) {
   const Explanation& best = found.front();
+  if (longest_path_px(best) < kMinReversedPath_px) return;  // it does not blur
   const MotionBelief here{best.fit.state, Matrix12d::Zero()};
   MotionState state = best.fit.state;
   state.velocity = -state.velocity;  // and the same acceleration: the same places, in the other order

@@ -6,6 +6,7 @@
 
 #include "apriltrack/photometric/motion_fit.h"
 #include "apriltrack/tracker/blur_tracker.h"
+#include "blur_corners.h"
 #include "motion_memory.h"
 #include "tag_observation.h"
 
@@ -26,8 +27,8 @@ struct Explanation {
   MotionHypothesis prior;
   bool is_cold = false;     ///< The prior is that of a detection alone, not of the motion so far.
   double prior_cost = 0.0;  ///< -log of the prior's density over its peak; 0 when it is cold.
-  double mean_correlation = 0.0;
-  double typical_correlation = 0.0;
+  TagVotes votes;
+  double mean_correlation = 0.0;  ///< Of the quorum.
   /// Log-likelihood of the pixels and, within limits, of the prior.
   double score = 0.0;
 };
@@ -53,8 +54,11 @@ class BlurExplainer {
   std::vector<Start> starts(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses) const;
   /// The best pose with other velocities: none, and the reverse.
   void vary_velocity(const BlurFrame& frame, std::vector<Explanation>& found);
+  /// What the clouds are drawn about.
+  static std::vector<Start> search_bases(const std::vector<MotionHypothesis>& hypotheses,
+                                         const std::vector<Explanation>& found);
   /// cloud: 0, or 1 for the one after.
-  void search(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses, int cloud,
+  void search(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses, std::size_t cloud,
               std::vector<Explanation>& found);
   void accelerate(const BlurFrame& frame, Explanation& best);
   /// Adds the best explanation's reverse where the next frame could tell them apart.

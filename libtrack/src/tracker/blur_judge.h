@@ -1,8 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "blur_corners.h"
 #include "blur_explanation.h"
 #include "contrast_memory.h"
 
@@ -12,19 +12,20 @@ namespace apriltrack {
 class BlurJudge {
  public:
   /// Enough of what should be seen is seen, and more tags speak for the state than against it: in the map of
-  /// another place single tags fit, and only the others can tell.
-  bool is_convincing(const Explanation& explanation, const TagVotes& votes) const;
+  /// another place single tags fit, and only the others can tell. interval_s: since the last claim, if
+  /// recent.
+  bool is_convincing(const Explanation& explanation, const std::optional<double>& interval_s) const;
   /// Tags that speak for it.
-  int num_supporting(const Explanation& explanation, const TagVotes& votes) const;
+  int num_supporting(const Explanation& explanation) const;
 
   /// After a frame that was claimed.
-  void claimed(const Explanation& explanation, const TagVotes& votes);
-  /// After a frame without evidence. What is known of the tags' contrast stays: a detection renews it.
+  void claimed(const Explanation& explanation);
+  /// After a frame without evidence. What is known of the tags stays: a detection renews it.
   void missed() { is_confirmed_ = false; }
 
  private:
   /// Without a detection that agrees, tags of another contrast than they had count as not explained.
-  std::vector<TagEvidence> trusted_tags(const Explanation& explanation, const TagVotes& votes) const;
+  std::vector<TagEvidence> trusted_tags(const Explanation& explanation) const;
 
   ContrastMemory contrasts_;
   bool is_confirmed_ = false;  ///< Evidence in every frame since one with a detection that agrees.

@@ -11,6 +11,7 @@
 #include "blur_covariance.h"
 #include "blur_explanation.h"
 #include "blur_judge.h"
+#include "hidden_tags.h"
 #include "image_size.h"
 #include "known_exposure.h"
 #include "map_detection.h"
@@ -61,7 +62,7 @@ class BlurTracker::Implementation {
   }
 
   TrackResult track(const Frame& frame) {
-    if (const auto lost = lost_to_another_camera(frame, camera_)) return *lost;
+    if (lost_to_another_camera(frame, camera_)) return track(frame, {}, std::chrono::steady_clock::now());
     prepare();  // the tables are no part of a frame's latency
     const auto start = std::chrono::steady_clock::now();
     return track(frame, detector_->detect(frame.image), start);
@@ -69,19 +70,26 @@ class BlurTracker::Implementation {
 
   TrackResult track(const Frame& frame, const std::vector<Detection>& detections,
                     std::chrono::steady_clock::time_point start) {
-    if (const auto lost = lost_to_another_camera(frame, camera_)) return *lost;
+    start_anew_if_time_runs_back(frame.timestamp);
+    if (const auto lost = lost_to_another_camera(frame, camera_)) {
+      judge_.missed();
+      return *lost;
+    }
     fit_size(frame.image);
     TrackResult result;
     result.timestamp = frame.timestamp;
     const std::vector<MotionHypothesis> expected = motion_.predict(frame.timestamp);
+    if (expected.empty()) judge_.missed();
     const BlurFrame blur_frame = prepared(frame, detections);
+    hidden_.mark(*world_, blur_frame.observations);
     result.tags_detected = count_tags(blur_frame.observations);
 
     const std::vector<Explanation> found = explainer_->explain(blur_frame, expected);
-    const TagVotes votes = found.empty() ? TagVotes() : votes_for(blur_frame, found.front());
-    if (expected.empty()) judge_.missed();
-    if (!found.empty() && judge_.is_convincing(found.front(), votes)) {
-      report_evidence(found, votes, result);
+    if (!found.empty() && judge_.is_convincing(found.front(), blur_frame.interval_s)) {
+      report_evidence(found, result);
+      hidden_.learn(
+          weigh_evidence(*world_, blur_frame.photometric, found.front().fit.state, {.with_hidden = true}),
+          found.front().votes, result.second_pose.has_value());
     } else {
       judge_.missed();
       report_prediction(expected, result);
@@ -95,6 +103,16 @@ class BlurTracker::Implementation {
   const DetectorOptions& detector_options() const { return detector_options_; }
 
  private:
+  /// A frame that is not later than the one before is of another recording.
+  void start_anew_if_time_runs_back(Timestamp time) {
+    if (last_time_ && time.ns <= last_time_->ns) {
+      motion_.forget();
+      judge_ = BlurJudge();
+      hidden_ = HiddenTags();
+    }
+    last_time_ = time;
+  }
+
   /// Where the camera's file tells no resolution, its first image does.
   void fit_size(const GrayView& image) {
     if (camera_.width > 0 && camera_.height > 0) return;
@@ -125,24 +143,20 @@ class BlurTracker::Implementation {
     return "the corners seen fit no pose";
   }
 
-  TagVotes votes_for(const BlurFrame& frame, const Explanation& explanation) const {
-    return count_votes(*world_, frame.observations, explanation.fit.state, frame.photometric.exposure_s,
-                       options_.corner_sigma_px);
-  }
-
-  void report_evidence(const std::vector<Explanation>& found, const TagVotes& votes, TrackResult& result) {
+  void report_evidence(const std::vector<Explanation>& found, TrackResult& result) {
     const Explanation& best = found.front();
     const MotionBelief belief = belief_of(best);
-    result.status = votes.agreeing > 0 ? TrackStatus::kDetected : TrackStatus::kTracked;
+    result.status = best.votes.agreeing.empty() ? TrackStatus::kTracked : TrackStatus::kDetected;
     result.pose = belief.mean.pose;
     map_covariance_ = map_covariance(*world_, best.fit);
+    evidence_pose_ = belief.mean.pose;
     result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_;
-    result.tags_tracked = judge_.num_supporting(best, votes);
+    result.tags_tracked = judge_.num_supporting(best);
     const auto second = std::ranges::find_if(found, [&](const Explanation& other) {
       return distance(belief, other.fit.state.pose) > kDistinctSigmas;
     });
     if (second != found.end()) report_second_pose(second->fit.state.pose, second->score - best.score, result);
-    judge_.claimed(best, votes);
+    judge_.claimed(best);
     motion_.remember(result.timestamp, motions(belief, found));
   }
 
@@ -169,8 +183,16 @@ class BlurTracker::Implementation {
     const MotionBelief& belief = expected.front().belief;
     result.status = TrackStatus::kPredicted;
     result.pose = belief.mean.pose;
-    result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_;
+    result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_at(belief.mean.pose);
     if (expected.size() > 1) report_second_pose(expected[1].belief.mean.pose, expected[1].log_odds, result);
+  }
+
+  /// A wrong map is wrong in the same way at the next pose: of the camera in the map's frame, of a body in
+  /// its own.
+  Matrix6d map_covariance_at(const Pose& pose) const {
+    if (options_.mode == TrackMode::kJoint) return map_covariance_;
+    const Matrix6d adjoint = (pose.inverse() * evidence_pose_).adjoint();
+    return adjoint * map_covariance_ * adjoint.transpose();
   }
 
   static void report_second_pose(const Pose& pose, double log_odds, TrackResult& result) {
@@ -188,7 +210,10 @@ class BlurTracker::Implementation {
   std::optional<BlurExplainer> explainer_;
   MotionMemory motion_;
   BlurJudge judge_;
-  Matrix6d map_covariance_ = Matrix6d::Zero();  ///< What the map adds to that of the last evidence.
+  HiddenTags hidden_;
+  Matrix6d map_covariance_ = Matrix6d::Zero();  ///< What the map adds to that of the last evidence,
+  Pose evidence_pose_;                          ///< at that pose.
+  std::optional<Timestamp> last_time_;
   std::uint64_t num_frames_ = 0;
 };
 

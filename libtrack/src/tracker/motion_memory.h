@@ -28,6 +28,7 @@ class MotionMemory {
 
   /// hypotheses: the likeliest first.
   void remember(Timestamp time, std::vector<MotionHypothesis> hypotheses);
+  void forget() { hypotheses_.clear(); }
 
  private:
   MotionNoise noise_;

@@ -19,7 +19,8 @@ struct CornerObservation {
 
 struct MotionFit {
   MotionState state;
-  /// Of [right perturbation of the pose; change of velocity]: prior, pixels and corners together.
+  /// Of [right perturbation of the pose; change of velocity]: prior, corners and the pixels of the tags
+  /// that are explained (of all, where none is).
   Matrix12d information = Matrix12d::Zero();
   std::vector<TagEvidence> tags;  ///< Those that show enough of themselves.
 };

@@ -18,6 +18,9 @@ struct PhotometricTag {
   std::size_t index = 0;     ///< Of its pattern in PhotometricWorld::textures.
   double half_extent = 0.0;  ///< Of its printed cells, in half tag sizes.
 
+  /// Known to be behind something: takes no part in fits and scores until it is seen again.
+  bool is_hidden = false;
+
   double half_size_m() const { return 0.5 * tag.size_m; }
   /// Distance of the printed corners from the centre.
   double radius_m() const { return std::numbers::sqrt2 * half_extent * half_size_m(); }
