@@ -92,15 +92,24 @@ bool track_images(const TrackArguments& arguments, const Camera& camera, const M
   return detect_frames(*source, options, arguments.console, track).is_interrupted;
 }
 
-/// Single tags still give poses in the map of another place: who reads only these would not notice.
-void warn_of_contradictions(const TrackRecord& record, Warnings& warnings) {
-  const auto [frames, without_pose] = record.frames_with_several_tags();
+/// Single tags still give poses in the map of another place: who reads only these would not notice. And a
+/// camera file that is somewhat wrong, or a tag that was moved, gives poses that are surely wrong: right ones
+/// left no tag aside in 400 frames of the recordings that we have exact truth of.
+void warn_of_contradictions(const TrackRecord& record, const std::string& method, Warnings& warnings) {
+  const auto [frames, without_pose, with_strays] = record.frames_with_several_tags();
   constexpr std::size_t kFew = 3;
-  if (without_pose < kFew || 5 * without_pose < frames) return;
-  warnings.add(
-      fmt::format("in {} of {} frames with several tags these do not agree on a pose: is this the map of "
-                  "this place, with the right tag sizes? Poses from single tags cannot tell",
-                  without_pose, frames));
+  if (without_pose >= kFew && 5 * without_pose >= frames) {
+    warnings.add(
+        fmt::format("in {} of {} frames with several tags these do not agree on a pose: is this the map of "
+                    "this place, with the right tag sizes? Poses from single tags cannot tell",
+                    without_pose, frames));
+  } else if (method != "paper" && with_strays >= kFew && 20 * with_strays >= frames) {
+    warnings.add(fmt::format(
+        "in {} of {} frames with several tags some of these are not where the pose puts them, and "
+        "poses may be wrong by more than they claim: is this the right camera file? Was a tag "
+        "moved since the map was made?",
+        with_strays, frames));
+  }
 }
 
 void finish(const TrackArguments& arguments, const TrackRecord& record, bool was_interrupted,
@@ -160,7 +169,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
     video.emplace(arguments.video, camera, map, arguments.method_options().localizer.mode);
   const bool was_interrupted = has_images ? track_images(arguments, camera, method, warnings, record, video)
                                           : track_detections(arguments, detections, method, record);
-  warn_of_contradictions(record, warnings);
+  warn_of_contradictions(record, arguments.method(), warnings);
   write_outputs(arguments, {command_line_of(command), arguments, camera_file(arguments), map_file(arguments),
                             camera, map, record});
   record.check_has_pose(has_images ? arguments.input : arguments.detections, map);

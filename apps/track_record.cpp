@@ -112,7 +112,10 @@ TrackRecord::SeveralTags TrackRecord::frames_with_several_tags() const {
   for (const FrameLogRow& row : rows_) {
     if (row.tags_detected < 2) continue;
     ++result.frames;
-    if (!row.pose || row.status == to_string(TrackStatus::kPredicted)) ++result.without_pose;
+    if (!row.pose || row.status == to_string(TrackStatus::kPredicted))
+      ++result.without_pose;
+    else if (row.tags_tracked < row.tags_detected)
+      ++result.with_strays;
   }
   return result;
 }

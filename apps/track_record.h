@@ -35,9 +35,10 @@ class TrackRecord {
   struct SeveralTags {
     std::size_t frames = 0;
     std::size_t without_pose = 0;
+    std::size_t with_strays = 0;
   };
-  /// Frames in which two mapped tags or more were detected, and those of them that gave no pose: at best it
-  /// was predicted.
+  /// Frames in which two mapped tags or more were detected; those of them that gave no pose, at best a
+  /// predicted one; and those whose pose leaves a tag aside that was detected.
   SeveralTags frames_with_several_tags() const;
 
   const Trajectory& trajectory() const { return trajectory_; }
