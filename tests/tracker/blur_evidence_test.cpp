@@ -32,7 +32,7 @@ TagMap map_with_hidden_tags(int count) {
 }
 
 class HiddenTagsOfTheMap : public ::testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Counts, HiddenTagsOfTheMap, ::testing::Values(2, 6, 12));
+INSTANTIATE_TEST_SUITE_P(Counts, HiddenTagsOfTheMap, ::testing::Values(2, 12));
 
 TEST_P(HiddenTagsOfTheMap, CostNoFrameAndMakeNoPoseSurer) {
   const BlurFilm& film = shaken_camera();
@@ -58,8 +58,8 @@ TEST(BlurTracker, FindsNothingThatIsNotThereAfterDroppedFrames) {
   // tag.
   const BlurFilm& film = waved_tag();
   int num_runs = 0;
-  for (std::size_t last = 2; last < 6; ++last) {
-    for (std::size_t next = last + 5; next < last + 10; ++next) {
+  for (const std::size_t last : {2U, 4U}) {
+    for (std::size_t next = last + 4; next <= last + 8; next += 2) {
       BlurTracker tracker = tracker_of_waved_tag();
       for (std::size_t i = 0; i <= last; ++i) tracker.track(film.frames[i].frame(), film.detections[i]);
       const TrackResult result =
@@ -69,7 +69,7 @@ TEST(BlurTracker, FindsNothingThatIsNotThereAfterDroppedFrames) {
       ++num_runs;
     }
   }
-  EXPECT_EQ(num_runs, 20);
+  EXPECT_EQ(num_runs, 6);
 }
 
 TEST(BlurTracker, ForgetsTheMotionWhereTimeRunsBackBehindAPrediction) {
