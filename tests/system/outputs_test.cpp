@@ -258,19 +258,6 @@ TEST_F(Outputs, AMissingInputIsStatus3WhateverElseIsMissing) {
               EndsWith(3, "nope"));
 }
 
-TEST_F(Outputs, AFocalLengthThatIsFivePercentOffIsToldOf) {
-  run_for_json({"simulate", "--scene", "room", "--frames", "12", "--output", room_, "--force"});
-  std::string camera = read_text(fs::path(room_) / "camera.yaml");
-  const std::string focal = "[520.6, 519.4,", wrong = "[546.6, 545.4,";
-  ASSERT_NE(camera.find(focal), std::string::npos) << camera;
-  camera.replace(camera.find(focal), focal.size(), wrong);
-  write_text(folder_ / "wrong_camera.yaml", camera);
-  std::vector<std::string> words = track(folder_ / "o.tum");
-  EXPECT_EQ(run_program(words).err, "") << "with the right camera there is nothing to tell";
-  words.insert(words.end(), {"--camera", folder_ / "wrong_camera.yaml"});
-  EXPECT_THAT(run_program(words), EndsWith(0, "is this the right camera file?"));
-}
-
 TEST_F(Outputs, TheMapOfAnotherPlaceIsToldOf) {
   run_for_json({"simulate", "--scene", "room-gentle", "--frames", "20", "--speed", "8", "--seed", "3",
                 "--output", room_, "--force"});

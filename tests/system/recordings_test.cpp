@@ -109,6 +109,21 @@ INSTANTIATE_TEST_SUITE_P(Recordings, FollowingThroughBlur,
                                            Promise{"bundle_blur", "joint", 0.95, 0.3}),
                          [](const auto& promise) { return std::string(promise.param.recording); });
 
+TEST(Recordings, AFocalLengthThatIsFivePercentOffIsToldOf) {
+  APRILTRACK_SHARED_OR_SKIP(recording, "data/room_blur");
+  const std::filesystem::path folder = temporary_folder(), part = folder / "part";
+  copy_part(recording, 0, 16, part);
+  std::string camera = read_text(part / "camera.yaml");
+  const std::string focal = "[520.6, 519.4,", wrong = "[546.6, 545.4,";
+  ASSERT_NE(camera.find(focal), std::string::npos) << camera;
+  camera.replace(camera.find(focal), focal.size(), wrong);
+  write_text(folder / "wrong_camera.yaml", camera);
+  std::vector<std::string> words = {"track", part, "--output", folder / "o.tum", "--quiet"};
+  EXPECT_EQ(run_program(words).err, "") << "with the right camera there is nothing to tell";
+  words.insert(words.end(), {"--camera", folder / "wrong_camera.yaml"});
+  EXPECT_THAT(run_program(words), EndsWith(0, "is this the right camera file?"));
+}
+
 struct CornersPromise {
   const char* name;  // of the test case
   const char* recording;
