@@ -8,17 +8,6 @@
 namespace apriltrack::test {
 namespace {
 
-bool is_claimed(const TrackResult& result) {
-  return result.status == TrackStatus::kDetected || result.status == TrackStatus::kTracked;
-}
-
-BlurTracker tracker_of_waved_tag() {
-  BlurTrackerOptions options;
-  options.mode = TrackMode::kJoint;
-  options.num_particles = 60;
-  return {waved_tag().scene.camera, waved_tag().scene.map, options};
-}
-
 /// The map of shaken_camera() with tags of the next room: 2 m behind the wall, where the camera looks.
 TagMap map_with_hidden_tags(int count) {
   TagMap map = shaken_camera().scene.map;
@@ -60,11 +49,11 @@ TEST(BlurTracker, FindsNothingThatIsNotThereAfterDroppedFrames) {
   int num_runs = 0;
   for (const std::size_t last : {2U, 4U}) {
     for (std::size_t next = last + 4; next <= last + 8; next += 2) {
-      BlurTracker tracker = tracker_of_waved_tag();
+      BlurTracker tracker = tracker_of(film);
       for (std::size_t i = 0; i <= last; ++i) tracker.track(film.frames[i].frame(), film.detections[i]);
       const TrackResult result =
           tracker.track(film.frames[next].frame(), {film.frames[next].timestamp, "", {}});
-      const double error_px = is_claimed(result) ? film.corner_error_px(next, *result.pose) : 0.0;
+      const double error_px = has_evidence(result) ? film.corner_error_px(next, *result.pose) : 0.0;
       EXPECT_LT(error_px, 10.0) << "frame " << next << " after " << last;
       ++num_runs;
     }
@@ -74,7 +63,7 @@ TEST(BlurTracker, FindsNothingThatIsNotThereAfterDroppedFrames) {
 
 TEST(BlurTracker, ForgetsTheMotionWhereTimeRunsBackBehindAPrediction) {
   const BlurFilm& film = waved_tag();
-  BlurTracker tracker = tracker_of_waved_tag();
+  BlurTracker tracker = tracker_of(film);
   const std::vector<std::uint8_t> black(320 * 240);
   const auto blank = [&](std::int64_t after_ns) {
     Frame frame;

@@ -184,4 +184,23 @@ const BlurFilm& shaken_camera() {
   return film;
 }
 
+BlurTracker tracker_of(const BlurFilm& film, std::uint64_t seed, int num_particles) {
+  BlurTrackerOptions options;
+  options.num_particles = num_particles;
+  options.mode = film.scene.truth == TruthKind::kEgo ? TrackMode::kEgo : TrackMode::kJoint;
+  options.seed = seed;
+  return {film.scene.camera, film.scene.map, options};
+}
+
+std::vector<TrackResult> tracked(BlurTracker tracker, const BlurFilm& film, std::size_t first) {
+  std::vector<TrackResult> results;
+  for (std::size_t i = first; i < film.size(); ++i)
+    results.push_back(tracker.track(film.frames[i].frame(), film.detections[i]));
+  return results;
+}
+
+bool has_evidence(const TrackResult& result) {
+  return result.status == TrackStatus::kDetected || result.status == TrackStatus::kTracked;
+}
+
 }  // namespace apriltrack::test

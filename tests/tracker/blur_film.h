@@ -1,10 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/sim/renderer.h"
-#include "apriltrack/tracker/track_result.h"
+#include "apriltrack/tracker/blur_tracker.h"
 
 namespace apriltrack::test {
 
@@ -32,8 +33,15 @@ const BlurFilm& wild_tag();
 const BlurFilm& far_tag();
 /// Three tags on two walls of a corner, in a camera that is shaken: up to 34 px.
 const BlurFilm& shaken_camera();
-/// The tags of shaken_camera(), in a camera that swings to and fro in 9.5 frames: sharp at first, where it turns
-/// about, up to 43 px blurred; other turns lie between frames that are blurred by 14 px on both sides.
+/// The tags of shaken_camera(), in a camera that swings to and fro in 9.5 frames: sharp at first, where it
+/// turns about, up to 43 px blurred; other turns lie between frames that are blurred by 14 px on both sides.
 const BlurFilm& swung_camera();
+
+/// In the film's mode, with a cloud of a quarter of the usual size, so that tests are quick.
+BlurTracker tracker_of(const BlurFilm& film, std::uint64_t seed = 0, int num_particles = 60);
+/// The film from frame `first` on, with what its detector found.
+std::vector<TrackResult> tracked(BlurTracker tracker, const BlurFilm& film, std::size_t first = 0);
+/// Claimed: `detected` or `tracked`.
+bool has_evidence(const TrackResult& result);
 
 }  // namespace apriltrack::test

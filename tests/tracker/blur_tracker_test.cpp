@@ -11,37 +11,14 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/random.h"
 #include "blur_film.h"
-#include "support/error_message.h"
 
 namespace apriltrack::test {
 namespace {
-
-constexpr std::int64_t kInterval_ns = 33'333'333;
-
-/// With a cloud of a quarter of the usual size, so that tests are quick.
-BlurTracker tracker_of(const BlurFilm& film, std::uint64_t seed = 0, int num_particles = 60) {
-  BlurTrackerOptions options;
-  options.num_particles = num_particles;
-  options.mode = film.scene.truth == TruthKind::kEgo ? TrackMode::kEgo : TrackMode::kJoint;
-  options.seed = seed;
-  return {film.scene.camera, film.scene.map, options};
-}
-
-std::vector<TrackResult> tracked(BlurTracker tracker, const BlurFilm& film, std::size_t first = 0) {
-  std::vector<TrackResult> results;
-  for (std::size_t i = first; i < film.size(); ++i)
-    results.push_back(tracker.track(film.frames[i].frame(), film.detections[i]));
-  return results;
-}
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
-}
-
-bool has_evidence(const TrackResult& result) {
-  return result.status == TrackStatus::kDetected || result.status == TrackStatus::kTracked;
 }
 
 double normalised_error(const TrackResult& result, const Pose& truth) {
@@ -209,175 +186,6 @@ TEST(BlurTracker, TheMapsCovarianceWidensThePoses) {
   EXPECT_GT(mean_untold, 10.0) << "no test of the map's share";
 }
 
-TEST(BlurTracker, StartsColdAtTheFirstTagThatIsRead) {
-  const BlurFilm& film = waved_tag();
-  int num_waiting = 0;
-  for (const std::size_t first : {0U, 8U}) {  // sharp, and where nothing can be read
-    BlurTracker tracker = tracker_of(film);
-    for (std::size_t i = first; i < film.size(); ++i) {
-      const TrackResult result = tracker.track(film.frames[i].frame(), film.detections[i]);
-      if (film.detections[i].detections.empty()) {
-        EXPECT_EQ(result.status, TrackStatus::kLost);
-        EXPECT_FALSE(result.pose || result.covariance);
-        EXPECT_EQ(result.reason, "no tag seen, and no recent pose to look from");
-        ++num_waiting;
-        continue;
-      }
-      EXPECT_EQ(result.status, TrackStatus::kDetected) << "from frame " << first << ", frame " << i;
-      ASSERT_TRUE(result.pose);
-      EXPECT_LT(film.corner_error_px(i, *result.pose), 0.7);
-      EXPECT_EQ(result.tags_detected, 1);
-      EXPECT_TRUE(result.reason.empty());
-      break;
-    }
-  }
-  EXPECT_GE(num_waiting, 2) << "no test of waiting";
-}
-
-/// A dark room's image, with grain.
-GrayImage grain_image(int width, int height) {
-  GrayImage image(width, height);
-  RandomStream random(5);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) image(x, y) = static_cast<std::uint8_t>(random.uniform(90.0, 110.0));
-  }
-  return image;
-}
-
-TEST(BlurTracker, PredictsHalfASecondThenIsLostAndStartsAgain) {
-  const BlurFilm& film = waved_tag();
-  BlurTracker tracker = tracker_of(film);
-  const TrackResult before = tracker.track(film.frames[0].frame(), film.detections[0]);
-  ASSERT_EQ(before.status, TrackStatus::kDetected);
-  const GrayImage grain = grain_image(320, 240);
-  Frame frame;
-  frame.image = grain.view();
-  int num_predicted = 0, num_lost = 0;
-  double last_variance = before.covariance->trace();
-  for (int i = 1; i <= 20; ++i) {
-    frame.timestamp = {film.frames[0].timestamp.ns + i * kInterval_ns};
-    const TrackResult result = tracker.track(frame, {frame.timestamp, "", {}});
-    const bool is_recent = i * kInterval_ns <= 500'000'000;
-    EXPECT_EQ(result.status, is_recent ? TrackStatus::kPredicted : TrackStatus::kLost) << "frame " << i;
-    EXPECT_EQ(result.pose.has_value(), is_recent);
-    EXPECT_EQ(result.reason.empty(), is_recent);
-    EXPECT_EQ(result.tags_tracked, 0);
-    (is_recent ? num_predicted : num_lost) += 1;
-    if (!is_recent) continue;
-    EXPECT_GT(result.covariance->trace(), last_variance) << "frame " << i;  // it knows less and less
-    last_variance = result.covariance->trace();
-  }
-  EXPECT_EQ(num_predicted, 15);
-  EXPECT_EQ(num_lost, 5);
-
-  Frame back = film.frames[22].frame();
-  back.timestamp = {frame.timestamp.ns + kInterval_ns};
-  ASSERT_FALSE(film.detections[22].detections.empty());
-  const TrackResult found = tracker.track(back, {back.timestamp, "", film.detections[22].detections});
-  EXPECT_EQ(found.status, TrackStatus::kDetected);
-  ASSERT_TRUE(found.pose);
-  EXPECT_LT(film.corner_error_px(22, *found.pose), 0.5);
-}
-
-TEST(BlurTracker, StartsAnewWhereTimeRunsBackwards) {
-  const BlurFilm& film = waved_tag();
-  BlurTracker tracker = tracker_of(film);
-  tracker.track(film.frames[22].frame(), film.detections[22]);
-  const TrackResult again = tracker.track(film.frames[2].frame(), film.detections[2]);
-  EXPECT_EQ(again.status, TrackStatus::kDetected);
-  EXPECT_LT(film.corner_error_px(2, *again.pose), 0.5);
-  const TrackResult blurred = tracker.track(film.frames[0].frame(), {});
-  EXPECT_EQ(blurred.status, TrackStatus::kLost);
-}
-
-TEST(BlurTracker, TellsWhyAFrameGivesNoPose) {
-  const BlurFilm& film = waved_tag();
-  BlurTracker tracker = tracker_of(film);
-  const GrayImage large = grain_image(640, 480);
-  Frame frame;
-  frame.image = large.view();
-  EXPECT_EQ(tracker.track(frame).reason,
-            "the image is 640 x 480 pixels, but the camera is calibrated for 320 x 240");
-  frame.image = GrayView();
-  EXPECT_EQ(tracker.track(frame).reason, "the image is empty");
-  EXPECT_EQ(tracker.track(frame).status, TrackStatus::kLost);
-
-  TagMap elsewhere = film.scene.map;
-  elsewhere.tags[0].key.id = 77;
-  BlurTracker lost(film.scene.camera, elsewhere, {});
-  for (std::size_t i = 0; i < 3; ++i) {
-    const TrackResult result = lost.track(film.frames[i].frame(), film.detections[i]);
-    EXPECT_EQ(result.status, TrackStatus::kLost);
-    EXPECT_EQ(result.tags_detected, 0);
-    EXPECT_EQ(result.reason, "no tag of the map seen, and no recent pose to look from");
-  }
-}
-
-TEST(BlurTracker, TakesNoPoseFromTheMapOfAnotherPlace) {
-  // Each tag by itself fits the corners of one; together they never do.
-  const BlurFilm& film = shaken_camera();
-  TagMap elsewhere = film.scene.map;
-  elsewhere.tags[0].T_map_tag = Pose(Eigen::Quaterniond::Identity(), {-1.25, 0.4, 1.1});
-  elsewhere.tags[1].T_map_tag = Pose(Eigen::Quaterniond::Identity(), {1.1, -0.35, 1.6});
-  BlurTracker tracker(film.scene.camera, elsewhere, {});
-  int num_frames = 0;
-  for (std::size_t i = 0; i < 5; ++i) {
-    ASSERT_EQ(film.detections[i].detections.size(), 3U);
-    const TrackResult result = tracker.track(film.frames[i].frame(), film.detections[i]);
-    EXPECT_EQ(result.status, TrackStatus::kLost) << "frame " << i;
-    EXPECT_EQ(result.reason, "the tags seen do not agree on a pose");
-    ++num_frames;
-  }
-  EXPECT_EQ(num_frames, 5);
-}
-
-TEST(BlurTracker, OutlivesExposuresThatMeanNothing) {
-  const BlurFilm& film = waved_tag();
-  Frame frame = film.frames[0].frame();
-  const TrackResult right = tracker_of(film).track(frame, film.detections[0]);
-  for (const double exposure_s : {std::nan(""), -0.01}) {  // the camera's own holds instead
-    frame.exposure_s = exposure_s;
-    const TrackResult result = tracker_of(film).track(frame, film.detections[0]);
-    ASSERT_TRUE(result.pose);
-    EXPECT_EQ(result.pose->matrix(), right.pose->matrix());
-  }
-  for (const double exposure_s : {0.0, 1.0}) {  // an instant; far too long
-    BlurTracker tracker = tracker_of(film);
-    for (std::size_t i = 0; i < 4; ++i) {
-      frame = film.frames[i].frame();
-      frame.exposure_s = exposure_s;
-      const TrackResult result = tracker.track(frame, film.detections[i]);
-      // A tag that is read gives its pose, whatever is said of the exposure.
-      ASSERT_EQ(film.detections[i].detections.size(), 1U);
-      ASSERT_TRUE(result.pose && result.covariance) << "frame " << i << ", exposure " << exposure_s << " s";
-      EXPECT_TRUE(result.pose->is_finite() && result.covariance->allFinite());
-      EXPECT_LT(film.corner_error_px(i, *result.pose), 0.5) << "frame " << i << ", exposure " << exposure_s;
-    }
-  }
-}
-
-TEST(BlurTracker, KnowsAnExposureThatNobodyTells) {
-  const BlurFilm& film = waved_tag();
-  Camera camera = film.scene.camera;
-  camera.exposure_s.reset();
-  camera.width = camera.height = 0;  // the first image tells
-  BlurTrackerOptions options;
-  options.mode = TrackMode::kJoint;
-  options.default_exposure_s = *film.scene.camera.exposure_s;
-  BlurTracker tracker(camera, film.scene.map, options);
-  for (std::size_t i = 0; i < film.size() / 2; ++i) {
-    Frame frame = film.frames[i].frame();
-    frame.exposure_s.reset();
-    const TrackResult result = tracker.track(frame, film.detections[i]);
-    ASSERT_TRUE(result.pose) << "frame " << i;
-    EXPECT_LT(film.corner_error_px(i, *result.pose), 2.0) << "frame " << i;
-  }
-  const GrayImage other = grain_image(640, 480);
-  Frame frame;
-  frame.image = other.view();
-  EXPECT_EQ(tracker.track(frame).status, TrackStatus::kLost);
-}
-
 TEST(BlurTracker, DetectsByItself) {
   const BlurFilm& film = waved_tag();
   BlurTracker with = tracker_of(film), without = tracker_of(film);
@@ -389,20 +197,6 @@ TEST(BlurTracker, DetectsByItself) {
     ASSERT_TRUE(a.pose && b.pose);
     EXPECT_EQ(a.pose->matrix(), b.pose->matrix());
   }
-}
-
-TEST(BlurTrackerOptions, RefuseWhatIsOutOfRangeByName) {
-  const auto message = [](const auto& change) {
-    BlurTrackerOptions options;
-    change(options);
-    return message_of([&] { options.check(); });
-  };
-  EXPECT_NE(message([](auto& o) { o.corner_sigma_px = 0.0; }).find("corner_sigma_px"), std::string::npos);
-  EXPECT_NE(message([](auto& o) { o.num_particles = 3; }).find("num_particles"), std::string::npos);
-  EXPECT_NE(message([](auto& o) { o.max_prediction_s = 0.7; }).find("max_prediction_s"), std::string::npos);
-  EXPECT_NE(message([](auto& o) { o.default_exposure_s = -1; }).find("default_exposure_s"),
-            std::string::npos);
-  EXPECT_THROW(BlurTracker(waved_tag().scene.camera, TagMap(), {}), Error);
 }
 
 }  // namespace
