@@ -77,7 +77,7 @@ void add_demo_command(CLI::App& app) {
                   "Folder for recordings, maps, trajectories, pictures and report.html")
       ->required();
   command.add_option("--seed", options->seed, "Of the rendered recordings")
-      ->check(whole_number(0))
+      ->check(seed())
       ->capture_default_str();
   command
       .add_option("--frames", options->num_frames,

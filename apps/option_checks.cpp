@@ -26,7 +26,6 @@ CLI::Validator must_be(const std::string& range, const Accepts& accepts) {
   return CLI::Validator(check, "");
 }
 
-/// CLI11 makes the largest number of what is larger than that.
 bool is_unsigned_64(const std::string& text) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -47,8 +46,7 @@ CLI::Validator whole_number(long long low, std::optional<long long> high) {
                                  : fmt::format("a whole number of at least {}", low);
   return must_be(range, [low, high](const std::string& text) {
     const auto value = parse_integer(text);
-    if (!value) return !high && is_unsigned_64(text);  // a seed may be larger than a signed number
-    return *value >= low && (!high || *value <= *high);
+    return value && *value >= low && (!high || *value <= *high);
   });
 }
 
@@ -63,6 +61,12 @@ CLI::Validator number_at_least(double low) {
 CLI::Validator not_empty(const std::string& what) {
   return CLI::Validator(
       [what](std::string& text) { return text.empty() ? "must not be empty: " + what : std::string(); }, "");
+}
+
+CLI::Validator seed() {
+  // CLI11 alone would wrap -1 round, and make the largest number of what is larger than that.
+  return must_be(fmt::format("a whole number from 0 to {}", std::numeric_limits<std::uint64_t>::max()),
+                 is_unsigned_64);
 }
 
 CLI::Validator threads() {

@@ -18,6 +18,7 @@ CLI::Validator number_between(double low, double high);
 CLI::Validator number_at_least(double low);
 CLI::Validator not_empty(const std::string& what);
 
+CLI::Validator seed();        ///< Of random numbers: 64 bits, unsigned.
 CLI::Validator threads();     ///< 0 (one per core) to 256.
 CLI::Validator rate();        ///< Of images without times, in frames a second.
 CLI::Validator decimation();  ///< What the detector can reduce an image by.

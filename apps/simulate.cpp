@@ -248,7 +248,7 @@ void add_simulate_command(CLI::App& app) {
   command.add_option("--flicker", options->flicker, "Depth of the lamps' 100 Hz flicker; fills frames.csv")
       ->capture_default_str();
   command.add_option("--seed", options->seed, "The same seed gives the same bytes")
-      ->check(whole_number(0))
+      ->check(seed())
       ->capture_default_str();
   command.add_option("--threads", options->num_threads, "0 = all cores; changes no byte")
       ->check(threads())

@@ -1,9 +1,13 @@
 #include "track_options.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <filesystem>
+#include <vector>
 
 #include "apriltrack/base/error.h"
 #include "inputs.h"
@@ -11,6 +15,30 @@
 #include "outputs.h"
 
 namespace apriltrack::app {
+namespace {
+
+/// An option that not every method asks for.
+struct MethodsOwnOption {
+  const char* name;
+  std::vector<std::string> methods;
+};
+
+const std::array<MethodsOwnOption, 3> kMethodsOwnOptions = {
+    {{"--paper-variant", {"paper"}}, {"--particles", {"blur", "paper"}}, {"--seed", {"blur", "paper"}}}};
+
+/// Who gives an option means it: one that changes nothing shows that another method was meant.
+void refuse_options_of_other_methods(const CLI::App& command, const std::string& method) {
+  for (const MethodsOwnOption& option : kMethodsOwnOptions) {
+    if (command.get_option(option.name)->count() == 0) continue;
+    if (std::ranges::find(option.methods, method) != option.methods.end()) continue;
+    throw invalid_input(option.name,
+                        fmt::format("is of --method {} and would change nothing with --method {}: leave it "
+                                    "out, or choose the method that is meant",
+                                    fmt::join(option.methods, " and "), method));
+  }
+}
+
+}  // namespace
 
 MethodOptions TrackArguments::method_options() const {
   MethodOptions given = options;
@@ -30,6 +58,7 @@ void check_track_arguments(const CLI::App& command, const TrackArguments& argume
     }
     refuse_beside_detections(command, {"--rate", "--decimate", "--min-margin", "--max-hamming", "--video"});
   }
+  refuse_options_of_other_methods(command, arguments.method());
   if (!arguments.input.empty()) check_input(arguments.input);
   std::vector<std::string> read = camera_inputs(arguments.camera, {arguments.input});
   read.insert(read.end(), {arguments.input, arguments.detections, arguments.map});
@@ -65,10 +94,14 @@ void add_track_options(CLI::App& command, TrackArguments& arguments) {
       ->check(CLI::IsMember({"printed", "program"}))
       ->capture_default_str();
   command
-      .add_option("--particles", arguments.options.num_particles,
-                  "Default: 240 in each of five rounds (blur), 3000 (paper, printed), 6000 (paper, program)")
+      .add_option(
+          "--particles", arguments.options.num_particles,
+          "Of --method blur (default: 240 in each of five rounds) and paper (3000 printed, 6000 program)")
       ->check(CLI::Range(1, 10'000'000));
-  command.add_option("--seed", arguments.options.seed, "The same seed gives the same trajectory")
+  command
+      .add_option("--seed", arguments.options.seed,
+                  "Of --method blur and paper: the same seed gives the same trajectory")
+      ->check(seed())
       ->capture_default_str();
   command.add_option("--output", arguments.output, "Trajectory, TUM format: timestamp tx ty tz qx qy qz qw")
       ->required();

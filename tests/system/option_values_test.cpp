@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "one_image.h"
 #include "program.h"
 
@@ -55,9 +57,6 @@ TEST_F(OptionValues, ANumberOutOfRangeIs2WithTheOptionsOwnName) {
   EXPECT_THAT(detect_with("--max-hamming", "3"),
               EndsWith(2, "--max-hamming: must be a whole number from 0 to 2"));
   EXPECT_THAT(track({"--min-margin", "-1"}), EndsWith(2, "--min-margin: must be in [0, 255]"));
-  EXPECT_THAT(run_program({"simulate", "--scene", "single", "--seed", "-1", "--output", path("s")}),
-              EndsWith(2, "--seed: must be a whole number of at least 0 (is '-1')"));
-  EXPECT_THAT(run_program({"demo", "--seed", "-1", "--output", path("s")}), EndsWith(2, "--seed: must be"));
   EXPECT_THAT(run_program({"map", "merge", path("map.yaml"), path("map.yaml"), "--conflict-mm", "-1",
                            "--output", path("merged.yaml")}),
               EndsWith(2, "--conflict-mm: must be at least 0 (is '-1')"));
@@ -82,14 +81,43 @@ TEST_F(OptionValues, TheLargestSeedIsTaken) {
             0);
 }
 
-TEST_F(OptionValues, ASeedBeyond64BitsIsNotTakenForAnother) {
-  for (const std::string seed : {"18446744073709551616", "99999999999999999999999"}) {
+TEST_F(OptionValues, ASeedThatIsNoneIsNotTakenForAnother) {
+  for (const std::string seed :
+       {"-1", "abc", "1.5", "1e3", "0x", "18446744073709551616", "99999999999999999999999"}) {
+    const auto refused =
+        EndsWith(2, "--seed: must be a whole number from 0 to 18446744073709551615 (is '" + seed + "')");
     EXPECT_THAT(run_program({"simulate", "--scene", "single", "--frames", "1", "--seed", seed, "--output",
                              path("s")}),
-                EndsWith(2, "--seed: must be a whole number of at least 0"));
-    EXPECT_THAT(run_program({"demo", "--seed", seed, "--output", path("s")}),
-                EndsWith(2, "(is '" + seed + "')"));
+                refused);
+    EXPECT_THAT(run_program({"demo", "--seed", seed, "--output", path("s")}), refused);
+    EXPECT_THAT(track({"--seed", seed}), refused);
   }
+}
+
+TEST_F(OptionValues, AnOptionThatTheMethodDoesNotUseIs2) {
+  const std::vector<std::array<std::string, 4>> cases = {{"--paper-variant", "program", "blur", "paper"},
+                                                         {"--paper-variant", "printed", "pnp", "paper"},
+                                                         {"--particles", "500", "pnp", "blur and paper"},
+                                                         {"--seed", "1", "pnp", "blur and paper"}};
+  for (const auto& [option, value, method, users] : cases) {
+    EXPECT_THAT(track({"--method", method, option, value}),
+                EndsWith(2, option + ": is of --method " + users +
+                                " and would change nothing with --method " + method));
+  }
+  EXPECT_THAT(track({"--paper-variant", "program"}), EndsWith(2, "nothing with --method blur"));
+  write_text(path("d.csv"), "timestamp_ns,camera,family,id,c0x,c0y,c1x,c1y,c2x,c2y,c3x,c3y\n");
+  EXPECT_THAT(
+      run_program({"track", "--detections", path("d.csv"), "--camera", path("camera.yaml"), "--map",
+                   path("map.yaml"), "--output", path("out.tum"), "--seed", "1"}),
+      EndsWith(2, "--seed: is of --method blur and paper and would change nothing with --method pnp"));
+}
+
+TEST_F(OptionValues, AnOptionThatTheMethodUsesIsTaken) {
+  const std::string nothing_to_see = "no tag of family";  // the run came to its end
+  EXPECT_THAT(track({"--method", "paper", "--paper-variant", "program", "--particles", "20", "--seed", "2"}),
+              EndsWith(1, nothing_to_see));
+  EXPECT_THAT(track({"--method", "blur", "--particles", "20", "--seed", "2"}), EndsWith(1, nothing_to_see));
+  EXPECT_THAT(track({"--method", "pnp"}), EndsWith(1, nothing_to_see));
 }
 
 TEST_F(OptionValues, ACameraWithoutItsRecordingIsNamed) {
