@@ -59,7 +59,7 @@ std::vector<std::string> write_parts(const CalibrateOptions& a, const Calibratio
   for (const TagMap& part : result.other_parts) maps.push_back(&part);
   for (std::size_t i = 0; i < maps.size(); ++i) {
     written.push_back(part_file(a, i + 1).string());
-    write_tag_map(outputs.stage(written.back()), *maps[i]);
+    outputs.write(written.back(), [&](const fs::path& path) { write_tag_map(path, *maps[i]); });
   }
   warn_of_older_parts(a, maps.size());
   return written;
@@ -100,9 +100,12 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
   const bool has_them = is_detections_input(a, files.observations);  // it may hold more than was used
   // A run that fails in between must not leave an old map beside new observations, nor any part replaced.
   StagedFiles outputs;
-  if (!has_them) write_detections_csv(outputs.stage(files.observations), sightings.frames);
+  if (!has_them) {
+    outputs.write(files.observations,
+                  [&](const fs::path& path) { write_detections_csv(path, sightings.frames); });
+  }
   files.parts = write_parts(a, result, outputs);
-  write_tag_map(outputs.stage(a.output), result.map);
+  outputs.write(a.output, [&](const fs::path& path) { write_tag_map(path, result.map); });
   outputs.commit();
   return files;
 }

@@ -1,5 +1,6 @@
 #include "outputs.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -11,6 +12,7 @@
 #include <system_error>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/staged_files.h"
 
 namespace apriltrack::app {
 namespace {
@@ -28,8 +30,9 @@ constexpr std::array<RecordingFile, 6> kRecordingFiles = {{{"camera.yaml", "fram
                                                            {"truth.tum", "frames"},
                                                            {"data.csv", "data"},
                                                            {"sensor.yaml", "data"}}};
-constexpr std::array<std::string_view, 12> kPictures = {".png",  ".jpg", ".jpeg", ".bmp", ".tif", ".tiff",
-                                                        ".webp", ".pgm", ".ppm",  ".mp4", ".avi", ".mkv"};
+constexpr std::array<std::string_view, 16> kPictures = {".png",  ".jpg", ".jpeg", ".bmp", ".tif", ".tiff",
+                                                        ".webp", ".pgm", ".ppm",  ".pnm", ".mp4", ".m4v",
+                                                        ".mov",  ".avi", ".mkv",  ".webm"};
 
 bool is_picture(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -42,26 +45,24 @@ bool is_picture(const fs::path& path) {
 /// But a map of its own is what a recording that has none is calibrated for.
 bool is_recordings_own(const fs::path& path) {
   std::error_code error;
-  const fs::path file = fs::weakly_canonical(path, error);
-  if (error || (file.filename() == "map.yaml" && !fs::exists(file, error))) return false;
+  const fs::path file = written_file(path);
+  if (file.filename() == "map.yaml" && !fs::exists(file, error)) return false;
   return std::ranges::any_of(kRecordingFiles, [&](const RecordingFile& own) {
     return file.filename() == own.name && fs::is_directory(file.parent_path() / own.images, error);
   });
 }
 
-/// Where the file is made: a link is followed, as writing does.
-fs::path target_folder(const fs::path& path) {
-  std::error_code error;
-  const fs::path target = fs::weakly_canonical(path, error);
-  return error ? path.parent_path() : target.parent_path();
-}
-
-/// Throws unless files can be made in the folder.
+/// Throws unless files can be made in the folder. Made and removed, because permissions do not tell: /proc
+/// and disks mounted to be read refuse whom they seem to let in.
 void check_writable(const fs::path& folder, const std::string& output) {
-  if (::access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) == 0) return;
-  throw io_error(output,
-                 fmt::format("cannot be written: nothing can be made in '{}': {}",
-                             folder.empty() ? "." : folder.string(), std::generic_category().message(errno)));
+  const fs::path trial = folder / fmt::format(".apriltrack.{}.trial", ::getpid());
+  const int descriptor = ::open(trial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (descriptor < 0) {
+    throw io_error(output, fmt::format("cannot be written: nothing can be made in '{}': {}", folder.string(),
+                                       std::generic_category().message(errno)));
+  }
+  ::close(descriptor);
+  ::unlink(trial.c_str());
 }
 
 void check_not_own(const std::string& output, std::string_view option) {
@@ -74,7 +75,7 @@ void check_not_own(const std::string& output, std::string_view option) {
 bool is_same_file(const fs::path& a, const fs::path& b) {
   std::error_code ignored;  // check_output has said what is wrong with the names
   if (fs::exists(a, ignored) && !fs::is_regular_file(a, ignored)) return false;
-  return fs::weakly_canonical(a) == fs::weakly_canonical(b);
+  return written_file(a) == written_file(b);
 }
 
 }  // namespace
@@ -83,14 +84,14 @@ void check_output(const std::string& output, std::string_view option,
                   const std::vector<std::string>& inputs) {
   if (output.empty()) throw invalid_input(option, "is empty: name the file to write");
   const fs::path path = output;
-  const fs::path folder = path.parent_path();
+  const fs::path folder = written_file(path).parent_path();
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) throw io_error(output, "is a folder: name a file in it");
-  if (!folder.empty() && !fs::is_directory(folder, ignored))
-    throw io_error(output, "cannot be written: there is no such folder");
-  // What is no regular file, such as /dev/stdout, is written to as it is; others are written aside first.
   const bool is_there = fs::exists(path, ignored);
-  if (!is_there || fs::is_regular_file(path, ignored)) check_writable(target_folder(path), output);
+  if (!is_there && !fs::is_directory(folder, ignored))
+    throw io_error(output, fmt::format("cannot be written: there is no folder '{}'", folder.string()));
+  // What is no regular file, such as /dev/stdout, is written to as it is; others are written aside first.
+  if (!is_there || fs::is_regular_file(path, ignored)) check_writable(folder, output);
   if (!is_there) return check_not_own(output, option);
   if (::access(path.c_str(), W_OK) != 0)
     throw io_error(output, fmt::format("cannot be written: {}", std::generic_category().message(errno)));

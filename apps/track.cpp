@@ -23,6 +23,8 @@
 namespace apriltrack::app {
 namespace {
 
+namespace fs = std::filesystem;
+
 const CommandHelp kTrackHelp = {
     "Localises a camera in a map of tags, or a body of tags before a camera.",
     "apriltrack track recording --camera camera.yaml --map map.yaml --output camera.tum --frames-csv "
@@ -140,12 +142,15 @@ void finish(const TrackArguments& arguments, const TrackRecord& record, bool was
 
 /// A run without a pose leaves the page alone, which says why; others all that was asked for, or nothing.
 void write_outputs(const TrackArguments& arguments, const TrackRun& tracked) {
+  const TrackRecord& record = tracked.record;
   StagedFiles outputs;
-  if (!arguments.report.empty()) write_track_report(outputs.stage(arguments.report), tracked);
-  if (tracked.record.has_pose()) {
-    write_tum(outputs.stage(arguments.output), tracked.record.trajectory());
+  if (!arguments.report.empty())
+    outputs.write(arguments.report, [&](const fs::path& path) { write_track_report(path, tracked); });
+  if (record.has_pose()) {
+    outputs.write(arguments.output, [&](const fs::path& path) { write_tum(path, record.trajectory()); });
     if (!arguments.frames_csv.empty())
-      write_frame_log(outputs.stage(arguments.frames_csv), tracked.record.rows());
+      outputs.write(arguments.frames_csv,
+                    [&](const fs::path& path) { write_frame_log(path, record.rows()); });
   }
   outputs.commit();
 }

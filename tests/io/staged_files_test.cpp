@@ -76,5 +76,36 @@ TEST_F(StagedFilesTest, RefuseOneTargetTwice) {
   }
 }
 
+TEST_F(StagedFilesTest, NameTheTargetAsItWasGivenWhenItCannotBeWritten) {
+  const auto fails_at = [](const fs::path& path) { throw io_error(path.string(), "no room"); };
+  const auto fails_elsewhere = [](const fs::path&) { throw no_result("other", "no room"); };
+  const fs::path name = folder_ / "." / "a";
+  const auto complaint = [&](const auto& writer) -> std::string {
+    try {
+      StagedFiles().write(name, writer);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  EXPECT_EQ(complaint(fails_at), name.string() + ": no room");
+  EXPECT_EQ(complaint(fails_elsewhere), "other: no room");
+  EXPECT_EQ(complaint([](const fs::path& path) { write_file_atomically(path, "text"); }), "none");
+  EXPECT_EQ(num_files(), 0U);
+}
+
+TEST_F(StagedFilesTest, AreOneFileByAllItsNames) {
+  fs::create_directory(folder_ / "b");
+  fs::create_directory_symlink("b", folder_ / "c");
+  fs::create_symlink("../a", folder_ / "b" / "link");
+  const fs::path file = fs::canonical(folder_) / "a";
+  const std::vector<fs::path> names = {folder_ / "a", fs::relative(folder_ / "a"), folder_ / "b" / ".." / "a",
+                                       folder_ / "b" / "link", folder_ / "c" / "link"};
+  for (const bool is_there : {false, true}) {
+    if (is_there) write_file_atomically(file, "text");
+    for (const fs::path& name : names) EXPECT_EQ(written_file(name), file) << name;
+  }
+}
+
 }  // namespace
 }  // namespace apriltrack

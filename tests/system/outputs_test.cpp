@@ -237,6 +237,88 @@ TEST_F(Outputs, OfOneRunAreDifferentFilesButMayBeOneDevice) {
   EXPECT_EQ(run.status, 0) << run.err;
 }
 
+TEST_F(Outputs, OneFileByTwoNamesIsToldBeforeTheWork) {
+  write_text(fs::path(room_) / "frames" / "0.png", "no picture");  // the work would tell of it
+  const fs::path file = folder_ / "a.tum";
+  fs::create_symlink("a.tum", folder_ / "link.tum");  // to nothing yet
+  fs::create_directory_symlink(".", folder_ / "here");
+  const std::vector<fs::path> others = {fs::relative(file), fs::path(".") / fs::relative(file),
+                                        folder_ / "link.tum", folder_ / "here" / "a.tum"};
+  for (const fs::path& other : others) {
+    for (const char* option : {"--frames-csv", "--report", "--video"}) {
+      for (const auto& [first, second] : {std::pair(file, other), std::pair(other, file)}) {
+        std::vector<std::string> words = track(first);
+        words.insert(words.end(), {option, second});
+        const ProgramRun run = run_program(words);
+        EXPECT_THAT(run, EndsWith(2, std::string(option) + ": is the file of --output")) << first << second;
+        EXPECT_EQ(run.err.find("0.png"), std::string::npos) << run.err;
+        EXPECT_FALSE(fs::exists(file));
+      }
+    }
+  }
+}
+
+TEST_F(Outputs, AnInputOfTheRunIsToldBeforeTheWork) {
+  const auto own = [&](const char* name) { return fs::path(room_) / name; };
+  fs::copy(own("map.yaml"), folder_ / "map.yaml");
+  fs::copy(own("camera.yaml"), folder_ / "camera.yaml");
+  fs::create_symlink("map.yaml", folder_ / "link.yaml");
+  const std::string map = read_text(folder_ / "map.yaml");
+  for (const char* option : {"--output", "--frames-csv", "--report"}) {
+    for (const char* input : {"map.yaml", "camera.yaml", "link.yaml"}) {
+      std::vector<std::string> words = {
+          "track", room_,          "--map", folder_ / "map.yaml", "--camera", folder_ / "camera.yaml",
+          option,  folder_ / input};
+      if (std::string(option) != "--output") words.insert(words.end(), {"--output", folder_ / "o.tum"});
+      const std::string told = std::string(option) + ": '" + (folder_ / input).string() + "' is an input";
+      EXPECT_THAT(run_program(words), EndsWith(2, told));
+    }
+  }
+  EXPECT_EQ(read_text(folder_ / "map.yaml"), map);
+}
+
+TEST_F(Outputs, WhatCannotBeWrittenIsNamedAsItWasGiven) {
+  const fs::path tum = folder_ / "o.tum";
+  const auto track_to = [&](const char* option, const std::string& file) {
+    std::vector<std::string> words = track(std::string(option) == "--output" ? file : tum.string());
+    if (std::string(option) != "--output") words.insert(words.end(), {option, file});
+    return run_program(words);
+  };
+  for (const char* option : {"--output", "--frames-csv", "--report"}) {
+    EXPECT_THAT(track_to(option, "/dev/full"),
+                EndsWith(3, "error: /dev/full: cannot be written: No space left on device"))
+        << option;
+  }
+  EXPECT_FALSE(fs::exists(tum));
+  write_text(fs::path(room_) / "frames" / "0.png", "no picture");  // the work would tell of it
+  const fs::path dangling = folder_ / "dangling.tum";
+  fs::create_symlink("nowhere/o.tum", dangling);
+  const std::vector<std::pair<std::string, std::string>> early = {
+      {"/proc/x.html", "nothing can be made in '/proc'"},
+      {folder_ / "nowhere" / "x.html", "there is no folder '" + (folder_ / "nowhere").string() + "'"},
+      {dangling, "there is no folder '" + (folder_ / "nowhere").string() + "'"}};
+  for (const char* option : {"--output", "--frames-csv", "--report"}) {
+    for (const auto& [file, cause] : early) {
+      const ProgramRun run = track_to(option, file);
+      EXPECT_THAT(run, EndsWith(3, "error: " + file + ": cannot be written: " + cause)) << option;
+      EXPECT_EQ(run.err.find("0.png"), std::string::npos) << run.err;
+    }
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(folder_))
+    EXPECT_EQ(entry.path().filename().string().find(".apriltrack"), std::string::npos) << "left behind";
+}
+
+TEST_F(Outputs, OfADiskThatBecomesFullIsNamedAsItWasGiven) {
+  constexpr std::size_t kPageDoesNotFit = 20'000;
+  const std::string report = folder_ / "report.html";
+  std::vector<std::string> words = track(folder_ / "o.tum");
+  words.insert(words.end(), {"--report", report});
+  EXPECT_THAT(run_program_on_full_disk(words, kPageDoesNotFit),
+              EndsWith(3, "error: " + report + ": cannot be written: File too large"));
+  EXPECT_FALSE(fs::exists(report));
+  EXPECT_FALSE(fs::exists(folder_ / "o.tum"));
+}
+
 TEST_F(Outputs, ADemoReplacesOnlyWhatADemoMade) {
   const fs::path own = folder_ / "own";
   fs::create_directories(own);

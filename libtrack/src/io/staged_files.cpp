@@ -12,6 +12,13 @@
 namespace apriltrack {
 namespace fs = std::filesystem;
 
+fs::path written_file(const fs::path& path) {
+  const fs::path target = fs::absolute(follow_links(path)).lexically_normal();
+  std::error_code error;
+  const fs::path folder = fs::weakly_canonical(target.parent_path(), error);
+  return error ? target : folder / target.filename();
+}
+
 StagedFiles::~StagedFiles() {
   for (const File& file : files_) {
     std::error_code ignored;
@@ -21,13 +28,23 @@ StagedFiles::~StagedFiles() {
 
 fs::path StagedFiles::stage(const fs::path& path) {
   if (is_written_directly(path)) return path;
-  const fs::path target = fs::absolute(follow_links(path)).lexically_normal();
+  const fs::path target = written_file(path);
   if (std::ranges::find(files_, target, &File::target) != files_.end())
     throw invalid_input(path.string(),
                         "two different things are to be written there: give each its own name");
   const fs::path written = target.string() + fmt::format(".{}.new", ::getpid());
-  files_.push_back({written, target});
+  files_.push_back({written, target, path});
   return written;
+}
+
+void StagedFiles::write(const fs::path& target, const std::function<void(const fs::path& path)>& writer) {
+  const fs::path place = stage(target);
+  try {
+    writer(place);
+  } catch (const Error& error) {
+    if (error.where() != place.string()) throw;
+    throw Error(error.kind(), target.string(), error.cause());
+  }
 }
 
 void StagedFiles::commit() {
@@ -37,7 +54,7 @@ void StagedFiles::commit() {
     const fs::file_status existing = fs::status(file.target, error);
     if (fs::exists(existing)) fs::permissions(file.written, existing.permissions(), error);
     fs::rename(file.written, file.target, error);
-    if (error) throw io_error(file.target.string(), fmt::format("cannot be written: {}", error.message()));
+    if (error) throw io_error(file.name.string(), fmt::format("cannot be written: {}", error.message()));
     files_.erase(files_.begin());
   }
 }

@@ -4,17 +4,6 @@
 #include "apriltrack/source/image_file.h"
 
 namespace apriltrack {
-namespace {
-
-/// What is wrong, without the name that the message begins with: the frame has it already.
-std::string cause_of(const Error& error, const std::string& name) {
-  const std::string message = error.what();
-  const std::string where = name + ": ";
-  return message.starts_with(where) ? message.substr(where.size()) : message;
-}
-
-}  // namespace
-
 std::optional<SourceFrame> ImageListSource::next() {
   if (position_ >= entries_.size()) return std::nullopt;
   const ImageEntry& entry = entries_[position_++];
@@ -26,7 +15,7 @@ std::optional<SourceFrame> ImageListSource::next() {
   try {
     frame.pixels = read_image(entry.path);
   } catch (const Error& error) {
-    frame.error = cause_of(error, frame.name);
+    frame.error = error.where() == frame.name ? error.cause() : error.what();  // the name is told already
   }
   return frame;
 }

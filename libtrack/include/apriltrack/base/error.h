@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -23,9 +24,13 @@ class Error : public std::runtime_error {
   Error(ErrorKind kind, std::string_view where, std::string_view what);
 
   ErrorKind kind() const { return kind_; }
+  /// The two parts of what(); views that live as long as this.
+  std::string_view where() const { return std::string_view(what()).substr(0, where_size_); }
+  std::string_view cause() const;
 
  private:
   ErrorKind kind_;
+  std::size_t where_size_;
 };
 
 /// where: file, `file:line`, option or frame that the message is about; empty when there is none.

@@ -1,16 +1,21 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 namespace apriltrack {
+
+/// The file that writing to `path` makes or replaces, whether or not it is there yet: absolute, and with all
+/// links followed, so that two names of one file give the same. Throws Error(kIo) for links without end.
+std::filesystem::path written_file(const std::filesystem::path& path);
 
 /// Files that belong together: all are written aside first, and put in place when the last is complete, so
 /// that a run which fails in between replaces none of them.
 ///
 ///   StagedFiles files;
-///   write_tum(files.stage("camera.tum"), trajectory);
-///   write_frame_log(files.stage("frames.csv"), rows);
+///   files.write("camera.tum", [&](const auto& path) { write_tum(path, trajectory); });
+///   files.write("frames.csv", [&](const auto& path) { write_frame_log(path, rows); });
 ///   files.commit();
 class StagedFiles {
  public:
@@ -25,6 +30,11 @@ class StagedFiles {
   /// Error(kInvalidInput) when the same file is staged already, Error(kIo) for a chain of links without end.
   std::filesystem::path stage(const std::filesystem::path& target);
 
+  /// Hands the place to write what will become `target` to `writer`. An Error about that place is told of
+  /// `target`, the name that the user knows. Throws as stage() and the writer do.
+  void write(const std::filesystem::path& target,
+             const std::function<void(const std::filesystem::path& path)>& writer);
+
   /// Existing files keep their modes. Throws Error(kIo) that names the file, and leaves the remaining ones as
   /// they were.
   void commit();
@@ -33,6 +43,7 @@ class StagedFiles {
   struct File {
     std::filesystem::path written;
     std::filesystem::path target;
+    std::filesystem::path name;  ///< The target as its user calls it.
   };
   std::vector<File> files_;
 };
