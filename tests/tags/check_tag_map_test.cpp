@@ -37,6 +37,11 @@ std::vector<std::tuple<TagMap, std::string, std::string>> bad_maps(const TagMap&
       tag.T_map_tag = Pose(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, x, 0));
     });
   }
+  for (const double x : {1e30, -1.0001e7}) {
+    spoil("T_map_tag: position", "[-1e+07, 1e+07]", [&](TagMap&, MapTag& tag) {
+      tag.T_map_tag = Pose(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, x));
+    });
+  }
   spoil("T_map_tag", "nan", [&](TagMap&, MapTag& tag) {
     tag.T_map_tag = Pose(Eigen::Quaterniond(nan, 0, 0, 1), Eigen::Vector3d::Zero());
   });
@@ -83,7 +88,7 @@ TEST(TagMap, ACheckNamesTagMemberAndValue) {
     }
     ++checked;
   }
-  EXPECT_EQ(checked, 23);
+  EXPECT_EQ(checked, 25);
 }
 
 TEST(TagMap, ACheckPassesWhatRoundingLeaves) {

@@ -69,6 +69,13 @@ TEST(TagMapYaml, NamesLineAndKeyOfEveryMistake) {
       {with_orientation("{x: 0, y: 0, z: 0}"), {"lab.yaml:9: tags[0].pose.orientation", "'w' is missing"}},
       {with_orientation("[0, 0, 0, 1]"), {"lab.yaml:9: tags[0].pose.orientation"}},
       {with_orientation("{x: 0, y: 0, z: 0, w: 1, x_mine: 2}"), {"lab.yaml:9", "x_mine", "top level"}},
+      {with_position("{x: 0, y: 1e30, z: 0}"),
+       {"lab.yaml:8: tags[0].pose.position.y: of tag tag36h11/7: must lie in [-1e+07, 1e+07] metres (is "
+        "1e+30)"}},
+      {with_position("{x: -1.0001e7, y: 0, z: 0}"),
+       {"lab.yaml:8: tags[0].pose.position.x", "is -1.0001e+07"}},
+      {with_position("{x: 0, y: 0, z: .nan}"), {"lab.yaml:8: tags[0].pose.position.z", "finite"}},
+      {with_position("{x: -.inf, y: 0, z: 0}"), {"lab.yaml:8: tags[0].pose.position.x", "finite"}},
       {one_tag("7", "0.16", kPose + "    covariance: [1, 2, 3]\n"),
        {"lab.yaml:10: tags[0].covariance", "36"}},
       {with_covariance(asymmetric), {"lab.yaml:10: tags[0].covariance", "symmetric"}},
@@ -91,6 +98,7 @@ TEST(TagMapYaml, NamesLineAndKeyOfEveryMistake) {
     }
   }
   EXPECT_EQ(complaint_about(one_tag("586", "0.16")), "no complaint");
+  EXPECT_EQ(complaint_about(with_position("{x: 500000, y: 1e7, z: -1e7}")), "no complaint") << "UTM";
   EXPECT_EQ(complaint_about(with_covariance(Matrix6d::Zero())), "no complaint");
   EXPECT_EQ(complaint_about(with_covariance(Matrix6d::Ones())), "no complaint") << "rank one is semidefinite";
 }

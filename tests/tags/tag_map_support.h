@@ -51,6 +51,12 @@ inline std::string with_orientation(const std::string& orientation) {
                  "    pose:\n      position: {x: 0, y: 0, z: 0}\n      orientation: " + orientation + "\n");
 }
 
+inline std::string with_position(const std::string& position) {
+  return one_tag(
+      "7", "0.16",
+      "    pose:\n      position: " + position + "\n      orientation: {x: 0, y: 0, z: 0, w: 1}\n");
+}
+
 inline void expect_same(const TagMap& a, const TagMap& b) {
   EXPECT_EQ(a.frame, b.frame);
   EXPECT_EQ(a.default_family, b.default_family);

@@ -11,6 +11,9 @@ namespace apriltrack {
 namespace {
 
 constexpr double kMaxSize_m = 100.0;  // as --tag-size: beyond, it was given in millimetres
+/// Northings of UTM go up to this, coordinates of an Earth-centred frame to 6.4e6 m; doubles still resolve 2
+/// nm there. What is larger is no place, and squares of it are soon no number.
+constexpr double kMaxCoordinate_m = 1e7;
 /// Of covariances scaled to unit diagonal: what rounding to six digits leaves.
 constexpr double kCovarianceTolerance = 1e-6;
 
@@ -20,6 +23,12 @@ std::optional<std::string> fault_of_size(double size_m) {
   if (size_m > 0.0 && size_m <= kMaxSize_m) return std::nullopt;  // false for NaN
   return fmt::format("must be > 0 and at most {:g} (is {}); metres, the edge of the detected square",
                      kMaxSize_m, size_m);
+}
+
+std::optional<std::string> fault_of_coordinate(double position_m) {
+  if (std::abs(position_m) <= kMaxCoordinate_m) return std::nullopt;  // false for NaN
+  return fmt::format("must lie in [{0:g}, {1:g}] metres (is {2:g})", -kMaxCoordinate_m, kMaxCoordinate_m,
+                     position_m);
 }
 
 std::optional<std::string> fault_of_id(const TagKey& key) {

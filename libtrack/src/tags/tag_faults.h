@@ -14,6 +14,9 @@ namespace apriltrack {
 /// Metres: finite, > 0, and no number of millimetres.
 std::optional<std::string> fault_of_size(double size_m);
 
+/// One coordinate of a tag's place, in metres: finite, and of this Earth.
+std::optional<std::string> fault_of_coordinate(double position_m);
+
 /// Requires a known family.
 std::optional<std::string> fault_of_id(const TagKey& key);
 

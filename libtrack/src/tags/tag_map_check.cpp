@@ -38,6 +38,9 @@ std::optional<std::string> fault_of_tag(const MapTag& tag) {
   if (const auto fault = fault_of_id(tag.key)) return "id: " + *fault;
   if (const auto fault = fault_of_size(tag.size_m)) return "size_m: " + *fault;
   if (const auto fault = fault_of_pose(tag.T_map_tag)) return "T_map_tag: " + *fault;
+  for (const double position_m : tag.T_map_tag.translation()) {
+    if (const auto fault = fault_of_coordinate(position_m)) return "T_map_tag: position: " + *fault;
+  }
   if (tag.covariance) {
     if (const auto fault = fault_of_covariance(*tag.covariance)) return "covariance: " + *fault;
   }

@@ -33,14 +33,24 @@ std::vector<std::pair<std::string, std::string>> read_extensions(const YamlNode&
   return extensions;
 }
 
-Pose read_pose(const YamlNode& node) {
+Eigen::Vector3d read_position(const YamlNode& node, const TagKey& tag) {
+  expect_only(node, {"x", "y", "z"});
+  const auto coordinate = [&](std::string_view key) {
+    const YamlNode value = node.at(key);
+    const double position_m = value.as_double();
+    if (const auto fault = fault_of_coordinate(position_m))
+      value.fail(fmt::format("of tag {}: {}", to_string(tag), *fault));
+    return position_m;
+  };
+  return {coordinate("x"), coordinate("y"), coordinate("z")};
+}
+
+Pose read_pose(const YamlNode& node, const TagKey& tag) {
   expect_only(node, {"position", "orientation"});
-  const YamlNode position = node.at("position");
-  expect_only(position, {"x", "y", "z"});
+  const Eigen::Vector3d translation = read_position(node.at("position"), tag);
   const YamlNode orientation = node.at("orientation");
   expect_only(orientation, {"x", "y", "z", "w"});
   const auto number = [](const YamlNode& from, std::string_view key) { return from.at(key).as_double(); };
-  const Eigen::Vector3d translation(number(position, "x"), number(position, "y"), number(position, "z"));
   const Eigen::Quaterniond rotation(number(orientation, "w"), number(orientation, "x"),
                                     number(orientation, "y"), number(orientation, "z"));
   const double norm = rotation.coeffs().stableNorm();
@@ -90,7 +100,7 @@ MapTag read_tag(const YamlNode& node, const std::optional<std::string>& default_
   MapTag tag;
   tag.key = read_key(node, default_family);
   tag.size_m = read_tag_size(node.at("size"));
-  tag.T_map_tag = read_pose(node.at("pose"));
+  tag.T_map_tag = read_pose(node.at("pose"), tag.key);
   if (const auto covariance = node.find("covariance")) tag.covariance = read_covariance(*covariance);
   if (const auto statistics = node.find("statistics")) tag.statistics = read_statistics(*statistics);
   tag.extensions = read_extensions(node);
