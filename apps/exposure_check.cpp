@@ -8,7 +8,7 @@
 
 namespace apriltrack::app {
 
-void ExposureCheck::add(Timestamp time, const std::optional<double>& exposure_s) {
+void ExposureCheck::add(Timestamp time, const std::optional<double>& exposure_s, std::string_view where) {
   constexpr double kRounding_s = 1e-3;  // video containers round times to a millisecond
   if (!previous_) {
     previous_ = time;
@@ -20,10 +20,10 @@ void ExposureCheck::add(Timestamp time, const std::optional<double>& exposure_s)
   if (!exposure_s || interval_s <= 0.0 || *exposure_s <= interval_s + kRounding_s) return;
   const std::string fault = fmt::format(
       "{} s is longer than the {:.6f} s since the frame before (at {} ns); it is in seconds, at most the "
-      "time between frames (camera file, or exposure_s in frames.csv)",
+      "time between frames",
       *exposure_s, interval_s, time.ns);
-  if (was_second) throw invalid_input("exposure_time", fault);
-  if (!has_warned_) warnings_.add("exposure_time: " + fault);
+  if (was_second) throw invalid_input(where, fault);
+  if (!has_warned_) warnings_.add(fmt::format("{}: {}", where, fault));
   has_warned_ = true;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "apriltrack/base/timestamp.h"
 #include "warnings.h"
@@ -12,10 +14,10 @@ class ExposureCheck {
  public:
   explicit ExposureCheck(Warnings& warnings) : warnings_(warnings) {}
 
-  /// Frame by frame, in order. Throws Error(kInvalidInput) where the second frame's exposure is longer than
-  /// the time since the first; of a later one it warns, once: a single time stamp may be wrong, and a long
-  /// run is not to end.
-  void add(Timestamp time, const std::optional<double>& exposure_s);
+  /// Frame by frame, in order; where: the file and key that tell the exposure. Throws Error(kInvalidInput)
+  /// where the second frame's exposure is longer than the time since the first; of a later one it warns,
+  /// once: a single time stamp may be wrong, and a long run is not to end.
+  void add(Timestamp time, const std::optional<double>& exposure_s, std::string_view where);
 
  private:
   Warnings& warnings_;

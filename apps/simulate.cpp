@@ -15,6 +15,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
 #include "apriltrack/eval/trajectory.h"
+#include "apriltrack/image/exposure.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/sim/named_scenes.h"
 #include "apriltrack/sim/renderer.h"
@@ -67,9 +68,10 @@ Scene configured_scene(const SimulateOptions& options) {
   if (options.rate_hz) scene.rate_hz = *options.rate_hz;
   if (options.exposure_s) scene.exposure_s = *options.exposure_s;
   const double interval_s = 1.0 / scene.rate_hz;
-  if (!(scene.exposure_s > 0.0 && scene.exposure_s <= interval_s)) {
+  if (const auto fault = fault_of_exposure(scene.exposure_s)) throw invalid_input("--exposure", *fault);
+  if (scene.exposure_s > interval_s) {
     throw invalid_input("--exposure",
-                        fmt::format("must lie in (0, {:.6g}] s, the frame interval at {:g} Hz (is {:g})",
+                        fmt::format("must be at most {:.6g} s, the frame interval at {:g} Hz (is {:g})",
                                     interval_s, scene.rate_hz, scene.exposure_s));
   }
   scene.formation.noise = options.noise;

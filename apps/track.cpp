@@ -75,8 +75,11 @@ bool track_detections(const TrackArguments& arguments, const std::vector<FrameDe
 bool track_images(const TrackArguments& arguments, const Camera& camera, const Method& method,
                   Warnings& warnings, TrackRecord& record, std::optional<TrackVideo>& video) {
   const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
-  const std::unique_ptr<FrameSource> source =
-      open_source(arguments.input, {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name});
+  const auto warn = [&](LogLevel, std::string_view text) { warnings.add(std::string(text)); };
+  const std::unique_ptr<FrameSource> source = open_source(
+      arguments.input, {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name, .log = warn});
+  const std::string exposure_of_camera =
+      fmt::format("{}: {}.exposure_time", camera_file(arguments).string(), camera.name);
   ExposureCheck exposures(warnings);
   const auto track = [&](DetectedFrame detected) {
     const SourceFrame& image = detected.source;
@@ -85,7 +88,10 @@ bool track_images(const TrackArguments& arguments, const Camera& camera, const M
       if (video) video->add_unreadable(image.timestamp);
       return;
     }
-    exposures.add(image.timestamp, image.exposure_s ? image.exposure_s : camera.exposure_s);
+    if (image.exposure_s)
+      exposures.add(image.timestamp, image.exposure_s, image.exposure_where);
+    else
+      exposures.add(image.timestamp, camera.exposure_s, exposure_of_camera);
     const FrameDetections frame{image.timestamp, camera.name, std::move(detected.detections)};
     const TrackResult result = method.track(image.frame(), frame.detections);
     record.add(frame, result, detected.latency_s + result.latency_s, image.exposure_s);

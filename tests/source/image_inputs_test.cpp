@@ -107,12 +107,51 @@ TEST_F(Sequence, RefusesAWrongFramesCsv) {
   };
   expect_wrong("90,0.01,1\n90,0.01,1\n", {"frames.csv:3", "timestamp_ns", "later", "90"});
   expect_wrong("100,0.01,1\n90,0.01,1\n", {"frames.csv:3", "100", "90"});
-  expect_wrong("90,-0.01,1\n", {"frames.csv:2", "exposure_s", "> 0", "-0.01"});
+  expect_wrong("90,-0.01,1\n", {"frames.csv:2: exposure_s: must lie in [1e-07, 1] seconds (is -0.01)"});
   expect_wrong("90,0.01,0\n", {"frames.csv:2", "gain", "> 0"});
   expect_wrong("90,nan,1\n", {"frames.csv:2", "exposure_s", "nan"});
   expect_wrong("soon,0.01,1\n", {"frames.csv:2", "timestamp_ns", "soon"});
   write_csv("time,exposure_s\n1,2\n");
   expect_refused(folder_, ErrorKind::kInvalidInput, {"frames.csv", "timestamp_ns"});
+}
+
+TEST_F(Sequence, RefusesExposuresThatNoCameraHas) {
+  for (const char* exposure : {"1e-09", "0", "1.01", "16"}) {
+    write_csv(std::string("timestamp_ns,exposure_s\n90000,0.01\n100000,") + exposure + "\n");
+    expect_refused(folder_, ErrorKind::kInvalidInput,
+                   {"frames.csv:3: exposure_s: must lie in [1e-07, 1] seconds", exposure});
+  }
+  write_csv("timestamp_ns,exposure_s\n90000,1e-7\n100000,1\n110000,5e-7\n");
+  EXPECT_EQ(read_all(folder_.string()).back().exposure_s, 5e-7);
+}
+
+TEST_F(Sequence, TellsWhereAnExposureStands) {
+  write_csv("timestamp_ns,exposure_s,gain\n\n90000,0.004,1\n100000,,2\n110000,0.002,1\n");
+  const auto frames = read_all(folder_.string());
+  EXPECT_EQ(frames[0].exposure_where, (folder_ / "frames.csv").string() + ":3: exposure_s");
+  EXPECT_EQ(frames[1].exposure_where, "");
+  EXPECT_EQ(frames[2].exposure_where, (folder_ / "frames.csv").string() + ":5: exposure_s");
+}
+
+TEST_F(Sequence, RefusesAFramesCsvOfOtherTimes) {
+  write_csv("timestamp_ns,exposure_s\n90,0.01\n100,0.01\n110,0.01\n");  // microseconds
+  expect_refused(folder_, ErrorKind::kInvalidInput,
+                 {"frames.csv: none of its rows", "from 90 to 110", "from 90000 to 110000"});
+  write_csv("timestamp_ns,exposure_s\n");
+  EXPECT_FALSE(read_all(folder_.string())[0].exposure_s) << "tells nothing, and nothing wrong";
+}
+
+TEST_F(Sequence, WarnsOfFramesThatItsFramesCsvDoesNotKnow) {
+  std::vector<std::string> told;
+  const SourceOptions options{.log = [&](LogLevel, std::string_view text) { told.emplace_back(text); }};
+  write_csv("timestamp_ns,exposure_s\n80000,0.01\n90000,0.01\n100000,0.01\n110000,0.01\n");
+  read_all(folder_.string(), options);
+  EXPECT_THAT(told, ElementsAre()) << "a row without a frame is of one that was dropped";
+  write_csv("timestamp_ns,exposure_s\n80000,0.01\n90000,0.02\n");
+  EXPECT_EQ(read_all(folder_.string(), options)[0].exposure_s, 0.02);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_THAT(told[0], ::testing::HasSubstr("frames.csv: 2 of 3 frames have no row in it"));
+  EXPECT_THAT(told[0], ::testing::HasSubstr("from 80000 to 90000, the frames from 90000 to 110000"));
 }
 
 TEST_F(Sequence, NamesItsCameraAndMapFiles) {

@@ -1,5 +1,6 @@
 // The blur tracker through the command line: what it follows, and what it refuses.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -97,21 +98,59 @@ TEST_F(TrackBlurErrors, AnExposureThatCannotBeIsStatus2) {
               EndsWith(2, "exposure_time"));
   const ProgramRun run =
       run_program(track({"--camera", camera_with("exposure_time", "exposure_time: 0.05")}));
-  EXPECT_THAT(run, EndsWith(2, "exposure_time: 0.05 s is longer than the 0.033333 s since the frame before"));
+  EXPECT_THAT(
+      run,
+      EndsWith(2, (folder_ / "camera.yaml").string() +
+                      ": cam0.exposure_time: 0.05 s is longer than the 0.033333 s since the frame before"));
   EXPECT_FALSE(fs::exists(folder_ / "out.tum"));
 }
 
-// In milliseconds, from the third frame on: one wrong time stamp may look like that, so the run goes on.
+// Too long from the third frame on: one wrong time stamp may look like that, so the run goes on.
 TEST_F(TrackBlurErrors, ALaterExposureThatCannotBeIsWarnedOfOnce) {
   std::ofstream table(fs::path(film_) / "frames.csv");
   table << "timestamp_ns,exposure_s,gain\n";
   int num_frames = 0;
   for (const TimedPose& frame : read_tum(fs::path(film_) / "truth.tum"))
-    table << frame.timestamp.ns << (num_frames++ < 2 ? ",0.004,1\n" : ",4,1\n");
+    table << frame.timestamp.ns << (num_frames++ < 2 ? ",0.004,1\n" : ",0.4,1\n");
   table.close();
   const json summary = run_for_json(track({"--method", "pnp"}));
   ASSERT_EQ(summary["warnings"].size(), 1U) << summary.dump(1);
-  EXPECT_EQ(summary["warnings"][0].get<std::string>().find("exposure_time: 4 s is longer than"), 0U);
+  EXPECT_EQ(summary["warnings"][0].get<std::string>().find(film_ +
+                                                           "/frames.csv:4: exposure_s: 0.4 s is longer than"),
+            0U);
+}
+
+TEST_F(TrackBlurErrors, AnExposureOfAFrameThatCannotBeIsStatus2WithItsLine) {
+  const Trajectory truth = read_tum(fs::path(film_) / "truth.tum");
+  const auto track_with = [&](const char* exposure) {
+    std::ofstream table(fs::path(film_) / "frames.csv");
+    table << "timestamp_ns,exposure_s\n";
+    for (const TimedPose& frame : truth) table << frame.timestamp.ns << ',' << exposure << '\n';
+    table.close();
+    return run_program(track({"--method", "pnp"}));
+  };
+  EXPECT_THAT(track_with("0.05"), EndsWith(2, film_ + "/frames.csv:3: exposure_s: 0.05 s is longer than the "
+                                                      "0.033333 s since the frame before"));
+  EXPECT_THAT(track_with("1e-9"), EndsWith(2, film_ + "/frames.csv:2: exposure_s: must lie in [1e-07, 1] "
+                                                      "seconds (is 1e-09)"));
+  EXPECT_THAT(run_program({"simulate", "--scene", "single", "--exposure", "1e-9", "--output", folder_ / "s"}),
+              EndsWith(2, "--exposure: must lie in [1e-07, 1] seconds (is 1e-09)"));
+}
+
+TEST_F(TrackBlurErrors, AFramesCsvThatKnowsNotAllFramesIsToldOf) {
+  const Trajectory truth = read_tum(fs::path(film_) / "truth.tum");
+  const std::string file = film_ + "/frames.csv";
+  const std::int64_t first_ns = truth.front().timestamp.ns, last_ns = truth.back().timestamp.ns;
+  write_text(file, fmt::format("timestamp_ns,exposure_s\n{},0.004\n{},0.004\n", first_ns, first_ns + 1));
+  const json summary = run_for_json(track({"--method", "pnp"}));
+  ASSERT_EQ(summary["warnings"].size(), 1U) << summary.dump(1);
+  EXPECT_EQ(summary["warnings"][0].get<std::string>().find(file + ": 3 of 4 frames have no row in it"), 0U);
+  write_text(file, fmt::format("timestamp_ns,exposure_s\n{},0.004\n", first_ns + 1));
+  EXPECT_THAT(
+      run_program(track({"--method", "pnp"})),
+      EndsWith(2, fmt::format("{}: none of its rows has the time of a frame: its timestamp_ns run from "
+                              "{} to {}, the frames from {} to {}",
+                              file, first_ns + 1, first_ns + 1, first_ns, last_ns)));
 }
 
 TEST_F(TrackBlurErrors, AnExposureThatNobodyTellsIsWarnedOf) {

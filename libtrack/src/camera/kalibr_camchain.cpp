@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 
+#include "apriltrack/image/exposure.h"
 #include "camera_fields.h"
 
 namespace apriltrack {
@@ -11,8 +12,6 @@ namespace {
 
 /// Kalibr prints 16 digits, hand-written files a few: what a rotation may be off by.
 constexpr double kMaxRotationDefect = 1e-3;
-/// An exposure of more is most likely one in milliseconds.
-constexpr double kMaxExposure_s = 1.0;
 /// 30 us are usual; a sensor read upwards has a negative one.
 constexpr double kMaxLineDelay_s = 1e-3;
 
@@ -63,9 +62,7 @@ void check_camera_model(const YamlNode& node) {
 
 double read_exposure(const YamlNode& node) {
   const double exposure_s = node.as_double();
-  if (!(exposure_s > 0.0 && exposure_s <= kMaxExposure_s)) {
-    node.fail(fmt::format("must lie in (0, {}] seconds (is {})", kMaxExposure_s, exposure_s));
-  }
+  if (const auto fault = fault_of_exposure(exposure_s)) node.fail(*fault);
   return exposure_s;
 }
 

@@ -49,7 +49,8 @@ std::unique_ptr<SkippableSource> list_source(const std::string& input, std::vect
 }
 
 std::unique_ptr<SkippableSource> open_folder(const std::string& input, const SourceOptions& options) {
-  if (is_sequence_folder(input)) return list_source(input, list_sequence(input, options.rate_hz));
+  if (is_sequence_folder(input))
+    return list_source(input, list_sequence(input, options.rate_hz, options.log));
   if (const auto camera = find_euroc_camera(input, options.camera_name))
     return list_source(input, list_euroc_camera(*camera));
   return list_source(input, list_image_folder(input, options.rate_hz));

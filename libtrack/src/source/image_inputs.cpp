@@ -40,10 +40,11 @@ std::vector<fs::path> match(const std::string& pattern) {
 
 }  // namespace
 
-std::vector<ImageEntry> list_sequence(const fs::path& folder, std::optional<double> rate_hz) {
+std::vector<ImageEntry> list_sequence(const fs::path& folder, std::optional<double> rate_hz,
+                                      const LogSink& log) {
   const fs::path frames = folder / "frames";
   auto entries = give_times(require_images(frames), rate_hz, frames.string());
-  if (path_exists(folder / "frames.csv")) add_frame_facts(folder / "frames.csv", entries);
+  if (path_exists(folder / "frames.csv")) add_frame_facts(folder / "frames.csv", entries, log);
   return entries;
 }
 

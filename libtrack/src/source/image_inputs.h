@@ -12,8 +12,10 @@ namespace apriltrack {
 // Each kind of INPUT that is a set of images, as a list in the order of time. All throw Error(kIo) when there
 // is nothing to read, Error(kInvalidInput) when times are missing, repeated or run backwards.
 
-/// A folder with `frames/` inside it; exposure and gain from its frames.csv.
-std::vector<ImageEntry> list_sequence(const std::filesystem::path& folder, std::optional<double> rate_hz);
+/// A folder with `frames/` inside it; exposure and gain from its frames.csv, which the log hears of where it
+/// does not know all frames.
+std::vector<ImageEntry> list_sequence(const std::filesystem::path& folder, std::optional<double> rate_hz,
+                                      const LogSink& log);
 /// One camera folder of a EuRoC/ASL recording, times from its data.csv. Images that are listed but missing
 /// stay in the list: they are frames that cannot be read.
 std::vector<ImageEntry> list_euroc_camera(const std::filesystem::path& camera_folder);

@@ -11,6 +11,7 @@ std::optional<SourceFrame> ImageListSource::next() {
   frame.timestamp = entry.timestamp;
   frame.exposure_s = entry.exposure_s;
   frame.gain = entry.gain;
+  frame.exposure_where = entry.exposure_where;
   frame.name = entry.path.string();
   try {
     frame.pixels = read_image(entry.path);

@@ -16,6 +16,7 @@ struct ImageEntry {
   Timestamp timestamp;
   std::optional<double> exposure_s = std::nullopt;
   double gain = 1.0;
+  std::string exposure_where = {};  ///< As SourceFrame's.
 };
 
 /// Reads images one by one, each only when it is asked for.

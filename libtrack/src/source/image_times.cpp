@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/image/exposure.h"
 #include "apriltrack/io/csv.h"
 #include "image_names.h"
 
@@ -145,46 +146,93 @@ std::vector<ImageEntry> give_times(const std::vector<fs::path>& images, std::opt
 
 namespace {
 
+constexpr std::string_view kTimeColumn = "timestamp_ns";
+constexpr std::string_view kExposureColumn = "exposure_s";
+constexpr std::string_view kGainColumn = "gain";
+
 struct FrameFacts {
-  std::optional<double> exposure_s;
+  std::size_t row = 0;
+  std::optional<double> exposure_s = std::nullopt;
   double gain = 1.0;
 };
 
-double positive(const CsvTable& table, std::size_t row, std::string_view column) {
-  const double value = table.number(row, column);
-  if (value > 0.0) return value;
-  throw invalid_input(table.where(row), fmt::format("{}: must be > 0 (is {})", column, value));
+std::string where_in(const CsvTable& table, std::size_t row, std::string_view column) {
+  return fmt::format("{}: {}", table.where(row), column);
+}
+
+double read_exposure(const CsvTable& table, std::size_t row) {
+  const double exposure_s = table.number(row, kExposureColumn);
+  if (const auto fault = fault_of_exposure(exposure_s))
+    throw invalid_input(where_in(table, row, kExposureColumn), *fault);
+  return exposure_s;
+}
+
+double read_gain(const CsvTable& table, std::size_t row) {
+  const double gain = table.number(row, kGainColumn);
+  if (gain > 0.0) return gain;
+  throw invalid_input(where_in(table, row, kGainColumn), fmt::format("must be > 0 (is {})", gain));
 }
 
 FrameFacts read_facts(const CsvTable& table, std::size_t row) {
   const auto has = [&](std::string_view column) {
     return table.has_column(column) && !table.is_empty(row, column);
   };
-  FrameFacts facts;
-  if (has("exposure_s")) facts.exposure_s = positive(table, row, "exposure_s");
-  if (has("gain")) facts.gain = positive(table, row, "gain");
+  FrameFacts facts{.row = row};
+  if (has(kExposureColumn)) facts.exposure_s = read_exposure(table, row);
+  if (has(kGainColumn)) facts.gain = read_gain(table, row);
   return facts;
 }
 
-}  // namespace
+using FactsByTime = std::map<std::int64_t, FrameFacts>;
 
-void add_frame_facts(const fs::path& frames_csv, std::vector<ImageEntry>& images) {
-  const CsvTable table = CsvTable::read_file(frames_csv, {"timestamp_ns"});
-  std::map<std::int64_t, FrameFacts> facts_by_time;
+FactsByTime read_facts(const CsvTable& table) {
+  FactsByTime facts_by_time;
   for (std::size_t row = 0; row < table.num_rows(); ++row) {
-    const std::int64_t time_ns = table.integer(row, "timestamp_ns");
+    const std::int64_t time_ns = table.integer(row, kTimeColumn);
     if (!facts_by_time.empty() && time_ns <= facts_by_time.rbegin()->first) {
-      throw invalid_input(table.where(row),
-                          fmt::format("timestamp_ns: must be later than the row before's {} (is {})",
+      throw invalid_input(where_in(table, row, kTimeColumn),
+                          fmt::format("must be later than the row before's {} (is {})",
                                       facts_by_time.rbegin()->first, time_ns));
     }
     facts_by_time[time_ns] = read_facts(table, row);
   }
+  return facts_by_time;
+}
+
+/// Both spans of time, for the user whose file and frames do not meet. Requires some of each.
+std::string describe_spans(const FactsByTime& facts, const std::vector<ImageEntry>& images) {
+  return fmt::format("its timestamp_ns run from {} to {}, the frames from {} to {}", facts.begin()->first,
+                     facts.rbegin()->first, images.front().timestamp.ns, images.back().timestamp.ns);
+}
+
+}  // namespace
+
+void add_frame_facts(const fs::path& frames_csv, std::vector<ImageEntry>& images, const LogSink& log) {
+  const CsvTable table = CsvTable::read_file(frames_csv, {std::string(kTimeColumn)});
+  const FactsByTime facts_by_time = read_facts(table);
+  if (facts_by_time.empty()) return;
+  std::size_t num_unknown = 0;
   for (ImageEntry& image : images) {
     const auto found = facts_by_time.find(image.timestamp.ns);
-    if (found == facts_by_time.end()) continue;
-    image.exposure_s = found->second.exposure_s;
-    image.gain = found->second.gain;
+    if (found == facts_by_time.end()) {
+      ++num_unknown;
+      continue;
+    }
+    const FrameFacts& facts = found->second;
+    image.exposure_s = facts.exposure_s;
+    image.gain = facts.gain;
+    if (facts.exposure_s) image.exposure_where = where_in(table, facts.row, kExposureColumn);
+  }
+  if (num_unknown == images.size()) {
+    throw invalid_input(frames_csv.string(),
+                        fmt::format("none of its rows has the time of a frame: {}; give it the frames' own "
+                                    "times, to the nanosecond, or take it away",
+                                    describe_spans(facts_by_time, images)));
+  }
+  if (num_unknown > 0) {
+    log(LogLevel::kWarning,
+        fmt::format("{}: {} of {} frames have no row in it, and so no exposure of their own: {}",
+                    frames_csv.string(), num_unknown, images.size(), describe_spans(facts_by_time, images)));
   }
 }
 

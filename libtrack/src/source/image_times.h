@@ -19,7 +19,9 @@ std::vector<ImageEntry> give_times(const std::vector<std::filesystem::path>& ima
                                    std::optional<double> rate_hz, const std::string& where);
 
 /// Adds exposure and gain of frames.csv to the images of the same time; rows without an image are passed
-/// over. Throws Error(kIo), or Error(kInvalidInput) with file, line, column and value.
-void add_frame_facts(const std::filesystem::path& frames_csv, std::vector<ImageEntry>& images);
+/// over, images without a row told to the log. Throws Error(kIo), or Error(kInvalidInput) with file, line,
+/// column and value, or where there are rows and none is of an image.
+void add_frame_facts(const std::filesystem::path& frames_csv, std::vector<ImageEntry>& images,
+                     const LogSink& log);
 
 }  // namespace apriltrack

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "apriltrack/base/log.h"
 #include "apriltrack/image/frame.h"
 
 namespace apriltrack {
@@ -15,8 +16,9 @@ struct SourceFrame {
   Timestamp timestamp;
   std::optional<double> exposure_s;
   double gain = 1.0;
-  std::string name;   ///< File, or video and frame number: what a message calls this frame.
-  std::string error;  ///< Why it could not be decoded, without its name; empty for a good frame.
+  std::string name;            ///< File, or video and frame number: what a message calls this frame.
+  std::string exposure_where;  ///< File, line and column that tell the exposure; empty where none does.
+  std::string error;           ///< Why it could not be decoded, without its name; empty for a good frame.
 
   bool is_readable() const { return error.empty(); }
   /// A view for the library's functions; this object must outlive it.
@@ -33,6 +35,9 @@ struct SourceOptions {
   /// Which camera's folder of a EuRoC/ASL recording with several; empty: cam0. All other inputs, a single
   /// camera folder among them, have one camera whatever its name.
   std::string camera_name = {};
+  /// Hears of a recording that is not as its own files say: frames that its frames.csv does not know, a video
+  /// that ends before its header's count.
+  LogSink log = silent_log();
 };
 
 /// Frames in the order of time. A frame that cannot be decoded is handed out as unreadable, never passed
@@ -54,7 +59,7 @@ class FrameSource {
 /// video file, `camera:N` or a V4L2 path. A live camera's times are the driver's own (of arrival where it
 /// tells none), not corrected to the middle of the exposure. Throws Error(kIo) when there is nothing to read,
 /// Error(kInvalidInput) when images need a rate and none is given, a recording has no camera of the name
-/// asked for, or an option is out of its range.
+/// asked for, its frames.csv knows none of its frames, or an option is out of its range.
 std::unique_ptr<FrameSource> open_source(const std::string& input, const SourceOptions& options = {});
 
 /// Files that a sequence folder brings with it; nullopt where it does not, or INPUT is no such folder.
