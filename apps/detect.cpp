@@ -87,8 +87,9 @@ Record detect(const DetectArguments& arguments) {
   if (!arguments.camera_name.empty()) name = arguments.camera_name;
   const FrameLoopOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
                                     arguments.num_threads, "detect"};
-  const std::unique_ptr<FrameSource> source =
-      open_source(arguments.input, {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name});
+  const std::unique_ptr<FrameSource> source = open_source(
+      arguments.input,
+      {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name, .log = arguments.console.log()});
   Record record;
   record.counts = detect_frames(*source, options, arguments.console, [&](DetectedFrame frame) {
     record.add({frame.source.timestamp, name, std::move(frame.detections)});

@@ -184,9 +184,36 @@ TEST(Video, CutBeforeItsIndexIsAnError) {
   expect_refused(path, ErrorKind::kIo, {"cut.mov", "neither an image nor a video"});
 }
 
+/// What a source says of a video that is read to its end.
+std::vector<std::string> told_of(const fs::path& path, const std::string& bytes) {
+  write_text(path, bytes);
+  std::vector<std::string> told;
+  read_all(path.string(), {.log = [&](LogLevel, std::string_view text) { told.emplace_back(text); }});
+  return told;
+}
+
+TEST(Video, CutBehindItsHeaderIsToldOfWithTheFramesThatAreThere) {
+  const auto path = temporary_folder() / "cut.avi";
+  constexpr std::size_t kNumFrames = 6, kNumWhole = 4;
+  write_mjpeg_video(path, plan_of_levels({0, 1, 2, 3, 4, 5}));
+  const std::string whole = read_bytes(path);
+  EXPECT_THAT(told_of(path, whole), ::testing::IsEmpty());
+  std::size_t chunk = whole.find("movi");
+  for (std::size_t i = 0; i <= kNumWhole; ++i) chunk = whole.find("00dc", chunk + 4);
+  ASSERT_NE(chunk, std::string::npos);
+  for (const std::size_t into_the_next : {0, 4, 60}) {
+    EXPECT_THAT(told_of(path, whole.substr(0, chunk + into_the_next)),
+                ::testing::ElementsAre(
+                    path.string() + ": the file is cut off or damaged: " + std::to_string(kNumWhole) +
+                    " of the " + std::to_string(kNumFrames) + " frames that its header promises are there"));
+  }
+}
+
 TEST(Video, OfAPhoneHasItsRecordedSizeAndTimes) {
   APRILTRACK_SHARED_OR_SKIP(path, "data/phone_page_blur/video.mp4");
-  const auto source = open_source(path.string());
+  std::vector<std::string> told;
+  const auto source =
+      open_source(path.string(), {.log = [&](LogLevel, std::string_view text) { told.emplace_back(text); }});
   std::int64_t number = 0;
   for (; const auto frame = source->next(); ++number) {
     ASSERT_TRUE(frame->is_readable()) << frame->error;
@@ -195,6 +222,7 @@ TEST(Video, OfAPhoneHasItsRecordedSizeAndTimes) {
     ASSERT_NEAR(static_cast<double>(frame->timestamp.ns), static_cast<double>(number) * 1e9 / 30.0, 1.0);
   }
   EXPECT_EQ(number, 886);
+  EXPECT_THAT(told, ::testing::IsEmpty());
 }
 
 TEST(Video, OfAFieldIsWholeAndGreyAsOpenCvSeesIt) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/eval/trajectory.h"
@@ -125,6 +126,44 @@ TEST_F(TrackVideoFiles, AreCheckedBeforeTheWork) {
   EXPECT_THAT(run_program({"track", "--detections", folder_ / "x.csv", "--camera", "c.yaml", "--map",
                            "m.yaml", "--output", folder_ / "o.tum", "--video", folder_ / "o.mp4"}),
               EndsWith(2, "--video"));
+}
+
+/// What is told is told in our words, a line each: FFmpeg and OpenCV have nothing to say.
+void expect_own_words(const ProgramRun& run) {
+  std::istringstream lines(run.err);
+  for (std::string line; std::getline(lines, line);)
+    EXPECT_TRUE(line.starts_with("warning: ") || line.starts_with("error: ")) << line;
+}
+
+TEST_F(TrackVideoFiles, ThatAreCutOrDamagedAreToldOfInOurWords) {
+  constexpr std::size_t kNumFilmed = 12;
+  run_for_json({"simulate", "--scene", "room-gentle", "--frames", std::to_string(kNumFilmed), "--output",
+                folder_ / "room"});
+  run_for_json({"track", folder_ / "room", "--method", "pnp", "--output", folder_ / "o.tum", "--video",
+                folder_ / "whole.mp4"});
+  const auto detect = [&](const char* name) {
+    const ProgramRun run =
+        run_program({"detect", folder_ / name, "--output", folder_ / "o.csv", "--json", "--quiet"});
+    expect_own_words(run);
+    return run;
+  };
+  EXPECT_EQ(detect("whole.mp4").err, "");
+  const std::string whole = read_text(folder_ / "whole.mp4");
+  write_text(folder_ / "cut.mp4", whole.substr(0, whole.size() * 2 / 3));
+  const ProgramRun cut = detect("cut.mp4");
+  EXPECT_THAT(
+      cut, EndsWith(0, "warning: " + (folder_ / "cut.mp4").string() + ": the file is cut off or damaged: "));
+  EXPECT_THAT(cut, EndsWith(0, " of the " + std::to_string(kNumFilmed) +
+                                   " frames that its header promises are there"));
+  std::string damaged = whole;  // in the pictures, which come last
+  for (std::size_t i = 1; i < 40; ++i) damaged[damaged.size() - i * damaged.size() / 80] ^= 0x55;
+  write_text(folder_ / "damaged.mp4", damaged);
+  EXPECT_THAT(detect("damaged.mp4"), EndsWith(0, "the data is damaged"));
+  write_text(folder_ / "head.mp4", whole.substr(0, 300));
+  EXPECT_THAT(detect("head.mp4"), EndsWith(3, "head.mp4"));
+  const ProgramRun live = run_program({"detect", "camera:254", "--output", folder_ / "o.csv", "--quiet"});
+  EXPECT_THAT(live, EndsWith(3, "camera:254: no camera there"));
+  expect_own_words(live);
 }
 
 TEST_F(TrackVideoFiles, KeepThePlaceOfAnUnreadableFrame) {

@@ -74,12 +74,12 @@ bool is_text(const std::string& start) {
   return std::find_if(start.begin(), start.end(), is_control) == start.end();
 }
 
-std::unique_ptr<SkippableSource> open_file(const std::string& input, std::optional<double> rate_hz) {
+std::unique_ptr<SkippableSource> open_file(const std::string& input, const SourceOptions& options) {
   const std::string start = read_start(input);
   if (has_image_ending(input)) return list_source(input, list_single_image(input));
   if (start.empty()) throw io_error(input, "the file is empty (0 bytes)");
   if (is_text(start)) throw io_error(input, "is a text file, neither an image nor a video");
-  return open_video(input, rate_hz);
+  return open_video(input, options.rate_hz, options.log);
 }
 
 std::unique_ptr<SkippableSource> open_any(const std::string& input, const SourceOptions& options) {
@@ -92,7 +92,7 @@ std::unique_ptr<SkippableSource> open_any(const std::string& input, const Source
   std::error_code error;
   const fs::file_status status = fs::status(input, error);
   if (fs::is_directory(status)) return open_folder(input, options);
-  if (fs::exists(status)) return open_file(input, options.rate_hz);
+  if (fs::exists(status)) return open_file(input, options);
   if (is_glob(input)) return list_source(input, list_glob(input, options.rate_hz));
   if (status.type() == fs::file_type::not_found) throw io_error(input, "no such file or folder");
   throw io_error(input, fmt::format("cannot be read: {}", error.message()));

@@ -9,9 +9,11 @@ extern "C" {
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <string_view>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/image/opencv_bridge.h"
@@ -45,6 +47,16 @@ GrayImage turned(const GrayImage& image, int turns) {
   cv::Mat upright;
   cv::rotate(mat_of(image.view()), upright, kRotations[static_cast<std::size_t>(turns - 1)]);
   return copy_of(upright);
+}
+
+/// Of QuickTime and MP4 the header lists every frame; those that an edit list cuts out are in its count, but
+/// not in FFmpeg's index, and are not read.
+std::optional<std::size_t> count_in_header(const AVFormatContext& file, const AVStream& stream) {
+  if (stream.nb_frames <= 0) return std::nullopt;
+  const auto count = static_cast<std::size_t>(stream.nb_frames);
+  const bool has_edit_lists = std::string_view(file.iformat->name).find("mp4") != std::string_view::npos;
+  const int num_indexed = has_edit_lists ? avformat_index_get_entries_count(&stream) : 0;
+  return num_indexed > 0 ? std::min(count, static_cast<std::size_t>(num_indexed)) : count;
 }
 
 }  // namespace
@@ -85,6 +97,7 @@ void VideoDecoder::open_stream(const std::string& path) {
   for (unsigned i = 0; i < file_->nb_streams; ++i) file_->streams[i]->discard = AVDISCARD_ALL;
   stream_ = file_->streams[index];
   stream_->discard = AVDISCARD_DEFAULT;
+  num_promised_ = count_in_header(*file_, *stream_);
   turns_ = quarter_turns_anticlockwise(*stream_);
   codec_.reset(avcodec_alloc_context3(decoder));
   avcodec_parameters_to_context(codec_.get(), stream_->codecpar);
@@ -124,6 +137,7 @@ std::optional<VideoDecoder::Decoded> VideoDecoder::feed() {
     if (broke_off) return Decoded{std::nullopt, fmt::format("the file breaks off: {}", reason(got))};
     return std::nullopt;
   }
+  if ((packet_->flags & AV_PKT_FLAG_CORRUPT) == 0) ++num_whole_;
   num_idle_errors_ = 0;
   const int sent = avcodec_send_packet(codec_.get(), packet_.get());
   if (sent < 0) return Decoded{time_of(packet_->pts), fmt::format("cannot be decoded: {}", reason(sent))};

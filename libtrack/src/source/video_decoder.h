@@ -40,6 +40,11 @@ class VideoDecoder {
 
   /// As the file's header states it, or as estimated from duration and rate.
   std::optional<std::size_t> num_frames() const;
+  /// How many frames a whole file has, as its header counts them; none where that counts none (Matroska, raw
+  /// streams).
+  std::optional<std::size_t> num_promised() const { return num_promised_; }
+  /// Of the frames whose data were there so far, and not cut off.
+  std::size_t num_whole() const { return num_whole_; }
   /// False for raw streams, whose times the demuxer makes up.
   bool has_times() const;
 
@@ -65,6 +70,8 @@ class VideoDecoder {
   AVStream* stream_ = nullptr;  ///< Owned by file_.
   int turns_ = 0;               ///< Quarter turns anticlockwise that stand the picture upright.
   bool is_draining_ = false;
+  std::optional<std::size_t> num_promised_;
+  std::size_t num_whole_ = 0;
   int num_idle_errors_ = 0;  ///< Since the decoder was last fed.
 };
 

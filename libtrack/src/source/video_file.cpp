@@ -12,8 +12,8 @@ namespace {
 
 class VideoFile : public SkippableSource {
  public:
-  VideoFile(std::string name, std::optional<double> rate_hz)
-      : name_(std::move(name)), rate_hz_(rate_hz), decoder_(name_) {
+  VideoFile(std::string name, std::optional<double> rate_hz, LogSink log)
+      : name_(std::move(name)), rate_hz_(rate_hz), log_(std::move(log)), decoder_(name_) {
     pending_ = decoder_.advance();
     if (!pending_) throw io_error(name_, "opens as a video, but not one frame of it can be read");
     has_times_ = decoder_.has_times() && (pending_->timestamp || !pending_->error.empty());
@@ -36,7 +36,10 @@ class VideoFile : public SkippableSource {
 
   bool pass_over() override {
     const auto decoded = pending_ ? std::exchange(pending_, std::nullopt) : decoder_.advance();
-    if (!decoded) return false;
+    if (!decoded) {
+      tell_if_cut();
+      return false;
+    }
     const auto told =
         has_times_ ? decoded->timestamp : advance({}, static_cast<double>(num_passed_) / *rate_hz_);
     const std::string time_error = clock_.take(told);
@@ -49,21 +52,33 @@ class VideoFile : public SkippableSource {
   std::string name() const override { return name_; }
 
  private:
+  void tell_if_cut() {
+    const auto promised = decoder_.num_promised();
+    if (has_told_ || !promised || decoder_.num_whole() >= *promised) return;
+    has_told_ = true;
+    log_(LogLevel::kWarning,
+         fmt::format(
+             "{}: the file is cut off or damaged: {} of the {} frames that its header promises are there",
+             name_, decoder_.num_whole(), *promised));
+  }
+
   std::string name_;
   std::optional<double> rate_hz_;
+  LogSink log_;
   VideoDecoder decoder_;
   std::optional<VideoDecoder::Decoded> pending_;
   bool has_times_ = true;
   std::size_t num_passed_ = 0;
   ForwardClock clock_;
   std::string error_;
+  bool has_told_ = false;
 };
 
 }  // namespace
 
-std::unique_ptr<SkippableSource> open_video(const std::filesystem::path& path,
-                                            std::optional<double> rate_hz) {
-  return std::make_unique<VideoFile>(path.string(), rate_hz);
+std::unique_ptr<SkippableSource> open_video(const std::filesystem::path& path, std::optional<double> rate_hz,
+                                            const LogSink& log) {
+  return std::make_unique<VideoFile>(path.string(), rate_hz, log);
 }
 
 }  // namespace apriltrack
