@@ -182,7 +182,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
                                           : track_detections(arguments, detections, method, record);
   warn_of_contradictions(record, arguments.method(), warnings);
   write_outputs(arguments, {command_line_of(command), arguments, camera_file(arguments), map_file(arguments),
-                            camera, map, record});
+                            camera, map, record, was_interrupted});
   record.check_has_pose(has_images ? arguments.input : arguments.detections, map);
   if (video) video->close();
   finish(arguments, record, was_interrupted, warnings);

@@ -57,7 +57,8 @@ void add_tags_and_time(HtmlPage& page, const TrackRun& run, const TrackFigures& 
 /// A truth that cannot be used is no reason to withhold the rest.
 void add_truth(HtmlPage& page, const TrackRun& run) {
   try {
-    const auto score = score_against_truth(run.arguments, run.camera, run.map, run.record);
+    const auto score =
+        score_against_truth(run.arguments, run.camera, run.map, run.record, run.was_interrupted);
     if (score) add_truth_section(page, *score, run.record);
   } catch (const Error& error) {
     page.heading("Against the truth");

@@ -18,6 +18,7 @@ struct TrackRun {
   const Camera& camera;
   const TagMap& map;
   const TrackRecord& record;
+  bool was_interrupted = false;
 };
 
 /// The page of `track --report`, one file that needs no network: how far the run can be trusted, where not,

@@ -17,7 +17,8 @@ bool is_same_place(const fs::path& a, const fs::path& b) {
 }  // namespace
 
 std::optional<TruthScore> score_against_truth(const TrackArguments& arguments, const Camera& camera,
-                                              const TagMap& map, const TrackRecord& record) {
+                                              const TagMap& map, const TrackRecord& record,
+                                              bool was_interrupted) {
   const fs::path truth = fs::path(arguments.input) / "truth.tum";
   std::error_code ignored;
   if (arguments.input.empty() || !fs::exists(truth, ignored) || !record.has_pose()) return std::nullopt;
@@ -29,8 +30,15 @@ std::optional<TruthScore> score_against_truth(const TrackArguments& arguments, c
       own_map ? read_tag_map(*own_map) : map};
   TruthScore score;
   score.is_map_the_recordings = arguments.map.empty() || (own_map && is_same_place(arguments.map, *own_map));
+  Trajectory true_poses = read_tum(truth);
+  if (was_interrupted) {
+    constexpr double kSameFrame_s = 1e-3;  // as evaluate_trajectory() takes two times for one frame's
+    score.untried = std::erase_if(true_poses, [&](const TimedPose& pose) {
+      return seconds_between(record.rows().back().timestamp, pose.timestamp) > kSameFrame_s;
+    });
+  }
   score.evaluation = evaluate_trajectory(
-      read_tum(truth), record.trajectory(), &scene,
+      true_poses, record.trajectory(), &scene,
       {.kind = arguments.mode == "joint" ? TrajectoryKind::kJoint : TrajectoryKind::kEgo});
   score.log = evaluate_frame_log(score.evaluation, record.rows());
   return score;

@@ -81,6 +81,13 @@ void add_truth_section(HtmlPage& page, const TruthScore& score, const TrackRecor
                      : "The recording brings its true poses (truth.tum), in the frame of its own map. This "
                        "run used another map; nothing is aligned, so where the two maps' frames differ, that "
                        "is in the errors.");
+  if (score.untried > 0) {
+    page.paragraph(
+        fmt::format("The run was interrupted: these are the figures of the {} true frames until then, "
+                    "of {}; the {} after them were never tried, and count neither as lost nor as found.",
+                    score.evaluation.truth_frames,
+                    static_cast<std::size_t>(score.evaluation.truth_frames) + score.untried, score.untried));
+  }
   page.table(truth_table(score));
   page.png(error_chart_of_corners(score, record),
            "Mean distance of the visible tags' corners from where they truly are. A gap: no pose, or no tag "

@@ -1,7 +1,7 @@
 // Ctrl-C: what is done is kept, and no file is left half written.
 
 #include <fcntl.h>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,12 +17,16 @@
 #include "apriltrack/source/image_file.h"
 #include "apriltrack/tags/tag_map.h"
 #include "program.h"
+#include "read_report.h"
 #include "support/shared_data.h"
 
 namespace apriltrack::test {
 namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 /// Looks again and again, until it is so or the program has ended.
 template <class Condition>
@@ -97,6 +101,17 @@ TEST_F(Interrupted, TrackKeepsTheFramesUntilThen) {
   EXPECT_EQ(names_in(folder_ / "out"), (std::set<std::string>{"camera.tum", "frames.csv"}));
   EXPECT_EQ(read_tum(out("camera.tum")).size(), kPipe);
   EXPECT_EQ(read_frame_log(out("frames.csv")).size(), kPipe + 1);
+}
+
+TEST_F(Interrupted, TrackIsScoredOnTheFramesUntilThen) {
+  const ProgramRun run =
+      interrupt({"track", recording_, "--output", out("camera.tum"), "--report", out("report.html")});
+  EXPECT_THAT(run, EndsWith(0, "warning: interrupted"));
+  const ReadReport page(out("report.html"));
+  EXPECT_THAT(page.row("frames whose truth shows a tag"), ElementsAre(std::to_string(kPipe + 1)));
+  EXPECT_THAT(page.row("with a pose"), ElementsAre("75.0 %")) << "all but the pipe";
+  EXPECT_THAT(page.texts("p"),
+              Contains(HasSubstr("figures of the 4 true frames until then, of 12; the 8 after")));
 }
 
 TEST_F(Interrupted, DetectKeepsTheFramesUntilThen) {
