@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "apriltrack/base/geman_mcclure.h"
+
 namespace apriltrack {
 namespace {
 
@@ -120,12 +122,12 @@ NormalEquations linearise(const std::vector<EdgeSample>& samples, const std::vec
                           const Parameters& p, double outlier_scale) {
   const NormalTable& normal = NormalTable::get();
   const double inverse_sigma = std::exp(-p[kLogSigma]);
+  const GemanMcClure error(outlier_scale);
   NormalEquations equations;
   Parameters derivative;
   for (const EdgeSample& sample : samples) {
     const double r = residual(normal, sample, profiles[sample.profile], inverse_sigma, p, &derivative);
-    const double ratio = r / outlier_scale;
-    const double weight = 1.0 / ((1.0 + ratio * ratio) * (1.0 + ratio * ratio));
+    const double weight = error.weight(r * r);
     const Parameters weighted = weight * derivative;
     for (int row = 0; row < kNumParameters; ++row)
       for (int column = 0; column <= row; ++column)
