@@ -55,7 +55,7 @@ Method blur_method(const MethodOptions& given, const Camera& camera, const TagMa
                   options.default_exposure_s));
               *has_warned = true;
             }
-            return tracker->track(frame, {frame.timestamp, "", detections});
+            return tracker->track(frame, detections);
           }};
 }
 

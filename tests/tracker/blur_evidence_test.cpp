@@ -31,7 +31,7 @@ TEST_P(HiddenTagsOfTheMap, CostNoFrameAndMakeNoPoseSurer) {
   for (std::size_t i = 0; i < 12; ++i) {
     const TrackResult expected = plain.track(film.frames[i].frame(), film.detections[i]);
     const TrackResult result = crowded.track(film.frames[i].frame(), film.detections[i]);
-    const bool is_read = !film.detections[i].detections.empty();
+    const bool is_read = !film.detections[i].empty();
     (is_read ? num_read : num_unread) += 1;
     EXPECT_EQ(result.status, is_read ? TrackStatus::kDetected : TrackStatus::kTracked) << "frame " << i;
     ASSERT_TRUE(result.pose && expected.pose) << "frame " << i << ": " << result.reason;
@@ -51,8 +51,7 @@ TEST(BlurTracker, FindsNothingThatIsNotThereAfterDroppedFrames) {
     for (std::size_t next = last + 4; next <= last + 8; next += 2) {
       BlurTracker tracker = tracker_of(film);
       for (std::size_t i = 0; i <= last; ++i) tracker.track(film.frames[i].frame(), film.detections[i]);
-      const TrackResult result =
-          tracker.track(film.frames[next].frame(), {film.frames[next].timestamp, "", {}});
+      const TrackResult result = tracker.track(film.frames[next].frame(), {});
       const double error_px = has_evidence(result) ? film.corner_error_px(next, *result.pose) : 0.0;
       EXPECT_LT(error_px, 10.0) << "frame " << next << " after " << last;
       ++num_runs;
@@ -69,7 +68,7 @@ TEST(BlurTracker, ForgetsTheMotionWhereTimeRunsBackBehindAPrediction) {
     Frame frame;
     frame.image = {black.data(), 320, 240, 320};
     frame.timestamp.ns = film.frames[0].timestamp.ns + after_ns;
-    return tracker.track(frame, {frame.timestamp, "", {}});
+    return tracker.track(frame, {});
   };
   EXPECT_EQ(tracker.track(film.frames[0].frame(), film.detections[0]).status, TrackStatus::kDetected);
   EXPECT_EQ(blank(400'000'000).status, TrackStatus::kPredicted);

@@ -135,7 +135,7 @@ BlurFilm::BlurFilm(Scene filmed, std::uint64_t noise_seed) : scene(std::move(fil
   for (std::size_t i = 0; i < scene.num_frames; ++i) {
     frames.push_back(renderer.render(i));
     const Timestamp time = frames.back().timestamp;
-    detections.push_back({time, "", detector.detect(frames.back().pixels.view())});
+    detections.push_back(detector.detect(frames.back().pixels.view()));
     blur_px.push_back(frame_blur_px(scene, time).value_or(0.0));
   }
 }

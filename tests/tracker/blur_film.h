@@ -13,7 +13,7 @@ namespace apriltrack::test {
 struct BlurFilm {
   Scene scene;
   std::vector<RenderedFrame> frames;
-  std::vector<FrameDetections> detections;
+  std::vector<std::vector<Detection>> detections;
   std::vector<double> blur_px;  ///< Longest path of a tag's corner during the exposure.
 
   BlurFilm(Scene filmed, std::uint64_t noise_seed);

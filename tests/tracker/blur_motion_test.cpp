@@ -21,9 +21,8 @@ TEST(BlurTracker, FollowsWhatTurnsAboutWhileItIsBlurred) {
   BlurTracker tracker(film.scene.camera, film.scene.map, options);
   double most_blur_px = 0.0;
   for (std::size_t i = 0; i < film.size(); ++i) {
-    const FrameDetections unread{film.frames[i].timestamp, "", {}};
     const TrackResult result =
-        tracker.track(film.frames[i].frame(), i < kNumRead ? film.detections[i] : unread);
+        tracker.track(film.frames[i].frame(), i < kNumRead ? film.detections[i] : std::vector<Detection>());
     ASSERT_TRUE(result.pose) << "frame " << i;
     EXPECT_EQ(result.status, i < kNumRead ? TrackStatus::kDetected : TrackStatus::kTracked) << "frame " << i;
     EXPECT_LT(film.corner_error_px(i, *result.pose), 2.0) << "frame " << i;

@@ -23,7 +23,7 @@ TEST(BlurTracker, StartsColdAtTheFirstTagThatIsRead) {
     BlurTracker tracker = tracker_of(film);
     for (std::size_t i = first; i < film.size(); ++i) {
       const TrackResult result = tracker.track(film.frames[i].frame(), film.detections[i]);
-      if (film.detections[i].detections.empty()) {
+      if (film.detections[i].empty()) {
         EXPECT_EQ(result.status, TrackStatus::kLost);
         EXPECT_FALSE(result.pose || result.covariance);
         EXPECT_EQ(result.reason, "no tag seen, and no recent pose to look from");
@@ -63,7 +63,7 @@ TEST(BlurTracker, PredictsHalfASecondThenIsLostAndStartsAgain) {
   double last_variance = before.covariance->trace();
   for (int i = 1; i <= 20; ++i) {
     frame.timestamp = {film.frames[0].timestamp.ns + i * kFrameInterval_ns};
-    const TrackResult result = tracker.track(frame, {frame.timestamp, "", {}});
+    const TrackResult result = tracker.track(frame, {});
     const bool is_recent = i * kFrameInterval_ns <= 500'000'000;
     EXPECT_EQ(result.status, is_recent ? TrackStatus::kPredicted : TrackStatus::kLost) << "frame " << i;
     EXPECT_EQ(result.pose.has_value(), is_recent);
@@ -79,8 +79,8 @@ TEST(BlurTracker, PredictsHalfASecondThenIsLostAndStartsAgain) {
 
   Frame back = film.frames[22].frame();
   back.timestamp = {frame.timestamp.ns + kFrameInterval_ns};
-  ASSERT_FALSE(film.detections[22].detections.empty());
-  const TrackResult found = tracker.track(back, {back.timestamp, "", film.detections[22].detections});
+  ASSERT_FALSE(film.detections[22].empty());
+  const TrackResult found = tracker.track(back, film.detections[22]);
   EXPECT_EQ(found.status, TrackStatus::kDetected);
   ASSERT_TRUE(found.pose);
   EXPECT_LT(film.corner_error_px(22, *found.pose), 0.5);
@@ -129,7 +129,7 @@ TEST(BlurTracker, TakesNoPoseFromTheMapOfAnotherPlace) {
   BlurTracker tracker(film.scene.camera, elsewhere, {});
   int num_frames = 0;
   for (std::size_t i = 0; i < 5; ++i) {
-    ASSERT_EQ(film.detections[i].detections.size(), 3U);
+    ASSERT_EQ(film.detections[i].size(), 3U);
     const TrackResult result = tracker.track(film.frames[i].frame(), film.detections[i]);
     EXPECT_EQ(result.status, TrackStatus::kLost) << "frame " << i;
     EXPECT_EQ(result.reason, "the tags seen do not agree on a pose");
@@ -155,7 +155,7 @@ TEST(BlurTracker, OutlivesExposuresThatMeanNothing) {
       frame.exposure_s = exposure_s;
       const TrackResult result = tracker.track(frame, film.detections[i]);
       // A tag that is read gives its pose, whatever is said of the exposure.
-      ASSERT_EQ(film.detections[i].detections.size(), 1U);
+      ASSERT_EQ(film.detections[i].size(), 1U);
       ASSERT_TRUE(result.pose && result.covariance) << "frame " << i << ", exposure " << exposure_s << " s";
       EXPECT_TRUE(result.pose->is_finite() && result.covariance->allFinite());
       EXPECT_LT(film.corner_error_px(i, *result.pose), 0.5) << "frame " << i << ", exposure " << exposure_s;

@@ -47,7 +47,7 @@ TEST_P(BlurTracking, FollowsWhereNoTagCanBeRead) {
   const std::vector<TrackResult> results = tracked(tracker_of(film_, 0, 240), film_);
   for (std::size_t i = 0; i < film_.size(); ++i) {
     const TrackResult& result = results[i];
-    const bool is_read = !film_.detections[i].detections.empty();
+    const bool is_read = !film_.detections[i].empty();
     EXPECT_EQ(result.status, is_read ? TrackStatus::kDetected : TrackStatus::kTracked) << "frame " << i;
     ASSERT_TRUE(result.pose && result.covariance) << "frame " << i;
     EXPECT_GE(result.tags_tracked, 1);

@@ -229,8 +229,8 @@ void BlurTracker::prepare() {
 TrackResult BlurTracker::track(const Frame& frame) {
   return implementation_->track(frame);
 }
-TrackResult BlurTracker::track(const Frame& frame, const FrameDetections& detections) {
-  return implementation_->track(frame, detections.detections, std::chrono::steady_clock::now());
+TrackResult BlurTracker::track(const Frame& frame, const std::vector<Detection>& detections) {
+  return implementation_->track(frame, detections, std::chrono::steady_clock::now());
 }
 const DetectorOptions& BlurTracker::detector_options() const {
   return implementation_->detector_options();

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detector.h"
@@ -62,8 +63,9 @@ class BlurTracker {
   /// none, the first image's holds. An exposure of 0 is an instant: nothing is blurred; one that is negative
   /// or no number counts as unknown.
   TrackResult track(const Frame& frame);
-  /// The same with detections made elsewhere, for instance several frames at a time.
-  TrackResult track(const Frame& frame, const FrameDetections& detections);
+  /// The same with detections made elsewhere, by a detector of detector_options(): for instance several
+  /// frames at a time.
+  TrackResult track(const Frame& frame, const std::vector<Detection>& detections);
 
   /// What track(Frame) detects with: the options given, with the map's families and the camera's response.
   const DetectorOptions& detector_options() const;
