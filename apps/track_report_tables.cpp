@@ -129,21 +129,21 @@ HtmlTable summary_table(const TrackRun& run, const TrackFigures& figures) {
   const auto number = [&](std::size_t count) {
     return fmt::format("{} ({})", count, share_of(count, figures.frames));
   };
-  return {
-      {"figure", "value"},
-      {{"frames", fmt::format("{} in {:.3f} s", figures.frames, figures.duration_s)},
-       {"first pose", figures.first_pose_s ? fmt::format("at {:.3f} s", *figures.first_pose_s) : "none"},
-       {"longest stretch without evidence", longest_blind(figures)},
-       {"claimed error (sigma), median of all poses", median_and_worst(figures.sigma)},
-       {"poses from a single tag", number(figures.from_one_tag)},
-       {"poses with a second explanation", number(figures.with_second_pose)},
-       {"exposure", exposure(run)},
-       {"latency", latency(figures)}},
-      fmt::format("Times count from the first frame, {} ns. Sigma is the root mean square length of the "
-                  "error that the covariance expects. A pose from a single tag has nothing to contradict it, "
-                  "and needs the right map all the more. A second explanation is another pose that fits the "
-                  "same corners, as one flat tag far away has it.",
-                  run.record.rows().front().timestamp.ns)};
+  return {{"figure", "value"},
+          {{"frames", fmt::format("{} in {:.3f} s", figures.frames, figures.duration_s)},
+           {"first pose", figures.first_pose_s ? fmt::format("at {:.3f} s", *figures.first_pose_s) : "none"},
+           {"longest stretch without evidence", longest_blind(figures)},
+           {"claimed error (sigma), median of all poses", median_and_worst(figures.sigma)},
+           {"poses from a single tag", number(figures.from_one_tag)},
+           {"poses with a second explanation", number(figures.with_second_pose)},
+           {"exposure", exposure(run)},
+           {"latency", latency(figures)}},
+          fmt::format(
+              "Times count from the first frame, {} ns. Sigma is the root mean square length of the "
+              "error that the covariance expects. A pose from a single tag has nothing to contradict it, "
+              "and needs the right map all the more. A second explanation is another pose that the "
+              "frame may show: one flat tag far away may be tilted either way, a blurred path has a reverse.",
+              run.record.rows().front().timestamp.ns)};
 }
 
 HtmlTable status_table(const TrackFigures& figures) {

@@ -116,7 +116,6 @@ TEST(TagPrediction, JacobianIsTheNumericOne) {
   std::vector<Eigen::Vector2f> rays;
   for (const TagPixel& pixel : pixels.pixels) rays.push_back(pixel.ray);
   ASSERT_GT(rays.size(), 150U);
-  // A texture of about the prediction's own sharpness; its steps cancel in the ratio below.
   Eigen::MatrixXd analytic(2 * static_cast<Eigen::Index>(rays.size()), 12);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     PixelJacobian jacobian;

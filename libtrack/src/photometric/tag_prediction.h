@@ -40,7 +40,7 @@ class TagPrediction {
   int num_instants() const { return static_cast<int>(instants_.size()); }
   /// T_camera_tag in the middle of the exposure.
   const Pose& T_camera_tag() const { return T_camera_tag_; }
-  /// T_camera_tag of the first and last instant.
+  /// T_camera_tag when the shutter opens and when it closes.
   const std::vector<Pose>& path() const { return path_; }
   double path_px() const { return path_px_; }
   /// What every instant shows: the pattern under the blur of an instant. Requires is_visible().

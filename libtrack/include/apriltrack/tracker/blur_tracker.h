@@ -39,7 +39,7 @@ struct BlurTrackerOptions {
 /// during the exposure, are fitted to the pixels of all visible tags together with pose and velocity,
 /// detected corners and the motion so far (docs/algorithms/blur_tracker.md).
 ///
-/// Needs no detection in a frame, as long as one in the last half second told where to look. The covariance
+/// Needs no detection in a frame, as long as some evidence in the last half second told where to look. The covariance
 /// is that of the fit, of what the model is known to leave out, and of the tags in the map; the camera is
 /// taken as exact.
 ///
