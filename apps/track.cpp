@@ -100,6 +100,17 @@ bool track_images(const TrackArguments& arguments, const Camera& camera, const M
   return detect_frames(*source, options, arguments.console, track).is_interrupted;
 }
 
+/// "tag36h11 3 in 12 frames, tag36h11 5 in 2", the most frequent first.
+std::string frames_by_tag(const std::map<TagKey, int>& tags) {
+  std::vector<std::pair<TagKey, int>> sorted(tags.begin(), tags.end());
+  std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) { return a.second > b.second; });
+  constexpr std::size_t kMost = 4;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMost, sorted.size()); ++i)
+    text += fmt::format("{}{} in {}", i == 0 ? "" : ", ", to_string(sorted[i].first), sorted[i].second);
+  return sorted.size() > kMost ? text + ", ..." : text;
+}
+
 /// Single tags still give poses in the map of another place: who reads only these would not notice. And a
 /// camera file that is somewhat wrong, or a tag that was moved, gives poses that are surely wrong: right ones
 /// left no tag aside in 400 frames of the recordings that we have exact truth of.
@@ -113,10 +124,10 @@ void warn_of_contradictions(const TrackRecord& record, const std::string& method
                     without_pose, frames));
   } else if (method != "paper" && with_strays >= kFew && 20 * with_strays >= frames) {
     warnings.add(fmt::format(
-        "in {} of {} frames with several tags some of these are not where the pose puts them, and "
+        "in {} of {} frames with several tags some of these are not where the pose puts them ({}), and "
         "poses may be wrong by more than they claim: is this the right camera file? Was a tag "
         "moved since the map was made?",
-        with_strays, frames));
+        with_strays, frames, frames_by_tag(record.strays())));
   }
 }
 

@@ -26,7 +26,15 @@ struct MapContents {
   }
 };
 
-std::string why_without_pose(const MapContents& map, const std::set<TagKey>& seen, std::size_t num_frames) {
+/// What the tracker said of most frames in which it saw tags.
+std::string usual_reason(const std::map<std::string, int>& reasons) {
+  const auto usual =
+      std::ranges::max_element(reasons, [](const auto& a, const auto& b) { return a.second < b.second; });
+  return usual == reasons.end() ? "" : usual->first;
+}
+
+std::string why_without_pose(const MapContents& map, const std::set<TagKey>& seen, std::size_t num_frames,
+                             const std::map<std::string, int>& reasons) {
   if (num_frames == 0) return "has no frames";
   if (seen.empty()) {
     return fmt::format(
@@ -42,9 +50,9 @@ std::string why_without_pose(const MapContents& map, const std::set<TagKey>& see
         num_frames, list_of_tags(seen), list_of_tags(map.tags));
   }
   return fmt::format(
-      "tags of the map are seen ({}), but in none of {} frames do their corners fit a pose; check the tag "
+      "tags of the map are seen ({}), but none of {} frames gives a pose (most often: {}); check the tag "
       "sizes and poses of the map, and the camera file",
-      list_of_tags(seen), num_frames);
+      list_of_tags(seen), num_frames, usual_reason(reasons));
 }
 
 }  // namespace
@@ -78,6 +86,8 @@ void TrackRecord::add(const FrameDetections& frame, const TrackResult& result, d
                    .latency_ms = 1e3 * latency_s,
                    .second_mode_odds = result.second_mode_odds,
                    .covariance = result.covariance});
+  has_strays_.push_back(!result.contradicting_tags.empty());
+  for (const TagKey& tag : result.contradicting_tags) ++strays_[tag];
   latencies_ms_.push_back(1e3 * latency_s);
   reasons_.push_back(result.pose ? "" : result.reason);
   if (exposure_s) exposures_s_.push_back(*exposure_s);
@@ -94,13 +104,14 @@ void TrackRecord::add_unreadable(Timestamp timestamp) {
   row.timestamp = timestamp;
   row.status = to_string(TrackStatus::kUnreadable);
   rows_.push_back(row);
+  has_strays_.push_back(false);
   reasons_.emplace_back();
 }
 
 std::string TrackRecord::why_no_pose(const TagMap& map) const {
   std::set<TagKey> seen;
   for (const auto& [key, count] : frames_by_tag_) seen.insert(key);
-  return why_without_pose(MapContents(map), seen, num_lost());
+  return why_without_pose(MapContents(map), seen, num_lost(), lost_reasons_);
 }
 
 void TrackRecord::check_has_pose(const std::string& input, const TagMap& map) const {
@@ -109,12 +120,13 @@ void TrackRecord::check_has_pose(const std::string& input, const TagMap& map) co
 
 TrackRecord::SeveralTags TrackRecord::frames_with_several_tags() const {
   SeveralTags result;
-  for (const FrameLogRow& row : rows_) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const FrameLogRow& row = rows_[i];
     if (row.tags_detected < 2) continue;
     ++result.frames;
     if (!row.pose || row.status == to_string(TrackStatus::kPredicted))
       ++result.without_pose;
-    else if (row.tags_tracked < row.tags_detected)
+    else if (has_strays_[i])
       ++result.with_strays;
   }
   return result;

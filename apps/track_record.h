@@ -38,8 +38,10 @@ class TrackRecord {
     std::size_t with_strays = 0;
   };
   /// Frames in which two mapped tags or more were detected; those of them that gave no pose, at best a
-  /// predicted one; and those whose pose leaves a tag aside that was detected.
+  /// predicted one; and those in which a tag that was read is not where the pose puts it.
   SeveralTags frames_with_several_tags() const;
+  /// Tags that were read and not where the pose puts them, with the number of frames.
+  const std::map<TagKey, int>& strays() const { return strays_; }
 
   const Trajectory& trajectory() const { return trajectory_; }
   const std::vector<FrameLogRow>& rows() const { return rows_; }
@@ -66,7 +68,9 @@ class TrackRecord {
   std::vector<std::string> reasons_;
   std::vector<double> exposures_s_;
   std::vector<double> latencies_ms_;
-  std::map<TagKey, int> frames_by_tag_;      ///< Everything detected, mapped or not.
+  std::map<TagKey, int> frames_by_tag_;  ///< Everything detected, mapped or not.
+  std::vector<bool> has_strays_;         ///< For each row.
+  std::map<TagKey, int> strays_;
   std::map<std::string, int> lost_reasons_;  ///< Frames without a pose, by cause.
   std::size_t num_unreadable_ = 0;
 };

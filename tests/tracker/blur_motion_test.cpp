@@ -116,10 +116,10 @@ TEST_F(TagsReadAsOthers, AreNoEvidence) {
 TEST_F(TagsReadAsOthers, AreSparedWhereTheTagOrTheOtherAgrees) {
   using Correlations = std::vector<double>;
   const std::vector<Detection> both = {detection(0, 160, 120), detection(7, 160, 120)};
-  EXPECT_EQ(correlations_after(both, {{0}, 0}), Correlations({0.9, 0.9}));
+  EXPECT_EQ(correlations_after(both, {{0}, {}}), Correlations({0.9, 0.9}));
   const std::vector<Detection> other = {detection(1, 160, 120)};
   EXPECT_EQ(correlations_after(other), Correlations({0.0, 0.9}));
-  EXPECT_EQ(correlations_after(other, {{1}, 0}), Correlations({0.9, 0.9}));
+  EXPECT_EQ(correlations_after(other, {{1}, {}}), Correlations({0.9, 0.9}));
 }
 
 }  // namespace

@@ -84,8 +84,7 @@ TagVotes count_votes(const PhotometricWorld& world, const std::vector<TagObserva
   constexpr double kSlack_px = 1.0;
   constexpr double kFarthest_px = 5.0;  // or a fast enough state would agree with any detection
   const Pose view = camera_from_map(state.pose, world.mode);
-  std::set<int> agreeing;
-  std::set<const MapTag*> contradicting;
+  std::set<int> agreeing, contradicting;
   for (const TagObservation& observation : observations) {
     bool is_near = true;
     for (std::size_t i = 0; i < kNumCorners; ++i) {
@@ -96,10 +95,11 @@ TagVotes count_votes(const PhotometricWorld& world, const std::vector<TagObserva
       is_near = is_near && pixel && (*pixel - observation.corners_px[i]).norm() < limit_px;
     }
     const bool is_sure = observation.corrected_bits == 0 && !observation.is_repeated;
-    if (is_near) agreeing.insert(index_of(world, observation.tag->key));
-    if (!is_near && is_sure) contradicting.insert(observation.tag);
+    const int index = index_of(world, observation.tag->key);
+    if (is_near) agreeing.insert(index);
+    if (!is_near && is_sure) contradicting.insert(index);
   }
-  return {{agreeing.begin(), agreeing.end()}, static_cast<int>(contradicting.size())};
+  return {{agreeing.begin(), agreeing.end()}, {contradicting.begin(), contradicting.end()}};
 }
 
 std::vector<TagEvidence> quorum(const std::vector<TagEvidence>& tags, const TagVotes& votes) {

@@ -18,8 +18,8 @@ std::vector<CornerObservation> corner_observations(const PhotometricWorld& world
 struct TagVotes {
   /// Indices (of the map) of those that lie where it says, within what their noise allows.
   std::vector<int> agreeing;
-  /// They do not. Those read with a corrected bit or seen twice are not counted: they may be false.
-  int contradicting = 0;
+  /// Of those that do not. Those read with a corrected bit or seen twice are left out: they may be false.
+  std::vector<int> contradicting;
 };
 /// The evidence by which a state is judged: that of the tags that agree, if any does; else of all.
 std::vector<TagEvidence> quorum(const std::vector<TagEvidence>& tags, const TagVotes& votes);

@@ -64,6 +64,16 @@ double prior_cost(const MotionBelief& prior, const MotionState& state) {
   return 0.5 * sigmas * sigmas;
 }
 
+/// Whether what the corners weigh is about the same; they are the same corners.
+bool is_noise_alike(const std::vector<CornerObservation>& a, const std::vector<CornerObservation>& b) {
+  constexpr double kMaxRatio = 1.5;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double ratio = a[i].sigma_px / b[i].sigma_px;
+    if (!(ratio < kMaxRatio && ratio > 1.0 / kMaxRatio)) return false;
+  }
+  return true;
+}
+
 double longest_path_px(const Explanation& explanation) {
   double longest_px = 0.0;
   for (const TagEvidence& tag : explanation.fit.tags) longest_px = std::max(longest_px, tag.path_px);
@@ -124,22 +134,56 @@ std::vector<BlurExplainer::Start> BlurExplainer::starts(
 
 Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
                                      const MotionFitOptions& options) {
-  const auto corners = corner_observations(world_, frame.observations, start.state,
-                                           frame.photometric.exposure_s, options_.corner_sigma_px);
-  const MotionBelief& belief = start.prior.belief;
   Explanation explanation;
-  explanation.fit = fit_motion(world_, frame.photometric, start.state, belief, corners, options);
-  explanation.votes = count_votes(world_, frame.observations, explanation.fit.state,
-                                  frame.photometric.exposure_s, options_.corner_sigma_px);
-  discredit_tags_read_as_others(world_, frame.detections, explanation.fit.state, explanation.votes,
-                                explanation.fit.tags);
+  explanation.fit = fitted(frame, start, options);
   explanation.prior = start.prior;
   explanation.is_cold = start.is_cold;
+  explanation.sensitivity = frame.sensitivity;
+  explanation.votes = votes(frame, explanation.fit.state);
+  refit_without_tags_read_as_others(frame, explanation);
   explanation.mean_correlation = mean_correlation(quorum(explanation.fit.tags, explanation.votes));
-  if (!start.is_cold) explanation.prior_cost = prior_cost(belief, explanation.fit.state);
+  if (!start.is_cold) explanation.prior_cost = prior_cost(start.prior.belief, explanation.fit.state);
   explanation.score = log_likelihood(explanation.fit.tags) + start.prior.log_odds -
                       std::min(kMaxStartPriorCost, explanation.prior_cost);
   return explanation;
+}
+
+MotionFit BlurExplainer::fitted(const BlurFrame& frame, const Start& start, const MotionFitOptions& options) {
+  std::vector<CornerObservation> observed = corners(frame, start.state);
+  MotionFit fit = fit_motion(world_, frame.photometric, start.state, start.prior.belief, observed, options);
+  std::vector<CornerObservation> as_found = corners(frame, fit.state);
+  if (is_noise_alike(observed, as_found)) return fit;
+  MotionFitOptions finest = options;
+  finest.coarsest_level = 0;
+  return fit_motion(world_, frame.photometric, fit.state, start.prior.belief, as_found, finest);
+}
+
+void BlurExplainer::refit_without_tags_read_as_others(const BlurFrame& frame, Explanation& explanation) {
+  std::vector<TagEvidence> tags = explanation.fit.tags;
+  discredit_tags_read_as_others(world_, frame.detections, explanation.fit.state, explanation.votes, tags);
+  std::vector<TagEvidence> discredited;
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    if (tags[i].correlation < explanation.fit.tags[i].correlation) discredited.push_back(tags[i]);
+  }
+  if (discredited.empty()) return;
+  for (const TagEvidence& tag : discredited) tag_of(tag).is_hidden = true;
+  explanation.fit =
+      fitted(frame, {explanation.fit.state, explanation.prior, explanation.is_cold}, {.coarsest_level = 0});
+  explanation.votes = votes(frame, explanation.fit.state);
+  for (const TagEvidence& tag : discredited) tag_of(tag).is_hidden = false;
+  // That they are not seen speaks against the state all the same.
+  explanation.fit.tags.insert(explanation.fit.tags.end(), discredited.begin(), discredited.end());
+}
+
+std::vector<CornerObservation> BlurExplainer::corners(const BlurFrame& frame,
+                                                      const MotionState& state) const {
+  return corner_observations(world_, frame.observations, state, frame.photometric.exposure_s,
+                             options_.corner_sigma_px);
+}
+
+TagVotes BlurExplainer::votes(const BlurFrame& frame, const MotionState& state) const {
+  return count_votes(world_, frame.observations, state, frame.photometric.exposure_s,
+                     options_.corner_sigma_px);
 }
 
 void BlurExplainer::vary_velocity(const BlurFrame& frame, std::vector<Explanation>& found) {

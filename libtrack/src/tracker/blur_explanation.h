@@ -19,6 +19,7 @@ struct BlurFrame {
   std::vector<TagObservation> observations;  ///< Of them, those of mapped tags.
   std::uint64_t index = 0;                   ///< In the recording: the key of its random numbers.
   std::optional<double> interval_s;          ///< Since the frame before that was explained.
+  double sensitivity = 1.0;  ///< Light in the image for light in the scene: exposure times gain. > 0.
 };
 
 /// A state that explains a frame, and why.
@@ -31,6 +32,7 @@ struct Explanation {
   double mean_correlation = 0.0;  ///< Of the quorum.
   /// Log-likelihood of the pixels and, within limits, of the prior.
   double score = 0.0;
+  double sensitivity = 1.0;  ///< Of its frame.
 };
 
 /// Finds the states that explain frames: from the motion so far, from detections, and from a cloud of
@@ -64,6 +66,15 @@ class BlurExplainer {
   /// Adds the best explanation's reverse where the next frame could tell them apart.
   void reverse(const BlurFrame& frame, std::vector<Explanation>& found);
   Explanation explained(const BlurFrame& frame, const Start& start, const MotionFitOptions& options);
+  /// The fit from `start`, with the noise of corners that its own motion makes.
+  MotionFit fitted(const BlurFrame& frame, const Start& start, const MotionFitOptions& options);
+  std::vector<CornerObservation> corners(const BlurFrame& frame, const MotionState& state) const;
+  TagVotes votes(const BlurFrame& frame, const MotionState& state) const;
+  PhotometricTag& tag_of(const TagEvidence& evidence) {
+    return world_.tags[static_cast<std::size_t>(evidence.tag_index)];
+  }
+  /// Without the tags that the frame reads as others: neither the state nor its covariance may rest on them.
+  void refit_without_tags_read_as_others(const BlurFrame& frame, Explanation& explanation);
 
   PhotometricWorld& world_;
   const BlurTrackerOptions& options_;

@@ -15,8 +15,10 @@ constexpr double kMaxFollowed_s = 0.1;
 // Of what a claim without a detection rests on: a sliver of a border fits nearly any edge.
 constexpr double kMinSamples = 40.0;
 
-int num_explained(const std::vector<TagEvidence>& tags) {
-  return static_cast<int>(std::ranges::count_if(tags, &TagEvidence::is_explained));
+/// The contrast that the tags would have at a sensitivity of 1.
+std::vector<TagEvidence> per_gathered_light(std::vector<TagEvidence> tags, double sensitivity) {
+  for (TagEvidence& tag : tags) tag.contrast /= sensitivity;
+  return tags;
 }
 
 double samples_of_explained(const std::vector<TagEvidence>& tags) {
@@ -29,10 +31,11 @@ double samples_of_explained(const std::vector<TagEvidence>& tags) {
 
 bool BlurJudge::is_convincing(const Explanation& explanation, const std::optional<double>& interval_s) const {
   const TagVotes& votes = explanation.votes;
-  if (num_supporting(explanation) <= votes.contradicting) return false;
+  if (num_supporting(explanation) <= static_cast<int>(votes.contradicting.size())) return false;
   const std::vector<TagEvidence> tags = quorum(trusted_tags(explanation), votes);
   const double correlation = typical_correlation(tags);
   if (!votes.agreeing.empty()) return correlation >= kMinCorrelationWithDetection;
+  if (explanation.is_cold) return false;  // it began at a detection, and does not agree with any
   const bool is_followed = is_confirmed_ && interval_s && *interval_s <= kMaxFollowed_s;
   return samples_of_explained(tags) >= kMinSamples &&
          correlation >= (is_followed ? TagEvidence::kExplained : kMinCorrelationAgain) &&
@@ -40,18 +43,29 @@ bool BlurJudge::is_convincing(const Explanation& explanation, const std::optiona
 }
 
 int BlurJudge::num_supporting(const Explanation& explanation) const {
-  return std::max(num_explained(trusted_tags(explanation)),
-                  static_cast<int>(explanation.votes.agreeing.size()));
+  const std::vector<int>& agreeing = explanation.votes.agreeing;
+  const std::vector<TagEvidence> tags = trusted_tags(explanation);
+  const auto is_explained_only = [&](const TagEvidence& tag) {
+    return tag.is_explained() && std::ranges::count(agreeing, tag.tag_index) == 0;
+  };
+  return static_cast<int>(agreeing.size()) + static_cast<int>(std::ranges::count_if(tags, is_explained_only));
 }
 
 void BlurJudge::claimed(const Explanation& explanation) {
-  contrasts_.remember(trusted_tags(explanation));
+  const std::vector<TagEvidence> tags = trusted_tags(explanation);
+  contrasts_.remember(tags);
+  radiances_.remember(per_gathered_light(tags, explanation.sensitivity));
   is_confirmed_ = is_confirmed_ || !explanation.votes.agreeing.empty();
 }
 
 std::vector<TagEvidence> BlurJudge::trusted_tags(const Explanation& explanation) const {
   std::vector<TagEvidence> tags = explanation.fit.tags;
-  if (explanation.votes.agreeing.empty()) contrasts_.doubt(tags);
+  if (!explanation.votes.agreeing.empty()) return tags;
+  std::vector<TagEvidence> by_radiance = per_gathered_light(tags, explanation.sensitivity);
+  contrasts_.doubt(tags);
+  radiances_.doubt(by_radiance);
+  for (std::size_t i = 0; i < tags.size(); ++i)
+    tags[i].correlation = std::max(tags[i].correlation, by_radiance[i].correlation);
   return tags;
 }
 

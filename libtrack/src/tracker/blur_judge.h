@@ -15,7 +15,7 @@ class BlurJudge {
   /// another place single tags fit, and only the others can tell. interval_s: since the last claim, if
   /// recent.
   bool is_convincing(const Explanation& explanation, const std::optional<double>& interval_s) const;
-  /// Tags that speak for it.
+  /// Tags that speak for it: read and agreeing, or explained.
   int num_supporting(const Explanation& explanation) const;
 
   /// After a frame that was claimed.
@@ -24,10 +24,13 @@ class BlurJudge {
   void missed() { is_confirmed_ = false; }
 
  private:
-  /// Without a detection that agrees, tags of another contrast than they had count as not explained.
+  /// Without a detection that agrees, tags of another contrast than they had count as not explained: in the
+  /// image, and for the light that the sensor gathered. A step of the exposure changes the one, a step that
+  /// an unknown gain makes up for the other.
   std::vector<TagEvidence> trusted_tags(const Explanation& explanation) const;
 
   ContrastMemory contrasts_;
+  ContrastMemory radiances_;
   bool is_confirmed_ = false;  ///< Evidence in every frame since one with a detection that agrees.
 };
 

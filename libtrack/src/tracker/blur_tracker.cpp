@@ -81,20 +81,16 @@ class BlurTracker::Implementation {
     const std::vector<MotionHypothesis> expected = motion_.predict(frame.timestamp);
     if (expected.empty()) judge_.missed();
     const BlurFrame blur_frame = prepared(frame, detections);
-    hidden_.mark(*world_, blur_frame.observations);
     result.tags_detected = count_tags(blur_frame.observations);
 
-    const std::vector<Explanation> found = explainer_->explain(blur_frame, expected);
-    if (!found.empty() && judge_.is_convincing(found.front(), blur_frame.interval_s)) {
+    const std::vector<Explanation> found = explanations(blur_frame, expected);
+    if (is_convincing(found, blur_frame)) {
       report_evidence(found, result);
-      hidden_.learn(
-          weigh_evidence(*world_, blur_frame.photometric, found.front().fit.state, {.with_hidden = true}),
-          found.front().votes, result.second_pose.has_value());
+      learn_hidden_tags(blur_frame, found.front(), result.second_pose.has_value());
     } else {
       judge_.missed();
       report_prediction(expected, result);
-      if (!result.pose)
-        result.reason = why_lost(detections, blur_frame, result.tags_detected, !found.empty());
+      if (!result.pose) result.reason = why_lost(blur_frame, found);
     }
     result.latency_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return result;
@@ -108,7 +104,7 @@ class BlurTracker::Implementation {
     if (last_time_ && time.ns <= last_time_->ns) {
       motion_.forget();
       judge_ = BlurJudge();
-      hidden_ = HiddenTags();
+      hidden_.forget();
     }
     last_time_ = time;
   }
@@ -131,16 +127,42 @@ class BlurTracker::Implementation {
     result.observations = observe_mapped_tags(map_, camera_.model, detections);
     result.index = num_frames_++;
     result.interval_s = motion_.age_s(frame.timestamp);
+    if (result.photometric.exposure_s > 0.0 && frame.gain > 0.0)
+      result.sensitivity = result.photometric.exposure_s * frame.gain;
     return result;
   }
 
-  static std::string why_lost(const std::vector<Detection>& detections, const BlurFrame& frame,
-                              int tags_detected, bool has_fit) {
-    if (detections.empty()) return "no tag seen, and no recent pose to look from";
+  bool is_convincing(const std::vector<Explanation>& found, const BlurFrame& frame) const {
+    return !found.empty() && judge_.is_convincing(found.front(), frame.interval_s);
+  }
+
+  /// Where nothing else convinces, the tags that were hidden are looked for as well.
+  std::vector<Explanation> explanations(const BlurFrame& frame,
+                                        const std::vector<MotionHypothesis>& expected) {
+    hidden_.mark(*world_, frame.observations);
+    std::vector<Explanation> found = explainer_->explain(frame, expected);
+    if (hidden_.is_empty() || is_convincing(found, frame)) return found;
+    for (PhotometricTag& tag : world_->tags) tag.is_hidden = false;
+    std::vector<Explanation> with_hidden = explainer_->explain(frame, expected);
+    return is_convincing(with_hidden, frame) ? with_hidden : found;
+  }
+
+  void learn_hidden_tags(const BlurFrame& frame, const Explanation& best, bool has_rival) {
+    const MotionState& state = best.fit.state;
+    std::vector<TagEvidence> tags = weigh_evidence(*world_, frame.photometric, state, {.with_hidden = true});
+    discredit_tags_read_as_others(*world_, frame.detections, state, best.votes, tags);
+    hidden_.learn(tags, best.votes, !best.is_cold && !best.votes.agreeing.empty() && !has_rival);
+  }
+
+  static std::string why_lost(const BlurFrame& frame, const std::vector<Explanation>& found) {
+    if (frame.detections.empty()) return "no tag seen, and no recent pose to look from";
     if (frame.observations.empty()) return "no tag of the map seen, and no recent pose to look from";
-    if (tags_detected > 1) return "the tags seen do not agree on a pose";
-    if (has_fit) return "a pose fits the corners, but not the pixels around them: exposure, or response?";
-    return "the corners seen fit no pose";
+    if (found.empty()) return "the corners seen fit no pose";
+    const TagVotes& votes = found.front().votes;
+    if (votes.agreeing.size() > votes.contradicting.size())
+      return "a pose fits the corners, but not the pixels around them: exposure, or response?";
+    return count_tags(frame.observations) > 1 ? "the tags seen do not agree on a pose"
+                                              : "the corners seen fit no pose";
   }
 
   void report_evidence(const std::vector<Explanation>& found, TrackResult& result) {
@@ -152,6 +174,8 @@ class BlurTracker::Implementation {
     evidence_pose_ = belief.mean.pose;
     result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_;
     result.tags_tracked = judge_.num_supporting(best);
+    for (const int index : best.votes.contradicting)
+      result.contradicting_tags.push_back(map_.tags[static_cast<std::size_t>(index)].key);
     const auto second = std::ranges::find_if(found, [&](const Explanation& other) {
       return distance(belief, other.fit.state.pose) > kDistinctSigmas;
     });

@@ -8,18 +8,23 @@ void HiddenTags::mark(PhotometricWorld& world, const std::vector<TagObservation>
   for (PhotometricTag& tag : world.tags) {
     const bool is_read = std::ranges::any_of(
         observations, [&](const TagObservation& seen) { return seen.tag->key == tag.tag.key; });
-    tag.is_hidden = !is_read && indices_.contains(static_cast<int>(tag.index));
+    const auto found = frames_unseen_.find(static_cast<int>(tag.index));
+    tag.is_hidden = !is_read && found != frames_unseen_.end() && found->second >= kMinFramesUnseen;
   }
 }
 
-void HiddenTags::learn(const std::vector<TagEvidence>& tags, const TagVotes& votes, bool has_rival) {
+void HiddenTags::learn(const std::vector<TagEvidence>& tags, const TagVotes& votes, bool is_sure) {
   for (const TagEvidence& tag : tags) {
     if (tag.is_explained() || std::ranges::count(votes.agreeing, tag.tag_index) > 0) {
-      indices_.erase(tag.tag_index);
-    } else if (!votes.agreeing.empty() && !has_rival) {
-      indices_.insert(tag.tag_index);
+      frames_unseen_.erase(tag.tag_index);
+    } else if (is_sure) {
+      ++frames_unseen_[tag.tag_index];
     }
   }
+}
+
+bool HiddenTags::is_empty() const {
+  return std::ranges::none_of(frames_unseen_, [](const auto& tag) { return tag.second >= kMinFramesUnseen; });
 }
 
 }  // namespace apriltrack

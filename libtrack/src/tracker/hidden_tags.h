@@ -1,6 +1,6 @@
 #pragma once
 
-#include <set>
+#include <map>
 #include <vector>
 
 #include "apriltrack/photometric/evidence.h"
@@ -9,19 +9,26 @@
 
 namespace apriltrack {
 
-/// Tags of the map that were not seen where a sure pose puts them: behind a wall, a door, a person. Until
-/// they are seen again they take no part: what stands before them says nothing of a state.
+/// Tags of the map that sure poses put where they are not seen: behind a wall, a door, a person. Until they
+/// are seen again they take no part: what stands before them says nothing of a state.
 class HiddenTags {
  public:
+  /// So many sure poses must miss a tag: the first may be off, and every one is a fit of its own that the
+  /// tag takes part in.
+  static constexpr int kMinFramesUnseen = 3;
+
   /// Before a frame: marks them in the world, but for those that the frame reads.
   void mark(PhotometricWorld& world, const std::vector<TagObservation>& observations) const;
 
-  /// After a frame that is explained, by the evidence of all tags. Only a pose that rests on tags that were
-  /// read, and has no rival, may tell that something is hidden.
-  void learn(const std::vector<TagEvidence>& tags, const TagVotes& votes, bool has_rival);
+  /// After a frame that is explained, by the evidence of all tags. is_sure: the pose was expected, rests on
+  /// tags that were read and has no rival: only then does it tell that something is hidden.
+  void learn(const std::vector<TagEvidence>& tags, const TagVotes& votes, bool is_sure);
+
+  bool is_empty() const;
+  void forget() { frames_unseen_.clear(); }
 
  private:
-  std::set<int> indices_;
+  std::map<int, int> frames_unseen_;  ///< By index of the tag, since it was seen last.
 };
 
 }  // namespace apriltrack

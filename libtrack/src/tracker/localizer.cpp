@@ -27,6 +27,17 @@ struct Choice {
   std::optional<PoseMemory::Mode> second;    ///< T_camera_map, and its odds.
 };
 
+/// Tags read beyond doubt that are not among the inliers.
+std::vector<TagKey> left_aside(const std::vector<TagObservation>& observations,
+                               const std::vector<const TagObservation*>& inliers) {
+  std::vector<TagKey> keys;
+  for (const TagObservation& seen : observations) {
+    const bool is_sure = seen.corrected_bits == 0 && !seen.is_repeated;
+    if (is_sure && std::ranges::count(inliers, &seen) == 0) keys.push_back(seen.tag->key);
+  }
+  return keys;
+}
+
 }  // namespace
 
 class Localizer::Implementation {
@@ -69,6 +80,7 @@ class Localizer::Implementation {
       result.reason = detections.empty() ? "no tag seen" : "no tag of the map seen";
     } else if (const auto choice = choose(time, observations, exposure_s)) {
       report(time, *choice, &result);
+      if (result.pose) result.contradicting_tags = left_aside(observations, choice->candidate.inliers);
     } else {
       result.reason =
           result.tags_detected > 1 ? "the tags seen do not agree on a pose" : "the corners seen fit no pose";

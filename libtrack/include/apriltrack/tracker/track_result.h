@@ -2,10 +2,12 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apriltrack/base/timestamp.h"
 #include "apriltrack/geometry/pose.h"
 #include "apriltrack/motion/track_mode.h"
+#include "apriltrack/tags/tag_key.h"
 
 namespace apriltrack {
 
@@ -30,7 +32,11 @@ struct TrackResult {
   std::optional<Matrix6d> covariance;
   int tags_detected = 0;  ///< Mapped tags found in this frame.
   int tags_tracked = 0;   ///< Mapped tags whose evidence the pose rests on.
-  /// The other explanation of the same corners (planar ambiguity), where it cannot be ruled out.
+  /// Mapped tags read in this frame, once and without a corrected bit, that are not where the pose puts them:
+  /// moved since the map was made, or the camera file is of another camera. Empty without evidence.
+  std::vector<TagKey> contradicting_tags;
+  /// Another pose that explains the frame (the mirrored tilt of a lone tag; the reverse of a blurred path),
+  /// where it cannot be ruled out.
   std::optional<Pose> second_pose;
   double second_mode_odds = 0.0;  ///< Weight of second_pose over pose; 0 when there is none.
   double latency_s = 0.0;         ///< From the decoded image to the result.
