@@ -1,9 +1,12 @@
 #include "blur_explanation.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "apriltrack/camera/pixel_jacobian.h"
 #include "blur_cloud.h"
 #include "blur_corners.h"
 #include "pose_adjustment.h"
@@ -74,6 +77,37 @@ bool is_noise_alike(const std::vector<CornerObservation>& a, const std::vector<C
   return true;
 }
 
+/// As Explanation::prior_spread.
+double prior_spread(const PhotometricWorld& world, const MotionBelief& prior, const MotionFit& fit) {
+  const Matrix6d covariance = prior.covariance.topLeftCorner<6, 6>();
+  const Pose view = camera_from_map(fit.state.pose, world.mode);
+  double least = std::numeric_limits<double>::infinity();
+  for (const TagEvidence& evidence : explained_tags(fit.tags)) {
+    const MapTag& tag = world.tags[static_cast<std::size_t>(evidence.tag_index)].tag;
+    const Eigen::Vector3d centre = view * tag.T_map_tag.translation();
+    Eigen::Matrix<double, 2, 3> by_point;
+    if (!world.model.project(centre, &by_point)) continue;
+    const Eigen::Matrix<double, 2, 6> J =
+        pixel_jacobian(by_point, centre) * view_by_pose(fit.state.pose, world.mode);
+    const double size_px = world.focal_px() * tag.size_m / centre.norm();
+    const Eigen::Matrix2d spread_px2 = J * covariance * J.transpose();
+    const double largest_px2 = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread_px2).eigenvalues()[1];
+    least = std::min(least, std::sqrt(largest_px2) / size_px);
+  }
+  return least;
+}
+
+/// The tag tilted the other way about its centre: from far off it looks the same. As seen along the line of
+/// sight, D R D with D = diag(1, 1, -1) has the same upper left block, and so the same scaled orthographic
+/// picture (Oberkampf, DeMenthon, Davis, "Iterative pose estimation using coplanar feature points", 1996).
+Pose mirrored_tilt(const Pose& T_camera_tag) {
+  const Eigen::Quaterniond to_sight =
+      Eigen::Quaterniond::FromTwoVectors(T_camera_tag.translation(), Eigen::Vector3d::UnitZ());
+  const Eigen::DiagonalMatrix<double, 3> D(1.0, 1.0, -1.0);
+  const Eigen::Matrix3d mirrored = D * (to_sight * T_camera_tag.rotation()).toRotationMatrix() * D;
+  return {to_sight.conjugate() * Eigen::Quaterniond(mirrored), T_camera_tag.translation()};
+}
+
 double longest_path_px(const Explanation& explanation) {
   double longest_px = 0.0;
   for (const TagEvidence& tag : explanation.fit.tags) longest_px = std::max(longest_px, tag.path_px);
@@ -99,6 +133,7 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
     if (found.front().mean_correlation >= (cloud == 0 ? kGoodCorrelation : kPoorCorrelation)) break;
     search(frame, hypotheses, cloud, found);
   }
+  mirror(frame, found);
   if (frame.interval_s && !found.front().is_cold) accelerate(frame, found.front());
   reverse(frame, found);
   return found;
@@ -142,7 +177,10 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
   explanation.votes = votes(frame, explanation.fit.state);
   refit_without_tags_read_as_others(frame, explanation);
   explanation.mean_correlation = mean_correlation(quorum(explanation.fit.tags, explanation.votes));
-  if (!start.is_cold) explanation.prior_cost = prior_cost(start.prior.belief, explanation.fit.state);
+  if (!start.is_cold) {
+    explanation.prior_cost = prior_cost(start.prior.belief, explanation.fit.state);
+    explanation.prior_spread = prior_spread(world_, start.prior.belief, explanation.fit);
+  }
   explanation.score = log_likelihood(explanation.fit.tags) + start.prior.log_odds -
                       std::min(kMaxStartPriorCost, explanation.prior_cost);
   return explanation;
@@ -233,6 +271,20 @@ void BlurExplainer::accelerate(const BlurFrame& frame, Explanation& best) {
       kAccelerationShare / *frame.interval_s * (state.velocity - best.prior.belief.mean.velocity);
   Explanation curved = explained(frame, {state, best.prior, best.is_cold}, {.coarsest_level = 0});
   if (curved.score > best.score) best = std::move(curved);
+}
+
+void BlurExplainer::mirror(const BlurFrame& frame, std::vector<Explanation>& found) {
+  const Explanation& best = found.front();
+  const std::vector<TagEvidence> tags = explained_tags(best.fit.tags);
+  // A detection brings both of its tilts along.
+  if (best.is_cold || !best.votes.agreeing.empty() || tags.size() != 1) return;
+  const Pose& T_map_tag = tag_of(tags.front()).tag.T_map_tag;
+  const Pose view = camera_from_map(best.fit.state.pose, world_.mode);
+  const Pose other = mirrored_tilt(view * T_map_tag) * T_map_tag.inverse();
+  const auto state = conditioned(best.prior.belief, pose_from_camera(other, world_.mode));
+  if (!state) return;
+  found.push_back(explained(frame, {*state, best.prior, false}, {.coarsest_level = 1}));
+  sort_by_score(found);
 }
 
 void BlurExplainer::reverse(const BlurFrame& frame, std::vector<Explanation>& found) {

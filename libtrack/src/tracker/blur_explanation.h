@@ -28,6 +28,9 @@ struct Explanation {
   MotionHypothesis prior;
   bool is_cold = false;     ///< The prior is that of a detection alone, not of the motion so far.
   double prior_cost = 0.0;  ///< -log of the prior's density over its peak; 0 when it is cold.
+  /// How well the prior knew where to look: standard deviation of an explained tag's place in the image over
+  /// the tag's size there, of the tag that it knew best. 0 when it is cold.
+  double prior_spread = 0.0;
   TagVotes votes;
   double mean_correlation = 0.0;  ///< Of the quorum.
   /// Log-likelihood of the pixels and, within limits, of the prior.
@@ -63,6 +66,8 @@ class BlurExplainer {
   void search(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses, std::size_t cloud,
               std::vector<Explanation>& found);
   void accelerate(const BlurFrame& frame, Explanation& best);
+  /// Adds the other tilt of a lone tag where the motion so far does not rule it out.
+  void mirror(const BlurFrame& frame, std::vector<Explanation>& found);
   /// Adds the best explanation's reverse where the next frame could tell them apart.
   void reverse(const BlurFrame& frame, std::vector<Explanation>& found);
   Explanation explained(const BlurFrame& frame, const Start& start, const MotionFitOptions& options);

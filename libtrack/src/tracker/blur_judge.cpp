@@ -12,8 +12,15 @@ constexpr double kMinCorrelationAgain = 0.95;
 constexpr double kMaxSigmas = 9.0;
 // After a longer time without evidence the motion's prior is too wide to hold a claim: it is found again.
 constexpr double kMaxFollowed_s = 0.1;
+// Where the motion so far does not say within a tag where a tag is, its neighbours and what hangs beside
+// it lie as near: then one tag alone is not enough.
+constexpr double kMaxSpreadAlone = 1.0;
 // Of what a claim without a detection rests on: a sliver of a border fits nearly any edge.
 constexpr double kMinSamples = 40.0;
+
+std::ptrdiff_t num_explained(const std::vector<TagEvidence>& tags) {
+  return std::ranges::count_if(tags, &TagEvidence::is_explained);
+}
 
 /// The contrast that the tags would have at a sensitivity of 1.
 std::vector<TagEvidence> per_gathered_light(std::vector<TagEvidence> tags, double sensitivity) {
@@ -36,6 +43,7 @@ bool BlurJudge::is_convincing(const Explanation& explanation, const std::optiona
   const double correlation = typical_correlation(tags);
   if (!votes.agreeing.empty()) return correlation >= kMinCorrelationWithDetection;
   if (explanation.is_cold) return false;  // it began at a detection, and does not agree with any
+  if (num_explained(tags) < 2 && explanation.prior_spread > kMaxSpreadAlone) return false;
   const bool is_followed = is_confirmed_ && interval_s && *interval_s <= kMaxFollowed_s;
   return samples_of_explained(tags) >= kMinSamples &&
          correlation >= (is_followed ? TagEvidence::kExplained : kMinCorrelationAgain) &&
