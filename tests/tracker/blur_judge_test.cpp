@@ -31,7 +31,7 @@ constexpr std::optional<double> kNextFrame_s = 1.0 / 30.0;
 /// After a frame in which a detection of tag 0 agreed: tags 0 and 1 were well seen, both of contrast 0.5.
 BlurJudge confirmed_judge() {
   BlurJudge judge;
-  judge.claimed(explanation_of({evidence_of(0, 0.97), evidence_of(1, 0.97)}, {{0}, 0}));
+  judge.claimed(explanation_of({evidence_of(0, 0.97), evidence_of(1, 0.97)}, {{0}, {}}));
   return judge;
 }
 
@@ -44,10 +44,11 @@ TEST(BlurJudge, WantsMoreTagsForAStateThanAgainstIt) {
     bool is_convincing;
   };
   const std::vector<Case> cases = {
-      {{0.9, 0.9}, {{}, 0}, 2, true},      {{0.9, 0.9}, {{}, 1}, 2, true},   {{0.9, 0.9}, {{}, 2}, 2, false},
-      {{0.9, 0.0}, {{0}, 0}, 1, true},     {{0.9, 0.0}, {{0}, 1}, 1, false}, {{0.9, 0.9}, {{0}, 1}, 2, true},
-      {{0.6, 0.6}, {{0, 1}, 1}, 2, true},  // they agree, though half of each is hidden
-      {{0.6, 0.6}, {{0, 1}, 2}, 2, false},
+      {{0.9, 0.9}, {{}, {}}, 2, true},          {{0.9, 0.9}, {{}, {5}}, 2, true},
+      {{0.9, 0.9}, {{}, {5, 6}}, 2, false},     {{0.9, 0.0}, {{0}, {}}, 1, true},
+      {{0.9, 0.0}, {{0}, {5}}, 1, false},       {{0.9, 0.9}, {{0}, {5}}, 2, true},
+      {{0.6, 0.6}, {{0, 1}, {5}}, 2, true},  // they agree, though half of each is hidden
+      {{0.6, 0.6}, {{0, 1}, {5, 6}}, 2, false},
   };
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const Case& one = cases[i];
@@ -61,7 +62,7 @@ TEST(BlurJudge, WantsMoreTagsForAStateThanAgainstIt) {
 TEST(BlurJudge, WithADetectionHalfATagBehindAHandIsEnough) {
   const BlurJudge judge;  // nothing is known of the frames before
   const auto is_convincing = [&](std::vector<TagEvidence> tags, double prior_cost = 0.0) {
-    return judge.is_convincing(explanation_of(std::move(tags), {{0}, 0}, prior_cost), std::nullopt);
+    return judge.is_convincing(explanation_of(std::move(tags), {{0}, {}}, prior_cost), std::nullopt);
   };
   EXPECT_TRUE(is_convincing({evidence_of(0, 0.5)}));
   EXPECT_FALSE(is_convincing({evidence_of(0, 0.499)}));
@@ -128,7 +129,7 @@ TEST(BlurJudge, FollowsFromADetectionOnThroughFramesWithEvidence) {
   expect_followed(judge, kNextFrame_s, false);
   judge.claimed(undetected);
   expect_followed(judge, kNextFrame_s, false);  // nothing was read so far
-  judge.claimed(explanation_of({evidence_of(0, 0.96)}, {{0}, 0}));
+  judge.claimed(explanation_of({evidence_of(0, 0.96)}, {{0}, {}}));
   expect_followed(judge, kNextFrame_s, true);
   judge.claimed(undetected);
   expect_followed(judge, kNextFrame_s, true);
@@ -147,9 +148,48 @@ TEST(BlurJudge, WithoutADetectionATagOfAnotherContrastDoesNotCount) {
   EXPECT_EQ(num_supporting(0.69), 1);
   EXPECT_EQ(num_supporting(0.71), 0);  // 1.4 times 0.5 is 0.7
   EXPECT_EQ(num_supporting(0.36), 1);
-  EXPECT_EQ(num_supporting(0.355), 0);           // 0.5 / 1.4 is 0.357
-  EXPECT_EQ(num_supporting(0.71, {{1}, 0}), 1);  // a detection agrees: the light has changed
+  EXPECT_EQ(num_supporting(0.355), 0);            // 0.5 / 1.4 is 0.357
+  EXPECT_EQ(num_supporting(0.71, {{1}, {}}), 2);  // a detection agrees: the light has changed
   EXPECT_FALSE(judge.is_convincing(explanation_of({evidence_of(0, 0.97, 100, 0.71)}), kNextFrame_s));
+}
+
+TEST(BlurJudge, AChangeOfContrastThatTheExposureOrItsAbsenceExplainsIsNoReasonToDoubt) {
+  const BlurJudge judge = confirmed_judge();  // contrast 0.5 at a sensitivity of 1
+  const auto counts = [&](double contrast, double sensitivity) {
+    Explanation explanation = explanation_of({evidence_of(0, 0.97, 100, contrast)});
+    explanation.sensitivity = sensitivity;
+    return judge.num_supporting(explanation) == 1;
+  };
+  EXPECT_TRUE(counts(0.25, 0.5));
+  EXPECT_TRUE(counts(1.0, 2.0));
+  EXPECT_TRUE(counts(0.5, 2.0));  // a gain that nobody tells makes up for it
+  EXPECT_FALSE(counts(1.0, 1.0));
+  EXPECT_FALSE(counts(0.25, 2.0));
+}
+
+TEST(BlurJudge, AStateFoundFromADetectionAloneMustAgreeWithOne) {
+  const BlurJudge judge = confirmed_judge();
+  for (const bool agrees : {true, false}) {
+    Explanation explanation = explanation_of({evidence_of(0, 0.99), evidence_of(1, 0.99)},
+                                             {agrees ? std::vector{0} : std::vector<int>{}, {}});
+    explanation.is_cold = true;
+    EXPECT_EQ(judge.is_convincing(explanation, kNextFrame_s), agrees);
+    EXPECT_EQ(judge.is_convincing(explanation, std::nullopt), agrees);
+  }
+}
+
+TEST(BlurJudge, ALoneTagIsFollowedOnlyWhereTheMotionSaysWithinATagWhereItIs) {
+  const BlurJudge judge = confirmed_judge();
+  const auto is_convincing = [&](std::vector<TagEvidence> tags, double spread, const TagVotes& votes = {}) {
+    Explanation explanation = explanation_of(std::move(tags), votes);
+    explanation.prior_spread = spread;
+    return judge.is_convincing(explanation, kNextFrame_s);
+  };
+  EXPECT_TRUE(is_convincing({evidence_of(0, 0.99)}, 1.0));
+  EXPECT_FALSE(is_convincing({evidence_of(0, 0.99)}, 1.01));
+  EXPECT_FALSE(is_convincing({evidence_of(0, 0.99), evidence_of(1, 0.84, 50)}, 1.01));
+  EXPECT_TRUE(is_convincing({evidence_of(0, 0.99), evidence_of(1, 0.86, 50)}, 1.01));
+  EXPECT_TRUE(is_convincing({evidence_of(0, 0.99)}, 1.01, {{0}, {}}));  // it was read
 }
 
 TEST(BlurJudge, OnlyADetectionTeachesAnotherContrast) {
@@ -161,7 +201,7 @@ TEST(BlurJudge, OnlyADetectionTeachesAnotherContrast) {
   judge.claimed(explanation_of(twice_as_light));  // tag 1 carries the claim
   EXPECT_TRUE(counts(judge, 0.5));
   EXPECT_FALSE(counts(judge, 1.0));
-  judge.claimed(explanation_of(twice_as_light, {{1}, 0}));
+  judge.claimed(explanation_of(twice_as_light, {{1}, {}}));
   EXPECT_FALSE(counts(judge, 0.5));
   EXPECT_TRUE(counts(judge, 1.0));
 }

@@ -84,8 +84,9 @@ class TagsBehindThings : public ::testing::Test {
     return result;
   }
   /// Tag 0 agrees, tag 1 is not seen where it should be, tag 2 is out of the image.
-  void learn_that_tag_1_is_hidden() {
-    hidden_.learn({seen_tag(0, 0.97), seen_tag(1, 0.849)}, {{0}, 0}, false);
+  void learn_that_tag_1_is_hidden(int num_frames = HiddenTags::kMinFramesUnseen) {
+    for (int i = 0; i < num_frames; ++i)
+      hidden_.learn({seen_tag(0, 0.97), seen_tag(1, 0.849)}, {{0}, {}}, true);
   }
 
   PhotometricWorld world_;
@@ -103,30 +104,45 @@ TEST_F(TagsBehindThings, TakeNoPartUntilTheyAreRead) {
   EXPECT_EQ(hidden(), Flags({false, true, false}));      // a false reading is no proof
 }
 
-TEST_F(TagsBehindThings, AreKnownOnlyFromAPoseOfReadTagsWithoutARival) {
+TEST_F(TagsBehindThings, AreKnownOnlyFromThreeSurePoses) {
   const std::vector<TagEvidence> tags = {seen_tag(0, 0.97), seen_tag(1, 0.3)};
-  hidden_.learn(tags, {{0}, 0}, true);
+  for (int i = 0; i < 10; ++i) hidden_.learn(tags, {{0}, {}}, false);
   EXPECT_EQ(hidden(), Flags({false, false, false}));
-  hidden_.learn(tags, {{}, 0}, false);
+  learn_that_tag_1_is_hidden(2);
   EXPECT_EQ(hidden(), Flags({false, false, false}));
-  hidden_.learn(tags, {{0}, 0}, false);
+  EXPECT_TRUE(hidden_.is_empty());
+  learn_that_tag_1_is_hidden(1);
   EXPECT_EQ(hidden(), Flags({false, true, false}));
+  EXPECT_FALSE(hidden_.is_empty());
+}
+
+TEST_F(TagsBehindThings, AreCountedAnewAfterTheyWereSeen) {
+  learn_that_tag_1_is_hidden(2);
+  hidden_.learn({seen_tag(1, 0.9)}, {{}, {}}, true);
+  learn_that_tag_1_is_hidden(2);
+  EXPECT_EQ(hidden(), Flags({false, false, false}));
+}
+
+TEST_F(TagsBehindThings, AreForgotten) {
+  learn_that_tag_1_is_hidden();
+  hidden_.forget();
+  EXPECT_EQ(hidden(), Flags({false, false, false}));
 }
 
 TEST_F(TagsBehindThings, ComeBackWhereTheyAreExplainedOrAgree) {
   learn_that_tag_1_is_hidden();
-  hidden_.learn({seen_tag(1, 0.849)}, {{}, 0}, false);
+  hidden_.learn({seen_tag(1, 0.849)}, {{}, {}}, false);
   EXPECT_EQ(hidden(), Flags({false, true, false}));
-  hidden_.learn({seen_tag(1, 0.85)}, {{}, 0}, true);  // this much any pose may tell
+  hidden_.learn({seen_tag(1, 0.85)}, {{}, {}}, false);  // this much any pose may tell
   EXPECT_EQ(hidden(), Flags({false, false, false}));
   learn_that_tag_1_is_hidden();
-  hidden_.learn({seen_tag(1, 0.3)}, {{1}, 0}, false);
+  hidden_.learn({seen_tag(1, 0.3)}, {{1}, {}}, true);
   EXPECT_EQ(hidden(), Flags({false, false, false}));
 }
 
 TEST_F(TagsBehindThings, StayHiddenWhileTheyAreOutOfTheImage) {
   learn_that_tag_1_is_hidden();
-  hidden_.learn({seen_tag(0, 0.97), seen_tag(2, 0.97)}, {{0}, 0}, false);
+  hidden_.learn({seen_tag(0, 0.97), seen_tag(2, 0.97)}, {{0}, {}}, true);
   EXPECT_EQ(hidden(), Flags({false, true, false}));
 }
 
