@@ -54,9 +54,9 @@ void run_demo(const DemoOptions& options, const Console& console) {
   const std::vector<DemoScore> scores = score_demo(files);
   write_demo_report(options, files, scores);
   const DemoTable table = tabulate(scores);
-  console.finish({{"report", files.report().string()}, {"header", table.header}, {"rows", table.rows}},
-                 fmt::format("{}\nBlur columns: median / 95 % of the corner error, px. Look at {}",
-                             table.text(), files.report().string()));
+  console.finish(
+      {{"report", files.report().string()}, {"header", table.header}, {"rows", table.rows}},
+      fmt::format("{}\n{}\nLook at {}", table.text(), explain_blur_columns(), files.report().string()));
 }
 
 }  // namespace

@@ -7,10 +7,19 @@
 namespace apriltrack::app {
 namespace {
 
+/// Apart in hue and in lightness.
 Colour colour_of(const std::string& method) {
-  if (method == "pnp") return kVermilion;
+  if (method == "pnp") return kBlack;
   if (method == "paper") return kOrange;
   return kBlue;
+}
+
+/// Where methods agree their marks lie on each other: those of pnp come last, and are hollow.
+const std::vector<std::string> kDrawingOrder = {"paper", "blur", "pnp"};
+
+ChartMark point_mark(const std::string& method) {
+  if (method == "pnp") return ChartMark::kRings;
+  return method == "paper" ? ChartMark::kCrosses : ChartMark::kPoints;
 }
 
 const char* legend(const std::string& method) {
@@ -21,6 +30,17 @@ const char* legend(const std::string& method) {
 
 Chart chart_of(const DemoScene& scene, const char* what) {
   return corner_error_chart(fmt::format("{}: {}", scene.name, what));
+}
+
+/// The scores of the scene, as they are to be drawn.
+std::vector<const DemoScore*> drawn_of(const DemoScene& scene, const std::vector<DemoScore>& scores) {
+  std::vector<const DemoScore*> drawn;
+  for (const std::string& method : kDrawingOrder) {
+    for (const DemoScore& score : scores) {
+      if (score.scene == &scene && score.method == method) drawn.push_back(&score);
+    }
+  }
+  return drawn;
 }
 
 ChartSeries series_of(const DemoScore& score, ChartMark mark) {
@@ -35,16 +55,15 @@ ChartSeries series_of(const DemoScore& score, ChartMark mark) {
 
 void draw_error_over_time(const std::filesystem::path& picture, const DemoScene& scene,
                           const std::vector<DemoScore>& scores) {
-  Chart chart = chart_of(scene, "error over time, a gap where there is no pose");
+  Chart chart = chart_of(scene, "error over time; no ring, or a gap: no pose");
   chart.x = {.label = "time, s"};
   ChartSeries predicted{
       .name = "blur: predicted, and says so", .colour = kSkyBlue, .mark = ChartMark::kPoints};
-  for (const DemoScore& score : scores) {
-    if (score.scene != &scene) continue;
-    const Timestamp start = score.evaluation.frames.front().timestamp;
-    chart.series.push_back(series_of(score, ChartMark::kLine));
-    add_corner_errors(chart.series.back(), score.evaluation.frames, start);
-    if (score.method == "blur") add_corner_errors(predicted, score.predicted, start);
+  for (const DemoScore* score : drawn_of(scene, scores)) {
+    const Timestamp start = score->evaluation.frames.front().timestamp;
+    chart.series.push_back(series_of(*score, score->method == "pnp" ? ChartMark::kRings : ChartMark::kLine));
+    add_corner_errors(chart.series.back(), score->evaluation.frames, start);
+    if (score->method == "blur") add_corner_errors(predicted, score->predicted, start);
   }
   chart.series.push_back(predicted);
   write_chart(picture, chart);
@@ -52,12 +71,11 @@ void draw_error_over_time(const std::filesystem::path& picture, const DemoScene&
 
 void draw_error_against_blur(const std::filesystem::path& picture, const DemoScene& scene,
                              const std::vector<DemoScore>& scores) {
-  Chart chart = chart_of(scene, "error against motion blur, a point for every pose");
+  Chart chart = chart_of(scene, "error against motion blur, a mark for every pose");
   chart.x = {.label = "motion blur of the worst corner, px"};
-  for (const DemoScore& score : scores) {
-    if (score.scene != &scene) continue;
-    ChartSeries series = series_of(score, ChartMark::kPoints);
-    for (const FrameScore& frame : score.evaluation.frames) {
+  for (const DemoScore* score : drawn_of(scene, scores)) {
+    ChartSeries series = series_of(*score, point_mark(score->method));
+    for (const FrameScore& frame : score->evaluation.frames) {
       if (!frame.corner_error_px) continue;
       series.x.push_back(frame.blur_px);
       series.y.push_back(*frame.corner_error_px);

@@ -91,23 +91,32 @@ void draw_patches(const std::filesystem::path& picture, const PaperTracker& trac
                     patches);
 }
 
+/// Nearly square, as the cloud is; so translucent that a few points on each other are told from many.
+Chart cloud_chart() {
+  Chart chart;
+  chart.title = "The paper's particle cloud in x and y";
+  chart.x = {.label = "x from the best particle, mm", .has_equal_scale = true};
+  chart.y = {.label = "y from the best particle, mm", .has_equal_scale = true};
+  chart.shade_label = "weight / highest";
+  chart.width = 800;
+  chart.plot_height = 600;
+  return chart;
+}
+
 void draw_cloud(const std::filesystem::path& picture, const PaperFilter& filter) {
   const Eigen::Vector3d best = filter.particles()[filter.best()].position;
   const double highest = filter.weights()[filter.best()];
   ChartSeries cloud{.name = fmt::format("{} particles", filter.particles().size()),
-                    .mark = ChartMark::kPoints};
+                    .mark = ChartMark::kPoints,
+                    .opacity = 0.4};
   for (std::size_t i = 0; i < filter.particles().size(); ++i) {
     const Eigen::Vector3d offset_m = filter.particles()[i].position - best;
     cloud.x.push_back(1e3 * offset_m.x());
     cloud.y.push_back(1e3 * offset_m.y());
     cloud.shade.push_back(filter.weights()[i] / highest);
   }
-  Chart chart;
-  chart.title = "The paper's particle cloud in x and y, about the best particle";
-  chart.x = {.label = "x, mm", .has_equal_scale = true};
-  chart.y = {.label = "y, mm", .has_equal_scale = true};
+  Chart chart = cloud_chart();
   chart.series = {cloud};
-  chart.shade_label = "weight / highest weight";
   write_chart(picture, chart);
 }
 

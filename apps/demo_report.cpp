@@ -32,8 +32,10 @@ void add_scene(HtmlPage& page, const DemoFiles& files, const DemoScene& scene,
   draw_error_against_blur(against_blur, scene, scores);
   page.heading(scene.name);
   page.paragraph(fmt::format("{}.", scene.story));
-  page.picture(over_time,
-               "Mean distance of the visible tags' corners from where they truly are, at mid-exposure.");
+  page.picture(
+      over_time,
+      "Mean distance of the visible tags' corners from where they truly are, at mid-exposure. A ring "
+      "for each of pnp's poses, over the lines of the others, which break off where they have none.");
   page.picture(against_blur,
                "Blur is the longest path of a visible corner during the exposure, from the exact motion.");
   page.video(files.video(scene),
@@ -55,7 +57,11 @@ void add_paper(HtmlPage& page, const DemoOptions& options, const DemoFiles& file
   const std::string which = draw_paper_pictures(files, scores, options.seed, patches, cloud);
   page.heading("Inside the paper's filter");
   page.picture(patches, "What the likelihood compares with: figure 3 of the paper, from the bundle.");
-  page.picture(cloud, fmt::format("The bundle's particles {}: figure 5 of the paper.", which));
+  page.picture(
+      cloud,
+      fmt::format("The bundle's particles {}: figure 5 of the paper. Points are translucent: dark where they "
+                  "crowd, or weigh much.",
+                  which));
 }
 
 /// Every option with its value, so that the page can be made again.
@@ -75,12 +81,11 @@ void write_demo_report(const DemoOptions& options, const DemoFiles& files,
       "exact truth; the trackers saw images only.");
   page.code(command_line(options));
   const DemoTable table = tabulate(scores);
-  page.table({table.header, table.rows,
-              "Claimed: frames with status detected or tracked. Blur columns: median / 95 % of the corner "
-              "error, px, of "
-              "the poses there are. Claimed, > 10 px: claimed poses that are wrong. ms: median of a frame, "
-              "all threads "
-              "at work beside it."});
+  page.table(
+      {table.header, table.rows,
+       fmt::format("Claimed: frames with status detected or tracked. {} Claimed, > 10 px: claimed poses "
+                   "that are wrong. ms: median of a frame, all threads at work beside it.",
+                   explain_blur_columns())});
   add_calibration(page, files);
   for (const DemoScene& scene : kDemoScenes) add_scene(page, files, scene, scores);
   add_detection(page, files);

@@ -59,16 +59,20 @@ std::string percent_of(int count, int all) {
   return all == 0 ? "-" : whole_percent(static_cast<double>(count) / all);
 }
 
-/// "0.12 / 0.45": median and 95 % of the poses there are.
+constexpr std::ptrdiff_t kFewestForMedian = 5;
+
+/// "0.12 / 0.45 (30/41)": median and 95 % of the poses there are, 30 in 41 frames.
 std::string errors(const std::vector<FrameScore>& frames, const Range& range) {
   std::vector<FrameScore> chosen;
   std::copy_if(frames.begin(), frames.end(), std::back_inserter(chosen), [&](const FrameScore& frame) {
     return frame.blur_px >= range.from_px && frame.blur_px < range.to_px;
   });
-  if (chosen.empty()) return "-";
+  const auto poses = std::ranges::count_if(
+      chosen, [](const FrameScore& frame) { return frame.corner_error_px.has_value(); });
+  const std::string count = fmt::format("({}/{})", poses, chosen.size());
+  if (poses < kFewestForMedian) return "- " + count;
   const ErrorSummary s = summarise(chosen, true);
-  if (!s.median_px) return "-";
-  return fmt::format("{:.2f} / {:.2f}", *s.median_px, *s.p95_px);
+  return fmt::format("{:.2f} / {:.2f} {}", *s.median_px, *s.p95_px, count);
 }
 
 std::vector<std::string> row(const DemoScore& score) {
@@ -90,6 +94,13 @@ std::vector<DemoScore> score_demo(const DemoFiles& files) {
     for (const char* method : kDemoMethods) scores.push_back(score(files, scene, method));
   }
   return scores;
+}
+
+std::string explain_blur_columns() {
+  return fmt::format(
+      "Blur columns: median / 95 % of the corner error, px (poses / frames of that blur); '-': fewer than {} "
+      "poses, too few for a median.",
+      kFewestForMedian);
 }
 
 DemoTable tabulate(const std::vector<DemoScore>& scores) {

@@ -31,5 +31,7 @@ struct DemoTable {
   std::string text() const;  ///< In columns, for a terminal.
 };
 DemoTable tabulate(const std::vector<DemoScore>& scores);
+/// What the cells under `blur ...` hold.
+std::string explain_blur_columns();
 
 }  // namespace apriltrack::app

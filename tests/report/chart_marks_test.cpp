@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "apriltrack/base/check.h"
 #include "apriltrack/report/chart.h"
 #include "picture_marks.h"
 #include "support/shared_data.h"
@@ -125,6 +126,59 @@ TEST(ChartMarks, GreaterShadesLieOnTop) {
   const cv::Mat picture = test::drawn(chart);
   const cv::Point at = pixel_at(picture, 0.5, 0.5);
   EXPECT_TRUE(test::shows(picture({at.x, at.y, 1, 1}), Colour{68, 1, 84}));
+}
+
+TEST(ChartMarks, RingsAndCrossesLeaveInSightWhatLiesBelow) {
+  constexpr int kReach = 6;
+  for (const ChartMark mark : {ChartMark::kRings, ChartMark::kCrosses}) {
+    Chart chart = chart_to(10.0, 10.0);
+    chart.series.push_back(points(kBluishGreen, {5.0}, {5.5}));
+    chart.series.push_back({"", kVermilion, mark, {5.0}, {5.5}, {}});
+    const cv::Mat picture = test::drawn(chart);
+    const cv::Point at = pixel_at(picture, 0.5, 0.55);
+    const cv::Mat around = picture({at.x - kReach, at.y - kReach, 2 * kReach + 1, 2 * kReach + 1});
+    EXPECT_TRUE(test::shows(around, kVermilion));
+    EXPECT_TRUE(test::shows(around, kBluishGreen)) << "the point below";
+    EXPECT_EQ(test::shows(picture({at.x, at.y, 1, 1}), kBluishGreen), mark == ChartMark::kRings)
+        << "its middle";
+    const cv::Rect drawn = cv::boundingRect(test::mask_of(around, kVermilion));
+    EXPECT_NEAR(drawn.width, 7, 2) << "as large as a point";
+    EXPECT_NEAR(drawn.x + 0.5 * drawn.width, kReach + 0.5, 1.0) << "about the same place";
+  }
+}
+
+TEST(ChartMarks, TranslucentPointsAreDarkerTheMoreOfThemThereAre) {
+  const auto grey_of = [](std::size_t num_points) {
+    Chart chart = chart_to(10.0, 10.0);
+    const std::vector<double> at(num_points, 5.5);
+    chart.series.push_back(points(kBlack, at, at));
+    chart.series.back().opacity = 0.5;
+    const cv::Mat picture = test::drawn(chart);
+    return 255 - darkness(picture, {pixel_at(picture, 0.55, 0.55), cv::Size(1, 1)});
+  };
+  EXPECT_NEAR(grey_of(1), 128, 3);  // half of white
+  EXPECT_NEAR(grey_of(2), 64, 3);
+  EXPECT_NEAR(grey_of(6), 4, 3);
+}
+
+TEST(ChartMarks, ChartsAreAsLargeAsAskedFor) {
+  Chart chart = chart_to(10.0, 10.0);
+  const cv::Mat usual = test::drawn(chart);
+  ASSERT_EQ(usual.size(), cv::Size(1200, 560));
+  chart.width = 800;
+  chart.plot_height = 600;
+  const cv::Mat picture = test::drawn(chart);
+  EXPECT_EQ(picture.size(), cv::Size(800, 560 + 600 - 372));
+  EXPECT_NEAR(middle_of(picture, kOrange).y - middle_of(picture, kBlue).y, 600.0, 1.5) << "from end to end";
+  EXPECT_NEAR(middle_of(picture, kBlue).x, 800.0 - 60.0, 1.5) << "up to the margin";
+  chart.width = 399;
+  EXPECT_THROW(chart_png(chart), MisuseError);
+  chart.width = 800;
+  chart.plot_height = 0;
+  EXPECT_THROW(chart_png(chart), MisuseError);
+  chart.plot_height = 600;
+  chart.series[0].opacity = 0.0;
+  EXPECT_THROW(chart_png(chart), MisuseError);
 }
 
 TEST(ChartMarks, LegendNamesWhatIsEmpty) {

@@ -93,12 +93,14 @@ TEST(HtmlPage, PicturesAndVideosAreInside) {
 
 TEST(HtmlPage, ColumnsOfNumbersAreFlushRight) {
   HtmlPage page("title");
-  page.table(
-      {{"run", "error", "words"}, {{"1", "0.5 px", "1"}, {"2", "-", "two"}, {"3", "< 0.1 px", "3"}}, ""});
+  page.table({{"run", "error", "words"},
+              {{"1", "0.5 px", "1"}, {"2", "-", "two"}, {"3", "< 0.1 px", "3"}, {"4", "- (2/9)", ""}},
+              ""});
   const auto lines = elements_of(page);
-  EXPECT_THAT(lines, IsSupersetOf({"th|scope=col|run", "th|scope=col class=number|error",
-                                   "th|scope=col|words", "th|scope=row|1", "td|class=number|0.5 px",
-                                   "td|class=number|-", "td|class=number|< 0.1 px", "td||1", "td||two"}));
+  EXPECT_THAT(lines,
+              IsSupersetOf({"th|scope=col|run", "th|scope=col class=number|error", "th|scope=col|words",
+                            "th|scope=row|1", "td|class=number|0.5 px", "td|class=number|- (2/9)",
+                            "td|class=number|-", "td|class=number|< 0.1 px", "td||1", "td||two"}));
 }
 
 TEST(HtmlPage, AnEmptyPageIsAPage) {

@@ -89,7 +89,7 @@ double corner_error_px(const Eigen::Isometry3d& truth, const Eigen::Isometry3d& 
 
 /// What a method's files say, counted frame by frame.
 struct Counts {
-  int frames = 0, claimed = 0, silent_failures = 0, within_5px = 0;
+  int frames = 0, claimed = 0, silent_failures = 0, within_5px = 0, with_pose = 0;
 };
 
 Counts count_single(const fs::path& demo, const std::string& method) {
@@ -106,6 +106,7 @@ Counts count_single(const fs::path& demo, const std::string& method) {
     EXPECT_TRUE(estimate != found.end() || !is_claimed) << time_ns;
     if (estimate == found.end()) continue;
     const double error_px = corner_error_px(pose, estimate->second);
+    ++counts.with_pose;
     counts.claimed += is_claimed ? 1 : 0;
     counts.silent_failures += is_claimed && error_px > 10.0 ? 1 : 0;
     counts.within_5px += error_px < 5.0 ? 1 : 0;
@@ -130,6 +131,22 @@ std::map<std::string, std::string> column_of_single(const json& summary, const s
   return cells;
 }
 
+/// Under `blur ...`: every frame and every pose is counted once, and a median is one of five poses or more.
+void expect_counts_by_blur(const json& summary, const std::string& method, const Counts& counts) {
+  int poses_told = 0, frames_told = 0;
+  for (const char* head : {"blur < 5 px", "blur 5-20 px", "blur > 20 px"}) {
+    const std::string cell = column_of_single(summary, head)[method];
+    const std::size_t bracket = cell.find('('), slash = cell.find('/', bracket);
+    ASSERT_NE(slash, std::string::npos) << cell;
+    const int poses = std::stoi(cell.substr(bracket + 1)), frames = std::stoi(cell.substr(slash + 1));
+    EXPECT_EQ(cell.front() == '-', poses < 5) << cell;
+    poses_told += poses;
+    frames_told += frames;
+  }
+  EXPECT_EQ(poses_told, counts.with_pose) << method;
+  EXPECT_EQ(frames_told, counts.frames) << method;
+}
+
 void expect_plain_arithmetic(const fs::path& demo, const json& summary) {
   const std::string camera = read_text(demo / "single" / "camera.yaml");
   for (const char* line :
@@ -151,6 +168,7 @@ void expect_plain_arithmetic(const fs::path& demo, const json& summary) {
     EXPECT_EQ(claimed[method], percent(counts.claimed, counts.frames)) << method;
     EXPECT_EQ(wrong[method], percent(counts.silent_failures, counts.claimed)) << method;
     EXPECT_EQ(good[method], percent(counts.within_5px, counts.frames)) << method;
+    expect_counts_by_blur(summary, method, counts);
     num_unclaimed += counts.frames - counts.claimed;
     num_silent += counts.silent_failures;
   }

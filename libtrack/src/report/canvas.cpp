@@ -51,9 +51,20 @@ void Canvas::frame(cv::Rect2d area, const cv::Scalar& colour) {
   box({area.br().x - kHairline_pt, area.y, kHairline_pt, area.height}, colour);
 }
 
-void Canvas::disc(cv::Point2d centre, double radius, const cv::Scalar& colour) {
+void Canvas::disc(cv::Point2d centre, double radius, const cv::Scalar& colour, double opacity) {
+  const double reach = radius + 2.0;  // smooth edges lie outside
+  const cv::Rect around = scaled(cv::Rect2d(centre.x - reach, centre.y - reach, 2.0 * reach, 2.0 * reach)) &
+                          cv::Rect(0, 0, pixels_.cols, pixels_.rows);
+  if (around.empty()) return;
+  const cv::Mat below = opacity < 1.0 ? pixels_(around).clone() : cv::Mat();
   cv::circle(pixels_, finely_scaled(centre), cvRound(radius * kScale * (1 << kFractionBits)), colour,
              cv::FILLED, cv::LINE_AA, kFractionBits);
+  if (opacity < 1.0) cv::addWeighted(pixels_(around), opacity, below, 1.0 - opacity, 0.0, pixels_(around));
+}
+
+void Canvas::ring(cv::Point2d centre, double radius, const cv::Scalar& colour, double width) {
+  cv::circle(pixels_, finely_scaled(centre), cvRound(radius * kScale * (1 << kFractionBits)), colour,
+             cvRound(kScale * width), cv::LINE_AA, kFractionBits);
 }
 
 double Canvas::text(const std::string& words, cv::Point2d at, double height, const cv::Scalar& colour,

@@ -33,7 +33,9 @@ class Canvas {
   void line(cv::Point2d a, cv::Point2d b, const cv::Scalar& colour, double width = 1.0);
   void box(cv::Rect2d area, const cv::Scalar& colour);
   void frame(cv::Rect2d area, const cv::Scalar& colour);
-  void disc(cv::Point2d centre, double radius, const cv::Scalar& colour);
+  void disc(cv::Point2d centre, double radius, const cv::Scalar& colour, double opacity = 1.0);
+  /// radius: of the middle of its line.
+  void ring(cv::Point2d centre, double radius, const cv::Scalar& colour, double width);
   /// at: left, middle or right end of the letters' base line. halo: points painted white round the letters.
   /// Returns where the letters end.
   double text(const std::string& words, cv::Point2d at, double height, const cv::Scalar& colour,

@@ -14,11 +14,9 @@ namespace apriltrack {
 namespace {
 
 // Layout in points.
-constexpr double kWidth = 1200.0;
 constexpr double kMargin = 60.0;
 constexpr double kTitleLine = 42.0;
 constexpr double kLegendLine = 74.0;
-constexpr double kPlotHeight = 372.0;
 constexpr double kAxisNameGap = 46.0;  // from the legend to the plot
 constexpr double kFootHeight = 68.0;
 constexpr double kShadeBarSpace = 76.0;
@@ -37,6 +35,9 @@ void check_axis(const ChartAxis& axis) {
 void check_chart(const Chart& chart) {
   check_axis(chart.x);
   check_axis(chart.y);
+  APRILTRACK_CHECK(chart.width >= 400 && chart.width <= 4000, "a chart is 400 to 4000 pixels wide");
+  APRILTRACK_CHECK(chart.plot_height >= 100 && chart.plot_height <= 4000,
+                   "a plot is 100 to 4000 pixels high");
   APRILTRACK_CHECK(!(chart.x.has_equal_scale || chart.y.has_equal_scale) ||
                        !(chart.x.is_logarithmic || chart.y.is_logarithmic),
                    "only linear axes can have equal scales");
@@ -48,6 +49,7 @@ void check_chart(const Chart& chart) {
                      "a series has no band, or a half width for each point");
     for (const double half_width : series.half_width)
       APRILTRACK_CHECK(!(half_width < 0.0), "a band's half widths are at least zero");
+    APRILTRACK_CHECK(series.opacity > 0.0 && series.opacity <= 1.0, "an opacity lies in (0, 1]");
     for (const double shade : series.shade)
       APRILTRACK_CHECK(shade >= 0.0 && shade <= 1.0, "shades are numbers from 0 to 1");
   }
@@ -137,18 +139,19 @@ bool has_shades(const Chart& chart) {
 
 std::string chart_png(const Chart& chart) {
   check_chart(chart);
-  const ChartLegend legend(chart.series, kWidth - 2.0 * kMargin - 40.0);
+  const double width = chart.width, height = chart.plot_height;
+  const ChartLegend legend(chart.series, width - 2.0 * kMargin - 40.0);
   const double top = kLegendLine + legend.height() + kAxisNameGap;
-  const double right = kWidth - kMargin - (has_shades(chart) ? kShadeBarSpace : 0.0);
+  const double right = width - kMargin - (has_shades(chart) ? kShadeBarSpace : 0.0);
   constexpr int kVerticalLabels = 8;
-  PlotArea area = plot_area(chart, {kMargin, top, right - kMargin, kPlotHeight});
+  PlotArea area = plot_area(chart, {kMargin, top, right - kMargin, height});
   const double left = left_edge(ticks_for(area.y, kVerticalLabels));
-  area = plot_area(chart, {left, top, right - left, kPlotHeight});
+  area = plot_area(chart, {left, top, right - left, height});
   const auto x_ticks = horizontal_ticks(area);
   const auto y_ticks = ticks_for(area.y, kVerticalLabels);
 
-  Canvas canvas(static_cast<int>(kWidth), static_cast<int>(top + kPlotHeight + kFootHeight));
-  canvas.text(Canvas::fitted(chart.title, 16.0, kWidth - kMargin - left), {left, kTitleLine}, 16.0, kInk);
+  Canvas canvas(chart.width, static_cast<int>(top + height + kFootHeight));
+  canvas.text(Canvas::fitted(chart.title, 16.0, width - kMargin - left), {left, kTitleLine}, 16.0, kInk);
   legend.draw(canvas, {left, kLegendLine});
   draw_grid(canvas, area, x_ticks, y_ticks);
   canvas.frame({area.box.x - 0.5, area.box.y - 0.5, area.box.width + 1.0, area.box.height + 1.0}, kGrid);
@@ -157,7 +160,7 @@ std::string chart_png(const Chart& chart) {
   draw_levels(canvas, chart.levels, area);
   draw_tick_labels(canvas, area, x_ticks, y_ticks);
   draw_axis_names(canvas, chart, area);
-  if (has_shades(chart)) draw_shade_bar(canvas, chart.shade_label, area.box, kWidth - kMargin);
+  if (has_shades(chart)) draw_shade_bar(canvas, chart.shade_label, area.box, width - kMargin);
   return canvas.png();
 }
 

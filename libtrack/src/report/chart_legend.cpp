@@ -24,7 +24,8 @@ void draw_sample(Canvas& canvas, const ChartSeries& series, cv::Point2d at) {
   if (draws_line(series))
     canvas.line({at.x + 1.0, y}, {at.x + kSampleWidth - 1.0, y}, bgr_of(series.colour), 2.0);
   if (!draws_points(series)) return;
-  if (series.shade.empty()) return canvas.disc({at.x + 0.5 * kSampleWidth, y}, 3.5, bgr_of(series.colour));
+  if (series.shade.empty())
+    return draw_mark(canvas, series, {at.x + 0.5 * kSampleWidth, y}, 3.5, bgr_of(series.colour));
   for (const double shade : {0.15, 0.5, 0.85})
     canvas.disc({at.x + kSampleWidth * shade, y}, 3.5, shade_colour(shade));
 }

@@ -80,7 +80,8 @@ void draw_points(Canvas& canvas, const ChartSeries& series, const PlotArea& area
   for (const std::size_t i : order) {
     if (is_gap(series, i)) continue;
     const cv::Scalar colour = series.shade.empty() ? bgr_of(series.colour) : shade_colour(series.shade[i]);
-    canvas.disc(area.held(area.place(series.x[i], series.y[i])), point_radius(order.size()), colour);
+    draw_mark(canvas, series, area.held(area.place(series.x[i], series.y[i])), point_radius(order.size()),
+              colour);
   }
 }
 
@@ -102,6 +103,18 @@ cv::Scalar shade_colour(double shade) {
   static const cv::Mat table = shade_table();
   const auto& colour = table.at<cv::Vec3b>(cvRound(255.0 * shade));
   return {static_cast<double>(colour[0]), static_cast<double>(colour[1]), static_cast<double>(colour[2])};
+}
+
+void draw_mark(Canvas& canvas, const ChartSeries& series, cv::Point2d at, double radius,
+               const cv::Scalar& colour) {
+  if (series.mark == ChartMark::kRings && series.shade.empty()) {
+    canvas.ring(at, radius + 0.5, colour, 1.0);
+  } else if (series.mark == ChartMark::kCrosses && series.shade.empty()) {
+    canvas.line(at - cv::Point2d(radius, radius), at + cv::Point2d(radius, radius), colour);
+    canvas.line(at - cv::Point2d(radius, -radius), at + cv::Point2d(radius, -radius), colour);
+  } else {
+    canvas.disc(at, radius, colour, series.opacity);
+  }
 }
 
 bool draws_points(const ChartSeries& series) {

@@ -13,6 +13,10 @@ constexpr double kLineWidth = 1.0;
 /// Of a shade in [0, 1].
 cv::Scalar shade_colour(double shade);
 
+/// One point of the series.
+void draw_mark(Canvas& canvas, const ChartSeries& series, cv::Point2d at, double radius,
+               const cv::Scalar& colour);
+
 bool draws_points(const ChartSeries& series);
 bool draws_line(const ChartSeries& series);
 

@@ -90,6 +90,7 @@ std::string base64(std::string_view bytes) {
 
 bool is_number_or_blank(std::string_view cell) {
   if (cell.empty() || cell == "-" || cell == "\xE2\x80\x93" || cell == "none" || cell == "n/a") return true;
+  if (cell.starts_with("- (")) return true;
   if (cell.front() == '-' || cell.front() == '+' || cell.front() == '<' || cell.front() == '>')
     cell.remove_prefix(1);
   if (!cell.empty() && cell.front() == ' ') cell.remove_prefix(1);

@@ -9,7 +9,8 @@
 
 namespace apriltrack {
 
-enum class ChartMark { kLine, kPoints, kLineAndPoints };
+/// Rings and crosses leave what lies below them in sight.
+enum class ChartMark { kLine, kPoints, kLineAndPoints, kRings, kCrosses };
 
 /// One thing shown in a chart. An x or y of NaN is a gap.
 struct ChartSeries {
@@ -27,6 +28,8 @@ struct ChartSeries {
   /// Empty, or a half width >= 0 for each point: y plus and minus it is a pale band behind the line, over the
   /// same gaps. NaN: none there. Bands do not stretch the axis; they are cut off where it ends.
   std::vector<double> half_width = {};
+  /// Of points, in (0, 1]: below 1 they are the darker the more of them lie on each other.
+  double opacity = 1.0;
 };
 
 struct ChartAxis {
@@ -49,14 +52,19 @@ struct Chart {
   std::vector<ChartSeries> series;  ///< Later ones are drawn over earlier ones.
   std::vector<ChartLevel> levels;
   std::string shade_label;  ///< What shades mean; above the bar of colours.
+  /// Of the picture and of its plot, in pixels: a chart of equal scales may be better off nearly square.
+  int width = 1200;
+  int plot_height = 372;
 };
 
-/// Writes a PNG file 1200 pixels wide and 560 high, or higher where the legend takes several rows. Points
+/// Writes a PNG file: by default 1200 pixels wide and 560 high, or higher where the legend takes several
+/// rows. Points
 /// beyond an axis, infinite ones and those <= 0 on a logarithmic axis too, are drawn at its edge; lines are
 /// cut off there. Letters beyond ASCII appear as '?'.
 ///
 /// Requires as many x as y, and as many shades or none; shades in [0, 1]; finite ends of axes with low <
-/// high, and > 0 on logarithmic ones; finite levels. Throws Error(kIo).
+/// high, and > 0 on logarithmic ones; finite levels; a width of 400 to 4000 and a plot's height of 100 to
+/// 4000. Throws Error(kIo).
 void write_chart(const std::filesystem::path& path, const Chart& chart);
 
 /// The same picture as the bytes of a PNG file, for HtmlPage::png.
