@@ -15,7 +15,8 @@ namespace {
 // Colours of the legend (Okabe and Ito): blue, green, red order.
 const cv::Vec3b kGreenPixel(115, 158, 0);
 const cv::Vec3b kOrangePixel(0, 159, 230);
-const cv::Vec3b kRedPixel(0, 70, 213);
+const cv::Vec3b kRedPixel(0, 94, 213);
+const cv::Vec3b kInkPixel(117, 106, 98);  // of leaders and of the axis's title
 
 int count_colour(const cv::Mat& picture, const cv::Vec3b& colour, const cv::Rect& area) {
   cv::Mat mask;
@@ -64,6 +65,62 @@ TEST(DetectionTimeline, OutlinesLieOnTheCornersOfTheExample) {
   EXPECT_NEAR(outline.y, 202.5, 2);
   EXPECT_NEAR(outline.br().x, 810, 2);
   EXPECT_NEAR(outline.br().y, 607.5, 2);
+}
+
+/// Thirty frames of 20 px of blur, the tenth of 5 px, with an example 1080 points wide of each given frame.
+cv::Mat with_examples_of(const std::vector<int>& indices) {
+  std::vector<TimelineFrame> frames;
+  for (int i = 0; i < 30; ++i) frames.push_back({i / 30.0, i == 9 ? 5.0 : 20.0, FrameOutcome::kPoseRight});
+  const GrayImage grey(32, 24);
+  std::vector<ExampleFrame> examples;
+  for (const int i : indices)
+    examples.push_back({grey.view(), {}, "", frames[static_cast<std::size_t>(i)].time_s});
+  const auto file = test::temporary_folder() / "leaders.png";
+  write_detection_timeline(file, "", frames, examples);
+  return cv::imread(file.string());
+}
+
+constexpr int kPlotLeft = 60, kPlotRight = 1140, kFoot = 96, kPlotHeight = 260;
+
+TEST(DetectionTimeline, AllBarsLieBetweenTheAxisEnds) {
+  const cv::Mat picture = with_examples_of({});
+  const int bottom = picture.rows - kFoot;
+  const cv::Rect chart(0, bottom - kPlotHeight, picture.cols, kPlotHeight);
+  cv::Mat mask;
+  cv::inRange(picture(chart), kGreenPixel, kGreenPixel, mask);
+  const cv::Rect bars = cv::boundingRect(mask);
+  EXPECT_NEAR(bars.x, kPlotLeft, 1);
+  EXPECT_NEAR(bars.br().x, kPlotRight, 1);
+}
+
+TEST(DetectionTimeline, LeadersEndAtTheBarTheyMean) {
+  const cv::Mat picture = with_examples_of({9});
+  const int bottom = picture.rows - kFoot;
+  constexpr double kSlot = (kPlotRight - kPlotLeft) / 30.0;
+  const int bar = static_cast<int>(kPlotLeft + 9.5 * kSlot);  // its middle
+  const int top = bottom - kPlotHeight / 4;                   // 5 px of 20
+  cv::Mat mask;
+  cv::inRange(picture, kInkPixel - cv::Vec3b(60, 60, 60), kInkPixel + cv::Vec3b(60, 60, 60), mask);
+  for (const int y : {bottom - kPlotHeight + 10, bottom - kPlotHeight / 2, top - 6})
+    EXPECT_GT(cv::countNonZero(mask({bar - 2, y, 5, 1})), 0) << y;
+  EXPECT_EQ(cv::countNonZero(mask({bar - 2, top + 8, 5, bottom - top - 10})), 0) << "not through the bar";
+}
+
+TEST(DetectionTimeline, TheAxisTitleStandsWhereNoLeaderRuns) {
+  constexpr int kTitleWidth = 240;
+  const auto has_title = [](const cv::Mat& picture, int from_x) {
+    const int base = picture.rows - kFoot - kPlotHeight - 10;
+    cv::Mat mask;
+    const cv::Rect place(from_x, base - 10, kTitleWidth, 10);
+    cv::inRange(picture(place), cv::Vec3b(90, 80, 70), cv::Vec3b(150, 140, 130), mask);
+    return cv::countNonZero(mask) > 100;
+  };
+  const cv::Mat far = with_examples_of({20});
+  EXPECT_TRUE(has_title(far, kPlotLeft));
+  EXPECT_FALSE(has_title(far, kPlotRight - kTitleWidth));
+  const cv::Mat near = with_examples_of({1});
+  EXPECT_FALSE(has_title(near, kPlotLeft));
+  EXPECT_TRUE(has_title(near, kPlotRight - kTitleWidth));
 }
 
 TEST(DetectionTimeline, NothingToShowIsMisuse) {
