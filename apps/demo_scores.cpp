@@ -59,6 +59,11 @@ std::string percent_of(int count, int all) {
   return all == 0 ? "-" : whole_percent(static_cast<double>(count) / all);
 }
 
+/// Three digits, two of them behind the point at most.
+std::string px(double error_px) {
+  return fmt::format("{:.{}f}", error_px, error_px < 10.0 ? 2 : error_px < 100.0 ? 1 : 0);
+}
+
 constexpr std::ptrdiff_t kFewestForMedian = 5;
 
 /// "0.12 / 0.45 (30/41)": median and 95 % of the poses there are, 30 in 41 frames.
@@ -72,7 +77,7 @@ std::string errors(const std::vector<FrameScore>& frames, const Range& range) {
   const std::string count = fmt::format("({}/{})", poses, chosen.size());
   if (poses < kFewestForMedian) return "- " + count;
   const ErrorSummary s = summarise(chosen, true);
-  return fmt::format("{:.2f} / {:.2f} {}", *s.median_px, *s.p95_px, count);
+  return fmt::format("{} / {} {}", px(*s.median_px), px(*s.p95_px), count);
 }
 
 std::vector<std::string> row(const DemoScore& score) {

@@ -39,7 +39,7 @@ figcaption { margin-top: .6rem; max-width: 44rem; }
 .wide { overflow-x: auto; margin: 1.5rem 0; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 caption { caption-side: bottom; text-align: left; padding-top: .6rem; }
-th, td { padding: .45rem 1rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--rule); }
+th, td { padding: .45rem .75rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--rule); }
 thead th { color: var(--pale); font-size: .85rem; font-weight: 600; vertical-align: bottom;
   border-bottom: 2px solid var(--rule); }
 tbody th { font-weight: 600; }
