@@ -79,6 +79,7 @@ void write_track_report(const std::filesystem::path& path, const TrackRun& run) 
     page.paragraph(verdict(run, figures));
     page.table(summary_table(run, figures));
     page.table(status_table(figures));
+    if (const std::string share = describe_map_share(run, figures); !share.empty()) page.paragraph(share);
     add_picture(page, draw_statuses(run.record));
     add_why_not(page, run, figures);
     add_truth(page, run);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numbers>
 #include <set>
@@ -144,6 +145,23 @@ HtmlTable summary_table(const TrackRun& run, const TrackFigures& figures) {
               "and needs the right map all the more. A second explanation is another pose that the "
               "frame may show: one flat tag far away may be tilted either way, a blurred path has a reverse.",
               run.record.rows().front().timestamp.ns)};
+}
+
+std::string describe_map_share(const TrackRun& run, const TrackFigures& figures) {
+  // Of the claim. Tags near each other and seen from afar do ten times their own sigma to a position.
+  constexpr double kNotable = 0.05;
+  if (run.arguments.method() == "paper" || !figures.sigma) return "";  // its particles know no map's errors
+  std::vector<double> tag_sigmas_m;
+  for (const MapTag& tag : run.map.tags)
+    tag_sigmas_m.push_back(tag.covariance ? std::sqrt(tag.covariance->topLeftCorner<3, 3>().trace()) : 0.0);
+  const double of_map_m = median(tag_sigmas_m);
+  if (of_map_m < kNotable * figures.sigma->median_position_m || of_map_m == 0.0) return "";
+  return fmt::format(
+      "The map's own uncertainty is in the claimed errors, and may be most of them: its tags' positions have "
+      "a sigma of {:.2f} mm (median), and a camera far from the tags makes more of it. Relative to the tags "
+      "in view the poses are better than that. More views that link the tags, in calibration, make it "
+      "smaller.",
+      1e3 * of_map_m);
 }
 
 HtmlTable status_table(const TrackFigures& figures) {

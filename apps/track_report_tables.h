@@ -18,6 +18,9 @@ std::string describe_tags(const TrackRecord& record, const TagMap& map);
 
 /// Times, errors claimed, exposure, latency: a line each.
 HtmlTable summary_table(const TrackRun& run, const TrackFigures& figures);
+/// Of the map's own uncertainty, where its tags' sigma is not small beside the claimed errors; otherwise
+/// empty.
+std::string describe_map_share(const TrackRun& run, const TrackFigures& figures);
 /// Each status with its meaning, its frames, and what its poses claim.
 HtmlTable status_table(const TrackFigures& figures);
 /// The longest stretches without evidence.

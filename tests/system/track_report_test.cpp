@@ -24,6 +24,7 @@ namespace apriltrack::test {
 namespace {
 namespace fs = std::filesystem;
 
+using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -262,7 +263,7 @@ class TrackReportOfCorners : public ::testing::Test {
  protected:
   /// tags_of: the tags that are seen in a frame; number 10 is not in the map.
   ReadReport track(int num_frames, std::int64_t interval_ns,
-                   const std::function<std::vector<int>(int)>& tags_of) {
+                   const std::function<std::vector<int>(int)>& tags_of, const std::string& of_each_tag = "") {
     {
       std::ofstream rows(folder_ / "corners.csv");
       rows << kDetectionsHeader;
@@ -276,8 +277,8 @@ class TrackReportOfCorners : public ::testing::Test {
       map += fmt::format(
           "  - id: {}\n    size: 0.16\n    pose:\n      position: {{x: {}, y: {}, z: {}}}\n      "
           "orientation: "
-          "{{x: 0.0, y: 0.0, z: 0.0, w: 1.0}}\n",
-          id, kWallPlaces_m.at(id).x(), kWallPlaces_m.at(id).y(), kWallPlaces_m.at(id).z());
+          "{{x: 0.0, y: 0.0, z: 0.0, w: 1.0}}\n{}",
+          id, kWallPlaces_m.at(id).x(), kWallPlaces_m.at(id).y(), kWallPlaces_m.at(id).z(), of_each_tag);
     write_text(folder_ / "map.yaml", map);
     run_for_json({"track", "--detections", folder_ / "corners.csv", "--camera", folder_ / "camera.yaml",
                   "--map", folder_ / "map.yaml", "--output", folder_ / "out.tum", "--report",
@@ -303,6 +304,28 @@ TEST_F(TrackReportOfCorners, TellsWhereTheEvidenceIsMissing) {
   EXPECT_THAT(page.row("0.000"), ElementsAre("0.100", "1 lost", "1000000000", reason));
   EXPECT_THAT(page.row(reason), ElementsAre("8"));
   EXPECT_THAT(page.texts("p"), Contains(HasSubstr("not in the map, and so of no use: tag36h11/10.")));
+}
+
+/// A tag's covariance: sigma_m along each axis, and next to nothing for its orientation.
+std::string covariance_entry(double sigma_m) {
+  std::string text = "    covariance: [";
+  for (int i = 0; i < 36; ++i) {
+    const double number = i % 7 != 0 ? 0.0 : i < 18 ? sigma_m * sigma_m : 1e-12;
+    text += fmt::format("{}{}", i == 0 ? "" : ", ", number);
+  }
+  return text + "]\n";
+}
+
+TEST_F(TrackReportOfCorners, TellsOfTheMapsPartInTheClaimedError) {
+  const std::string words = "The map's own uncertainty";
+  const auto all_tags = [](int) { return std::vector<int>{0, 1, 2}; };
+  const ReadReport vague = track(6, 100'000'000, all_tags, covariance_entry(0.01));
+  EXPECT_THAT(vague.texts("p"), Contains(AllOf(HasSubstr(words), HasSubstr("17.32 mm"))));  // 10 mm x root 3
+  EXPECT_GT(numbers_in(vague.row("claimed error (sigma), median of all poses")[0])[0], 5.0);
+  const ReadReport sure = track(6, 100'000'000, all_tags, covariance_entry(1e-7));
+  EXPECT_THAT(sure.texts("p"), Not(Contains(HasSubstr(words))));
+  const ReadReport untold = track(6, 100'000'000, all_tags);
+  EXPECT_THAT(untold.texts("p"), Not(Contains(HasSubstr(words))));
 }
 
 TEST_F(TrackReportOfCorners, OfTenThousandFramesIsNoLargerThanItsPictures) {
