@@ -91,7 +91,7 @@ class BatchDetector {
 
   std::vector<SourceFrame> read(FrameSource& source) {
     std::vector<SourceFrame> batch;
-    while (batch.size() < kFramesPerThread * detectors_.size()) {
+    while (batch.size() < kFramesPerThread * detectors_.size() && !is_interrupted()) {
       std::optional<SourceFrame> frame = source.next();
       if (!frame) break;
       check_resolution_(*frame);
@@ -160,11 +160,13 @@ FrameCounts detect_frames(FrameSource& source, const FrameLoopOptions& options, 
     while (!(counts.is_interrupted = is_interrupted())) {
       const std::vector<SourceFrame> batch = detector.read(source);
       if (batch.empty()) break;
+      if (is_interrupted()) continue;
       for (DetectedFrame& frame : detector.detect(batch)) {
+        if (is_interrupted()) break;
         count(frame.source, counts, first_unreadable);
         sink(std::move(frame));
+        progress.advance();
       }
-      progress.advance(batch.size());
     }
   }
   if (counts.readable == 0) detector.check_some_fit();

@@ -37,9 +37,10 @@ struct FrameCounts {
 /// Detects in every frame of `source`, several side by side, each thread with a detector of its own; `sink`
 /// gets all frames one by one, in order, so that the number of threads changes no result.
 ///
-/// Ctrl-C ends it early. It warns of that and of unreadable frames before it returns, so that users hear the
-/// cause before what follows from it. Throws Error(kIo) when no frame can be read, Error(kInvalidInput) when
-/// no image has the camera's resolution (one of many is left out and counted as unreadable).
+/// Ctrl-C ends it before the next frame, and what `sink` has not had by then is dropped. It warns of that and
+/// of unreadable frames before it returns, so that users hear the cause before what follows from it. Throws
+/// Error(kIo) when no frame can be read, Error(kInvalidInput) when no image has the camera's resolution (one
+/// of many is left out and counted as unreadable).
 FrameCounts detect_frames(FrameSource& source, const FrameLoopOptions& options, const Console& console,
                           const std::function<void(DetectedFrame)>& sink);
 
