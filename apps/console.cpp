@@ -104,7 +104,7 @@ Progress::Progress(const Console& console, std::string label, std::optional<std:
       last_drawn_(start_) {}
 
 Progress::~Progress() {
-  draw(true);
+  if (done_ > 0) draw(true);
 }
 
 void Progress::advance(std::size_t by) {

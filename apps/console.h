@@ -58,7 +58,7 @@ class AnswersAsTalk {
 };
 
 /// A bar with rate and time left on a terminal; a plain line every few seconds elsewhere; nothing under
-/// --quiet.
+/// --quiet, and of work that ended before its first step.
 class Progress {
  public:
   /// total: nullopt when it is not known.

@@ -21,64 +21,69 @@ int resolved_threads(int num_threads) {
   return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMaxDefaultThreads);
 }
 
-/// Holds every image against the camera's resolution. One of another size among good ones is left out like a
-/// corrupt one; images of which none fits have the wrong camera file.
+/// Holds every image against the camera's resolution, or, where its file names none, the first readable
+/// image's. One of another size among good ones is left out like a corrupt one; images of which none fits
+/// have the wrong camera file.
 class ResolutionCheck {
  public:
   explicit ResolutionCheck(const Camera* camera) : camera_(camera) {}
 
   void operator()(SourceFrame& frame) {
     if (!camera_ || !frame.is_readable()) return;
-    if (camera_->width == 0 && camera_->height == 0) return check_against_first(frame);
-    if (frame.pixels.width() == camera_->width && frame.pixels.height() == camera_->height) {
+    const int width = frame.pixels.width();
+    const int height = frame.pixels.height();
+    if (!expected_) expected_ = expected_by(frame);
+    if (width == expected_->width && height == expected_->height) {
       some_fit_ = true;
       return;
     }
-    ++num_odd_;
-    if (!some_fit_ && num_odd_ == kEnoughOdd) refuse(frame);
-    if (num_odd_ == 1) first_odd_ = {frame.name, frame.pixels.width(), frame.pixels.height()};
-    frame.error =
-        fmt::format("is {} x {} pixels, but camera '{}' is calibrated for {} x {}", frame.pixels.width(),
-                    frame.pixels.height(), camera_->name, camera_->width, camera_->height);
+    if (num_odd_++ == 0) first_odd_ = {width, height, frame.name};
+    frame.error = fmt::format("is {} x {} pixels, but {}", width, height, expected_->why);
     frame.pixels = GrayImage();
+    if (num_odd_ == kEnoughOdd) check_some_fit();
   }
 
-  /// At the end: throws where images could be read, and none fits.
+  /// While it has not seen whether one fits: such frames hold no pixels, and may be kept back.
+  bool is_undecided() const { return !some_fit_ && num_odd_ > 0; }
+
+  /// Throws where images could be read, and none fits.
   void check_some_fit() const {
-    if (!some_fit_ && num_odd_ > 0)
-      check_resolution(*camera_, first_odd_.width, first_odd_.height, first_odd_.name);
+    if (is_undecided()) check_resolution(*camera_, first_odd_.width, first_odd_.height, first_odd_.name);
   }
 
  private:
   /// A live camera would give such images for ever, and a long video for long.
   static constexpr int kEnoughOdd = 32;
 
-  struct Size {
-    std::string name;
+  struct Expected {
     int width = 0;
     int height = 0;
+    std::string why;
+  };
+  struct Odd {
+    int width = 0;
+    int height = 0;
+    std::string name;
   };
 
-  void refuse(const SourceFrame& frame) const {
-    check_resolution(*camera_, frame.pixels.width(), frame.pixels.height(), frame.name);
-  }
-
-  /// Which of two sizes is the camera's cannot be told here.
-  void check_against_first(const SourceFrame& frame) {
-    const int width = frame.pixels.width();
-    const int height = frame.pixels.height();
-    if (first_.width == 0) first_ = {frame.name, width, height};
-    if (width == first_.width && height == first_.height) return;
-    throw invalid_input(frame.name, fmt::format("is {} x {} pixels, but the first image is {} x {}: one "
-                                                "calibration cannot hold for both",
-                                                width, height, first_.width, first_.height));
+  Expected expected_by(const SourceFrame& first) const {
+    if (camera_->width != 0 || camera_->height != 0)
+      return {camera_->width, camera_->height,
+              fmt::format("camera '{}' is calibrated for {} x {}", camera_->name, camera_->width,
+                          camera_->height)};
+    const int width = first.pixels.width();
+    const int height = first.pixels.height();
+    return {width, height,
+            fmt::format("the first image, {}, is {} x {}, and camera '{}' names no resolution: give it the "
+                        "right one",
+                        first.name, width, height, camera_->name)};
   }
 
   const Camera* camera_;
+  std::optional<Expected> expected_;
   bool some_fit_ = false;
   int num_odd_ = 0;
-  Size first_odd_;
-  Size first_;  ///< Of a camera whose file tells no resolution.
+  Odd first_odd_;
 };
 
 class BatchDetector {
@@ -89,14 +94,19 @@ class BatchDetector {
     for (int i = 0; i < resolved_threads(options.num_threads); ++i) detectors_.emplace_back(options.detector);
   }
 
+  /// Goes on until one image fits, so that a wrong camera file is told of before any progress.
   std::vector<SourceFrame> read(FrameSource& source) {
     std::vector<SourceFrame> batch;
-    while (batch.size() < kFramesPerThread * detectors_.size() && !is_interrupted()) {
+    const auto is_full = [&] {
+      return batch.size() >= kFramesPerThread * detectors_.size() && !check_resolution_.is_undecided();
+    };
+    while (!is_full() && !is_interrupted()) {
       std::optional<SourceFrame> frame = source.next();
       if (!frame) break;
       check_resolution_(*frame);
       batch.push_back(std::move(*frame));
     }
+    check_resolution_.check_some_fit();
     return batch;
   }
 
@@ -109,8 +119,6 @@ class BatchDetector {
     });
     return detected;
   }
-
-  void check_some_fit() const { check_resolution_.check_some_fit(); }
 
  private:
   static void detect(Detector& detector, DetectedFrame& frame) {
@@ -169,7 +177,6 @@ FrameCounts detect_frames(FrameSource& source, const FrameLoopOptions& options, 
       }
     }
   }
-  if (counts.readable == 0) detector.check_some_fit();
   tell(source, counts, first_unreadable, console);
   return counts;
 }

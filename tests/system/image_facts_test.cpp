@@ -36,11 +36,35 @@ TEST_F(ImageFacts, WithoutAResolutionTheFirstImageSetsIt) {
              R"({"camera_matrix": [[500, 0, 79.5], [0, 500, 59.5], [0, 0, 1]], "distortion_coefficients": )"
              R"([0, 0, 0, 0, 0]})");
   for (const ProgramRun& run : {track(), calibrate(), detect()})
-    EXPECT_THAT(run, EndsWith(1, "no tag"));  // the image fits; it shows none
+    EXPECT_THAT(run, EndsWith(1, "no tag"));             // the image fits; it shows none
+  write_text(path("frames/500000000.pgm"), "no image");  // the first that can be read
   write_image(path("frames/2000000000.pgm"), 64, 48);
+  write_image(path("frames/3000000000.pgm"), 160, 120);
   for (const ProgramRun& run : {track(), calibrate(), detect()}) {
-    EXPECT_THAT(run, EndsWith(2, "64 x 48"));
-    EXPECT_THAT(run, EndsWith(2, "160 x 120"));
+    EXPECT_THAT(run, EndsWith(1, "2 of 4 frames are left out"));  // 1: the others show no tag
+    EXPECT_THAT(run, EndsWith(1, "no tag"));
+  }
+  fs::remove(path("frames/500000000.pgm"));
+  EXPECT_THAT(detect(), EndsWith(1, "2000000000.pgm: is 64 x 48 pixels, but the first image, " +
+                                        path("frames/1000000000.pgm") +
+                                        ", is 160 x 120, and camera 'cam0' names no "
+                                        "resolution: give it the right one"));
+}
+
+TEST_F(ImageFacts, WhereNoImageFitsTheFirstIsNamedBeforeAnyProgress) {
+  constexpr int kMoreThanAreReadAtOnce = 70;
+  fs::remove(path("frames/1000000000.pgm"));
+  for (const int num_images : {3, kMoreThanAreReadAtOnce}) {
+    for (int i = 0; i < num_images; ++i)
+      write_image(path("frames/" + std::to_string(1000 + i) + "000000.pgm"), 64, 48);
+    for (const char* threads : {"1", "8"}) {
+      for (const ProgramRun& run : {track({"--threads", threads}), detect({"--threads", threads})}) {
+        EXPECT_EQ(run.status, 2);
+        EXPECT_EQ(run.err, "error: " + path("frames/1000000000.pgm") +
+                               ": is 64 x 48 pixels, but camera 'cam0' is calibrated for 160 x 120; use the "
+                               "camera file of this resolution\n");
+      }
+    }
   }
 }
 

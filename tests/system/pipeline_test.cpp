@@ -193,6 +193,45 @@ TEST(Pipeline, ACorruptImageIsLeftOutCountedAndNoFailure) {
   EXPECT_THAT(read_text(folder / "frames.csv"), ::testing::HasSubstr(image.stem().string() + ",unreadable,"));
 }
 
+/// The pinhole and lens of a recording's camera as WPILib's JSON, which names no resolution.
+void write_camera_without_resolution(const fs::path& json_file, const fs::path& recording) {
+  const CameraModel model = read_cameras(recording / "camera.yaml").cameras.front().model;
+  const Pinhole& pinhole = model.pinhole();
+  const json camera = {
+      {"camera_matrix", {{pinhole.fx, 0, pinhole.cx}, {0, pinhole.fy, pinhole.cy}, {0, 0, 1}}},
+      {"distortion_coefficients", std::get<RadtanDistortion>(model.distortion()).coefficients()}};
+  write_text(json_file, camera.dump());
+}
+
+TEST(Pipeline, AnImageOfAnotherSizeIsLeftOutThoughTheCameraFileNamesNone) {
+  const fs::path folder = temporary_folder();
+  const std::string room = folder / "room";
+  simulate("room-gentle", 12, room);
+  write_camera_without_resolution(folder / "camera.json", room);
+  std::vector<fs::path> images;
+  for (const auto& entry : fs::directory_iterator(room + "/frames")) images.push_back(entry.path());
+  std::ranges::sort(images, {}, [](const fs::path& image) { return std::stoll(image.stem().string()); });
+  const fs::path odd = images.at(6);
+  fs::remove(odd);
+  write_text(fs::path(odd).replace_extension(".pgm"), "P5\n64 48\n255\n" + std::string(64 * 48, '\x80'));
+  const std::string words = odd.stem().string() + ".pgm: is 64 x 48 pixels, but the first image, " +
+                            images.front().string() + ", is 640 x 480";
+  const std::vector<std::vector<std::string>> commands = {
+      {"detect", room, "--output", folder / "corners.csv"},
+      {"calibrate", room, "--tag-size", "0.16", "--output", folder / "map.yaml"},
+      {"track", room, "--output", folder / "camera.tum", "--frames-csv", folder / "frames.csv"}};
+  for (std::vector<std::string> command : commands) {
+    command.insert(command.end(), {"--camera", folder / "camera.json", "--json"});
+    const ProgramRun run = run_program(command);
+    EXPECT_THAT(run, EndsWith(0, "warning: 1 of 12 frames are left out")) << command[0];
+    EXPECT_THAT(run, EndsWith(0, words)) << command[0];
+    ASSERT_EQ(run.status, 0) << run.err;
+    EXPECT_EQ(json::parse(run.out)["unreadable"], 1) << command[0];
+  }
+  EXPECT_EQ(num_lines(folder / "camera.tum"), 11U);
+  EXPECT_THAT(read_text(folder / "frames.csv"), ::testing::HasSubstr(odd.stem().string() + ",unreadable,"));
+}
+
 TEST(Pipeline, AFullDiskIsStatus3AndKeepsTheOldFile) {
   const fs::path folder = temporary_folder();
   const std::string room = folder / "room";
