@@ -158,7 +158,8 @@ void finish(const TrackArguments& arguments, const TrackRecord& record, bool was
 }
 
 /// A run without a pose leaves the page alone, which says why; others all that was asked for, or nothing.
-void write_outputs(const TrackArguments& arguments, const TrackRun& tracked) {
+void write_outputs(const TrackArguments& arguments, const TrackRun& tracked,
+                   std::optional<TrackVideo>& video) {
   const TrackRecord& record = tracked.record;
   StagedFiles outputs;
   if (!arguments.report.empty())
@@ -168,6 +169,7 @@ void write_outputs(const TrackArguments& arguments, const TrackRun& tracked) {
     if (!arguments.frames_csv.empty())
       outputs.write(arguments.frames_csv,
                     [&](const fs::path& path) { write_frame_log(path, record.rows()); });
+    if (video) video->close(outputs);
   }
   outputs.commit();
 }
@@ -192,10 +194,11 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   const bool was_interrupted = has_images ? track_images(arguments, camera, method, warnings, record, video)
                                           : track_detections(arguments, detections, method, record);
   warn_of_contradictions(record, arguments.method(), warnings);
-  write_outputs(arguments, {command_line_of(command), arguments, camera_file(arguments), map_file(arguments),
-                            camera, map, record, was_interrupted});
+  write_outputs(arguments,
+                {command_line_of(command), arguments, camera_file(arguments), map_file(arguments), camera,
+                 map, record, was_interrupted},
+                video);
   record.check_has_pose(has_images ? arguments.input : arguments.detections, map);
-  if (video) video->close();
   finish(arguments, record, was_interrupted, warnings);
 }
 

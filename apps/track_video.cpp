@@ -90,12 +90,12 @@ void TrackVideo::write(const Shown& shown) {
   video_->add({shown.image.view(), shown.outlines, shown.caption, shown.colour});
 }
 
-void TrackVideo::close() {
+void TrackVideo::close(StagedFiles& files) {
   if (last_ && !video_) {
     video_.emplace(path_, last_->image.width(), last_->image.height(), kOnlyFrameRate_hz);
     write(*last_);
   }
-  if (video_) video_->close();
+  if (video_) video_->close(files);
 }
 
 }  // namespace apriltrack::app

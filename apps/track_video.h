@@ -11,6 +11,10 @@
 #include "apriltrack/tags/tag_map.h"
 #include "apriltrack/tracker/track_result.h"
 
+namespace apriltrack {
+class StagedFiles;
+}
+
 namespace apriltrack::app {
 
 /// The recording again, every mapped tag outlined where the pose puts it, in the colour of the status
@@ -23,8 +27,8 @@ class TrackVideo {
   void add(const SourceFrame& frame, const TrackResult& result);
   /// A frame that could not be decoded shows the picture before it; one that has none before it is left out.
   void add_unreadable(Timestamp timestamp);
-  /// Puts the file in place; without it none is left.
-  void close();
+  /// Completes the file and puts it among `files`; without it none is left.
+  void close(StagedFiles& files);
 
  private:
   struct Shown {

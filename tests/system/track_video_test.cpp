@@ -7,6 +7,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "apriltrack/camera/camera.h"
@@ -173,6 +174,24 @@ TEST_F(TrackVideoFiles, KeepThePlaceOfAnUnreadableFrame) {
   std::ofstream(second, std::ios::trunc) << "no picture";
   EXPECT_EQ(track(folder_ / "gap.mp4").status, 0);
   EXPECT_EQ(decode_video(folder_ / "gap.mp4").frames.size(), 3U);
+}
+
+TEST_F(TrackVideoFiles, ThatDoNotFitOnTheDiskLeaveTheOtherOutputsAlone) {
+  constexpr std::size_t kOnlyTheFilmIsLarger = 5'000;
+  const fs::path out = folder_ / "out.tum", video = folder_ / "out.mp4";
+  ASSERT_EQ(track(video).status, 0);
+  ASSERT_LT(fs::file_size(out), kOnlyTheFilmIsLarger);
+  ASSERT_GT(fs::file_size(video), kOnlyTheFilmIsLarger);
+  fs::remove(video);
+  std::ofstream(out) << "old";
+  EXPECT_THAT(run_program_on_full_disk({"track", film_, "--mode", "joint", "--method", "pnp", "--output", out,
+                                        "--video", video, "--frames-csv", folder_ / "frames.csv", "--quiet"},
+                                       kOnlyTheFilmIsLarger),
+              EndsWith(3, "error: " + video.string() + ": cannot be written: "));
+  EXPECT_EQ(read_text(out), "old");
+  std::set<std::string> left;
+  for (const auto& entry : fs::directory_iterator(folder_)) left.insert(entry.path().filename().string());
+  EXPECT_EQ(left, (std::set<std::string>{"film", "out.tum"}));
 }
 
 TEST_F(TrackVideoFiles, AreNotLeftByARunWithoutAPose) {

@@ -109,15 +109,13 @@ class OverlayVideo::Impl {
     encoder_->add(canvas_);
   }
 
-  void close() {
+  void close(StagedFiles& files) {
     APRILTRACK_CHECK(encoder_, "a video is closed once");
     const std::unique_ptr<VideoEncoder> encoder = std::move(encoder_);
     if (encoder->num_frames() == 0)
       throw no_result(path_.string(), "was not written: no frame came that it could show");
     encoder->finish();
-    StagedFiles files;
     move_index_to_front(encoded_, files.stage(path_), path_.string(), encoder->num_frames());
-    files.commit();
     scratch_.reset();
   }
 
@@ -154,7 +152,13 @@ void OverlayVideo::add(const OverlayFrame& frame) {
 }
 
 void OverlayVideo::close() {
-  impl_->close();
+  StagedFiles files;
+  impl_->close(files);
+  files.commit();
+}
+
+void OverlayVideo::close(StagedFiles& files) {
+  impl_->close(files);
 }
 
 }  // namespace apriltrack

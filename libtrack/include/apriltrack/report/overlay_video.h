@@ -12,6 +12,8 @@
 
 namespace apriltrack {
 
+class StagedFiles;
+
 /// A tag's outline in the pixels of the frame: (0, 0) is the centre of the top-left pixel.
 struct ColouredOutline {
   std::array<Eigen::Vector2d, 4> corners_px;
@@ -31,8 +33,8 @@ struct OverlayFrame {
 /// first. The caption stands in a bar above the picture (players lay their controls over its foot); the
 /// picture fills the rows from height() - its own height on.
 ///
-/// All is written beside the file and put in its place by close(): a run that fails leaves no file, or the
-/// old one as it was.
+/// All is written beside the file and put in its place when it is closed: a run that fails leaves no file, or
+/// the old one as it was.
 class OverlayVideo {
  public:
   /// width, height: of the pictures. Requires both > 0 and a finite frame rate > 0. Throws
@@ -52,6 +54,8 @@ class OverlayVideo {
 
   /// Completes the file. Throws Error(kIo), and Error(kNoResult) when it holds no frame.
   void close();
+  /// The same, but `files` puts it in place, together with what else is in them.
+  void close(StagedFiles& files);
 
  private:
   class Impl;
