@@ -80,7 +80,7 @@ std::ptrdiff_t count_frames_with_tags(const Trajectory& truth, const CornerScene
   });
 }
 
-/// Read the wrong way round, a truth looks away from its tags in most frames. Empty where nothing speaks
+/// Read the wrong way round, most truths look away from their tags in most frames. Empty where nothing speaks
 /// against the mode.
 std::string mode_hint(const Trajectory& truth, const CornerScene* scene, TrajectoryKind kind) {
   if (!scene || scene->camera.width <= 0 || scene->camera.height <= 0) return "";
@@ -101,16 +101,66 @@ Error naming_files(const Error& error, const std::string& scored, const fs::path
   return Error(error.kind(), scored + " against " + truth.string(), error.what() + hint);
 }
 
+/// Poses in frames of which the truth, so read, shows no tag.
+int poses_without_tags(const TrajectoryEvaluation& evaluation, const Trajectory& estimate) {
+  const auto with_tags = std::ranges::count_if(
+      evaluation.frames, [](const FrameScore& frame) { return frame.error.has_value(); });
+  return static_cast<int>(estimate.size()) - evaluation.unmatched_estimates - static_cast<int>(with_tags);
+}
+
+/// Only a tag in view gives poses, but for the few predicted ones: an estimate with many where the truth
+/// shows no tag, and hardly any of these as the other mode reads it, speaks for that mode. A wrong mode can
+/// show tags in most frames, and a trajectory read the wrong way round on both sides has no error.
+std::string mode_hint_of_poses(const TrajectoryEvaluation& evaluation, const Trajectory& truth,
+                               const Trajectory& estimate, const CornerScene& scene, TrajectoryKind kind) {
+  constexpr int kFew = 3;
+  constexpr int kManyOf = 20;  // one in so many
+  constexpr int kTimesFewer = 4;
+  const int matched = static_cast<int>(estimate.size()) - evaluation.unmatched_estimates;
+  const int blind = poses_without_tags(evaluation, estimate);
+  if (blind < kFew || kManyOf * blind < matched) return "";
+  const bool is_ego = kind == TrajectoryKind::kEgo;
+  const TrajectoryKind other = is_ego ? TrajectoryKind::kJoint : TrajectoryKind::kEgo;
+  if (count_frames_with_tags(truth, scene, other) == 0) return "";
+  const int blind_otherwise =
+      poses_without_tags(evaluate_trajectory(truth, estimate, &scene, {other}), estimate);
+  if (kTimesFewer * blind_otherwise > blind) return "";
+  return fmt::format(
+      "as --mode {}, the truth shows no tag in {} of the {} frames that have a pose, as --mode {} in {}: try "
+      "--mode {}",
+      is_ego ? "ego" : "joint", blind, matched, is_ego ? "joint" : "ego", blind_otherwise,
+      is_ego ? "joint" : "ego");
+}
+
+/// Two recordings may begin at the same time, as those do whose times are counted from nought.
+void warn_of_another_recording(const TrajectoryEvaluation& evaluation, const EvaluateOptions& options,
+                               const fs::path& truth) {
+  constexpr double kFar_px = 100.0;
+  std::ptrdiff_t scored = 0;
+  std::ptrdiff_t far = 0;
+  for (const FrameScore& frame : evaluation.frames) {
+    if (!frame.corner_error_px) continue;
+    ++scored;
+    if (*frame.corner_error_px > kFar_px) ++far;
+  }
+  if (2 * far <= scored) return;
+  options.console.warning(fmt::format(
+      "{} of {} poses are over {:g} px off: does {} belong to {}?{}", far, scored, kFar_px, options.estimate,
+      truth.string(), options.align ? "" : " And is its map frame that of the truth (else --align)?"));
+}
+
 TrajectoryEvaluation evaluate(const EvaluateOptions& options, const Inputs& inputs) {
   const Trajectory truth = read_tum(inputs.truth);
   const Trajectory estimate = read_tum(options.estimate);
   const std::optional<CornerScene> known_scene = read_scene(inputs, options);
   const CornerScene* scene = known_scene ? &*known_scene : nullptr;
   const TrajectoryKind kind = options.mode == "joint" ? TrajectoryKind::kJoint : TrajectoryKind::kEgo;
-  const std::string hint = mode_hint(truth, scene, kind);
+  std::string hint = mode_hint(truth, scene, kind);
   try {
     TrajectoryEvaluation evaluation = evaluate_trajectory(truth, estimate, scene, {kind, options.align});
+    if (hint.empty() && scene) hint = mode_hint_of_poses(evaluation, truth, estimate, *scene, kind);
     if (!hint.empty()) options.console.warning(hint);
+    warn_of_another_recording(evaluation, options, inputs.truth);
     return evaluation;
   } catch (const Error& error) {
     throw naming_files(error, options.estimate, inputs.truth, hint);

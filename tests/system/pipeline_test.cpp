@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "apriltrack/camera/camera.h"
+#include "apriltrack/eval/trajectory.h"
 #include "program.h"
 #include "support/shared_data.h"
 
@@ -66,6 +67,50 @@ TEST(Pipeline, TheOtherModeIsProposedWhereTheTruthSpeaksForIt) {
   const ProgramRun right = run_program({"evaluate", "--truth", room, "--estimate", room + "/truth.tum"});
   EXPECT_EQ(right.status, 0);
   EXPECT_THAT(right.err, ::testing::Not(::testing::HasSubstr("--mode")));
+}
+
+// As poses of a body, a room's truth shows tags in many frames, too: what tells is that nobody can have had
+// poses in the others.
+TEST(Pipeline, TheOtherModeIsProposedWherePosesWereFoundWithoutATag) {
+  const fs::path folder = temporary_folder();
+  const std::string room = folder / "room";
+  run_for_json({"simulate", "--scene", "room", "--frames", "45", "--speed", "2", "--exposure", "0.005",
+                "--output", room});
+  const auto evaluate = [&](const std::string& recording, const std::string& mode) {
+    return run_program(
+        {"evaluate", "--truth", recording, "--estimate", recording + "/truth.tum", "--mode", mode});
+  };
+  // Counted by another program, of the same definition of a visible tag.
+  EXPECT_EQ(evaluate(room, "joint").err,
+            "warning: as --mode joint, the truth shows no tag in 6 of the 45 frames that have a pose, as "
+            "--mode ego in 0: try --mode ego\n");
+  EXPECT_EQ(evaluate(room, "ego").err, "");
+  const std::string body = folder / "bundle";
+  simulate("bundle", 30, body);
+  EXPECT_EQ(evaluate(body, "joint").err, "");
+}
+
+TEST(Pipeline, PosesOfAnotherRecordingAreDoubtedByTheNamesOfBothFiles) {
+  const fs::path folder = temporary_folder();
+  const std::string room = folder / "room", other = folder / "other";
+  simulate("room", 20, room);
+  run_for_json({"simulate", "--scene", "room-gentle", "--frames", "20", "--rate", "30", "--speed", "10",
+                "--output", other});
+  const auto score = [&](const std::string& estimate) {
+    return run_program({"evaluate", "--truth", room, "--estimate", estimate});
+  };
+  const ProgramRun run = score(other + "/truth.tum");
+  EXPECT_THAT(run, EndsWith(0, "poses are over 100 px off: does " + other + "/truth.tum belong to " + room +
+                                   "/truth.tum?"));
+  EXPECT_EQ(score(room + "/truth.tum").err, "");
+
+  // Half of the poses are the right ones: bad, and yet of this recording.
+  Trajectory half = read_tum(room + "/truth.tum");
+  const Trajectory wrong = read_tum(other + "/truth.tum");
+  ASSERT_EQ(half.size(), wrong.size());
+  for (std::size_t i = 0; i < half.size() / 2; ++i) half[i] = wrong[i];
+  write_tum(folder / "half.tum", half);
+  EXPECT_EQ(score(folder / "half.tum").err, "");
 }
 
 TEST(Pipeline, RecordingsThatDoNotMeetAreNamedWithTheirTimes) {
