@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <numbers>
-
 #include "apriltrack/eval/compare_maps.h"
 #include "apriltrack/report/html_page.h"
+#include "degrees.h"
 #include "demo_charts.h"
 #include "demo_paper.h"
 #include "demo_picture.h"
@@ -21,7 +20,7 @@ void add_calibration(HtmlPage& page, const DemoFiles& files) {
       fmt::format("{} of {} tags mapped from the gentle recording's images; against the exact map {:.2f} mm "
                   "and {:.3f} degrees off (root mean square), after the best rigid motion.",
                   map.tags.size(), map.tags.size() + map.missing.size(), 1e3 * map.position_m.rms,
-                  map.rotation_rad.rms * 180.0 / std::numbers::pi));
+                  kDegPerRad * map.rotation_rad.rms));
 }
 
 void add_scene(HtmlPage& page, const DemoFiles& files, const DemoScene& scene,

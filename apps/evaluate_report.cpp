@@ -4,16 +4,14 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "apriltrack/eval/statistics.h"
+#include "degrees.h"
 
 namespace apriltrack::app {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 json rounded(const std::optional<double>& value, int decimals, double factor = 1.0) {
   if (!value) return nullptr;

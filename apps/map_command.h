@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,10 +11,10 @@
 #include "apriltrack/tags/tag_map.h"
 #include "command_help.h"
 #include "console.h"
+#include "degrees.h"
 
 namespace apriltrack::app {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr double kMmPerM = 1e3;
 
 /// What the verbs of `map` take; each uses some of it.

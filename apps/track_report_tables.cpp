@@ -5,16 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <set>
 
 #include "apriltrack/eval/statistics.h"
 #include "apriltrack/tracker/blur_tracker.h"
+#include "degrees.h"
 
 namespace apriltrack::app {
 namespace {
-
-constexpr double kDegPerRadian = 180.0 / std::numbers::pi;
 
 std::string share_of(std::size_t count, std::size_t all) {
   return fmt::format("{:.1f} %", 100.0 * static_cast<double>(count) / static_cast<double>(all));
@@ -56,8 +54,8 @@ std::string exposure(const TrackRun& run) {
 std::string median_and_worst(const std::optional<ClaimedSigma>& sigma) {
   if (!sigma) return "no pose claims any";
   return fmt::format("{:.2f} mm and {:.3f} degrees; at worst {:.2f} mm and {:.3f} degrees",
-                     1e3 * sigma->median_position_m, kDegPerRadian * sigma->median_rotation_rad,
-                     1e3 * sigma->worst_position_m, kDegPerRadian * sigma->worst_rotation_rad);
+                     1e3 * sigma->median_position_m, kDegPerRad * sigma->median_rotation_rad,
+                     1e3 * sigma->worst_position_m, kDegPerRad * sigma->worst_rotation_rad);
 }
 
 std::string longest_blind(const TrackFigures& figures) {
@@ -174,8 +172,8 @@ HtmlTable status_table(const TrackFigures& figures) {
     if (const auto& sigma = status.sigma) {
       row.insert(row.end(), {fmt::format("{:.2f}", 1e3 * sigma->median_position_m),
                              fmt::format("{:.2f}", 1e3 * sigma->worst_position_m),
-                             fmt::format("{:.3f}", kDegPerRadian * sigma->median_rotation_rad),
-                             fmt::format("{:.3f}", kDegPerRadian * sigma->worst_rotation_rad)});
+                             fmt::format("{:.3f}", kDegPerRad * sigma->median_rotation_rad),
+                             fmt::format("{:.3f}", kDegPerRad * sigma->worst_rotation_rad)});
     } else {
       row.insert(row.end(), 4, "-");
     }

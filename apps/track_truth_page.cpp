@@ -3,15 +3,13 @@
 #include <fmt/format.h>
 
 #include <limits>
-#include <numbers>
 
+#include "degrees.h"
 #include "error_chart.h"
 #include "track_extent.h"
 
 namespace apriltrack::app {
 namespace {
-
-constexpr double kDegreesIn = 180.0 / std::numbers::pi;
 
 std::string number_or_dash(const std::optional<double>& value, double factor, int decimals,
                            const std::string& unit) {
@@ -30,8 +28,8 @@ HtmlTable truth_table(const TruthScore& score) {
        {"corner error, 95 %", number_or_dash(all.p95_px, 1.0, 3, "px")},
        {"position error, median", number_or_dash(all.position_median_m, 1e3, 2, "mm")},
        {"position error, RMS", number_or_dash(all.position_rmse_m, 1e3, 2, "mm")},
-       {"rotation error, median", number_or_dash(all.rotation_median_rad, kDegreesIn, 3, "degrees")},
-       {"rotation error, RMS", number_or_dash(all.rotation_rmse_rad, kDegreesIn, 3, "degrees")}},
+       {"rotation error, median", number_or_dash(all.rotation_median_rad, kDegPerRad, 3, "degrees")},
+       {"rotation error, RMS", number_or_dash(all.rotation_rmse_rad, kDegPerRad, 3, "degrees")}},
       "Shares are of all these frames; errors of those with a pose, predicted ones too. An honest "
       "covariance has normalised errors of 1."};
   if (log.claimed_good_but_over_10px)
@@ -95,7 +93,7 @@ void add_truth_section(HtmlPage& page, const TruthScore& score, const TrackRecor
   page.png(error_chart_of_poses(score, record, &PoseError::position_m, 1e3, "Position error over time",
                                 "position error, mm"),
            "Distance from the true position; logarithmic.");
-  page.png(error_chart_of_poses(score, record, &PoseError::rotation_rad, kDegreesIn,
+  page.png(error_chart_of_poses(score, record, &PoseError::rotation_rad, kDegPerRad,
                                 "Rotation error over time", "rotation error, degrees"),
            "Angle from the true orientation; logarithmic.");
 }
