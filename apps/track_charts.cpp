@@ -11,6 +11,7 @@
 
 #include "apriltrack/report/chart.h"
 #include "apriltrack/report/event_lanes.h"
+#include "degrees.h"
 #include "status_colours.h"
 #include "track_extent.h"
 
@@ -18,7 +19,6 @@ namespace apriltrack::app {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 constexpr std::array<Colour, 3> kAxisColours = {kVermilion, kBluishGreen, kBlue};
 
 /// What a chart shows of a row; NaN: nothing.
@@ -158,7 +158,7 @@ ReportPicture draw_rotation(const TrackRecord& record, TrackMode mode) {
     ChartSeries series{.name = fmt::format("about {}", kAxisNames[i]), .colour = kAxisColours[i]};
     for (std::size_t k = 0; k < turns.size(); ++k) {
       series.x.push_back(time_of(record, record.rows()[k]));
-      series.y.push_back(kDegreesPerRadian * turns[k][static_cast<Eigen::Index>(i)]);
+      series.y.push_back(kDegPerRad * turns[k][static_cast<Eigen::Index>(i)]);
     }
     chart.series.push_back(std::move(series));
   }
@@ -176,7 +176,7 @@ ReportPicture draw_position_sigma(const TrackRecord& record) {
 
 ReportPicture draw_rotation_sigma(const TrackRecord& record) {
   return draw_sigma(record, "rotation", "degrees", [](const FrameLogRow& row) {
-    return row.covariance ? kDegreesPerRadian * std::sqrt(row.covariance->bottomRightCorner<3, 3>().trace())
+    return row.covariance ? kDegPerRad * std::sqrt(row.covariance->bottomRightCorner<3, 3>().trace())
                           : kNothing;
   });
 }
