@@ -1,7 +1,3 @@
-extern "C" {
-#include <libavutil/log.h>
-}
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,9 +6,9 @@ extern "C" {
 #include <exception>
 #include <filesystem>
 #include <iostream>
-#include <opencv2/core/utils/logger.hpp>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/source/decoder_messages.h"
 #include "commands.h"
 #include "console.h"
 
@@ -79,17 +75,11 @@ int run(int argc, char** argv) {
   }
 }
 
-/// FFmpeg and OpenCV write to stderr, even under --quiet; what they find is told in our own words.
-void silence_libraries() {
-  av_log_set_level(AV_LOG_QUIET);
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-}
-
 }  // namespace
 }  // namespace apriltrack::app
 
 int main(int argc, char** argv) {
-  apriltrack::app::silence_libraries();
+  apriltrack::silence_decoders();  // what they find is told in our own words
   apriltrack::app::install_interrupt_handler();
   return apriltrack::app::run(argc, argv);
 }
