@@ -23,13 +23,19 @@ TagMap map_with_hidden_tags(int count) {
   return map;
 }
 
+BlurTrackerOptions with_small_clouds() {
+  BlurTrackerOptions options;
+  options.num_particles = 60;
+  return options;
+}
+
 class HiddenTagsOfTheMap : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Counts, HiddenTagsOfTheMap, ::testing::Values(2, 12));
 
 TEST_P(HiddenTagsOfTheMap, CostNoFrameAndMakeNoPoseSurer) {
   const BlurFilm& film = shaken_camera();
-  BlurTracker plain(film.scene.camera, film.scene.map);
-  BlurTracker crowded(film.scene.camera, map_with_hidden_tags(GetParam()));
+  BlurTracker plain(film.scene.camera, film.scene.map, with_small_clouds());
+  BlurTracker crowded(film.scene.camera, map_with_hidden_tags(GetParam()), with_small_clouds());
   int num_read = 0, num_unread = 0;
   for (std::size_t i = 0; i < 12; ++i) {
     const TrackResult expected = plain.track(film.frames[i].frame(), film.detections[i]);
@@ -103,11 +109,6 @@ class TagBehindABoard : public ::testing::Test {
   BlurTracker tracker_;
 
  private:
-  static BlurTrackerOptions with_small_clouds() {
-    BlurTrackerOptions options;
-    options.num_particles = 60;
-    return options;
-  }
   static TagMap map_of_two() {
     TagMap map = shaken_camera().scene.map;
     std::erase_if(map.tags, [](const MapTag& tag) { return tag.key.id != kHidden && tag.key.id != kShown; });

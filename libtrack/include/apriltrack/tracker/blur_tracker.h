@@ -39,9 +39,9 @@ struct BlurTrackerOptions {
 /// during the exposure, are fitted to the pixels of all visible tags together with pose and velocity,
 /// detected corners and the motion so far (docs/algorithms/blur_tracker.md).
 ///
-/// Needs no detection in a frame, as long as some evidence in the last half second told where to look. The covariance
-/// is that of the fit, of what the model is known to leave out, and of the tags in the map; the camera is
-/// taken as exact.
+/// Needs no detection in a frame, as long as some evidence in the last half second told where to look. The
+/// covariance is that of the fit, of what the model is known to leave out, and of the tags in the map; the
+/// camera is taken as exact.
 ///
 /// One recording at a time, frames in the order of time; a frame that is not later than the one before starts
 /// anew. Memory is bounded. No frame throws, whatever it shows: a pose is finite, or there is none and the
