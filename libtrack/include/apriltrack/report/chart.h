@@ -58,9 +58,8 @@ struct Chart {
 };
 
 /// Writes a PNG file: by default 1200 pixels wide and 560 high, or higher where the legend takes several
-/// rows. Points
-/// beyond an axis, infinite ones and those <= 0 on a logarithmic axis too, are drawn at its edge; lines are
-/// cut off there. Letters beyond ASCII appear as '?'.
+/// rows. Points beyond an axis, infinite ones and those <= 0 on a logarithmic axis too, are drawn at its
+/// edge; lines are cut off there. Letters beyond ASCII appear as '?'.
 ///
 /// Requires as many x as y, and as many shades or none; shades in [0, 1]; finite ends of axes with low <
 /// high, and > 0 on logarithmic ones; finite levels; a width of 400 to 4000 and a plot's height of 100 to
