@@ -7,6 +7,7 @@ find_package(fmt REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(apriltag REQUIRED)
+find_package(hwy REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio)
 # For the times of video frames, which OpenCV tells wrongly, and to write videos, where OpenCV does not tell of a full

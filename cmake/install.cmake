@@ -15,7 +15,7 @@ foreach(component calib source eval sim report)
 endforeach()
 
 # Outside libraries without a pkg-config file of their own, or whose own names far more than is used (opencv4).
-set(pc_requires_of_track "eigen3 fmt yaml-cpp apriltag")
+set(pc_requires_of_track "eigen3 fmt yaml-cpp apriltag libhwy")
 set(pc_requires_of_source "libavformat libavcodec libswscale libavutil")
 set(pc_requires_of_report "libavformat libavcodec libswscale libavutil")
 set(pc_libraries_of_calib "-lceres -lglog")

@@ -71,17 +71,19 @@ TEST(ActiveTags, AFewHaveAllThePixelsThatAreAskedFor) {
     for (const ActiveTag& tag : active) {
       PhotometricTag& mapped = world.tags[static_cast<std::size_t>(tag.index)];
       const TagPrediction prediction(world, mapped, wall.state, wall.frame.exposure_s, asked.level);
+      PredictedPixels predicted;
       const TagPixels alone =
           select_pixels(world, wall.frame.light, prediction,
                         swept_pixels(world, wall.frame.light, prediction, mapped, asked.level), asked.level,
-                        asked.max_pixels);
+                        asked.max_pixels, &predicted);
       EXPECT_EQ(tag.pixels.stride, alone.stride);
       EXPECT_EQ(tag.pixels.area_px, alone.area_px);
-      ASSERT_EQ(tag.pixels.pixels.size(), alone.pixels.size());
-      for (std::size_t i = 0; i < alone.pixels.size(); ++i) {
-        EXPECT_EQ(tag.pixels.pixels[i].ray, alone.pixels[i].ray);
-        EXPECT_EQ(tag.pixels.pixels[i].light, alone.pixels[i].light);
-      }
+      EXPECT_EQ(tag.pixels.count, alone.count);
+      EXPECT_EQ(tag.pixels.ray_x, alone.ray_x);
+      EXPECT_EQ(tag.pixels.ray_y, alone.ray_y);
+      EXPECT_EQ(tag.pixels.image, alone.image);
+      EXPECT_EQ(tag.pixels.inverse_sigma, alone.inverse_sigma);
+      EXPECT_EQ(tag.predicted.light, predicted.light);
     }
   }
 }
@@ -98,8 +100,8 @@ TEST(ActiveTags, ManyShareThePixelsOfAFrame) {
       EXPECT_EQ(active.size(), num_tags);
       std::size_t num_pixels = 0;
       for (const ActiveTag& tag : active) {
-        num_pixels += tag.pixels.pixels.size();
-        EXPECT_GE(tag.pixels.pixels.size(), 48U);
+        num_pixels += tag.pixels.count;
+        EXPECT_GE(tag.pixels.count, 48U);
         // Thinned out evenly: what is left stands for all of the tag, which is 8 / 10 of its cell of the
         // wall.
         const double edge_px = 0.8 * kHeight / across * 10.0 / 8.0;

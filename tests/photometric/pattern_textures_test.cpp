@@ -32,7 +32,7 @@ TEST(PatternTextures, AreSharedInQuartersOfAnOctaveOfTheSigma) {
 }
 
 TEST(PatternTextures, OfAllTagsTogetherStayWithinTheirMemoryAndTheLatestStay) {
-  constexpr std::size_t kMaxBytes = 2 << 20;
+  constexpr std::size_t kMaxBytes = 1 << 20;
   constexpr int kNumTags = 40;
   PatternTextures textures(first_patterns(kNumTags), kMaxBytes);
   const double cell = textures.pattern(0).cell_size();
@@ -59,11 +59,11 @@ TEST(PatternTextures, OfAllTagsTogetherStayWithinTheirMemoryAndTheLatestStay) {
 }
 
 TEST(PatternTextures, ForgetAPictureThatMemoryHadNoRoomFor) {
-  constexpr std::size_t kMaxBytes = 1 << 20;
+  constexpr std::size_t kMaxBytes = 1 << 19;
   PatternTextures textures(first_patterns(20), kMaxBytes);
   const double cell = textures.pattern(0).cell_size();
   {
-    const test::AllocationLimit limit(50'000);  // less than any picture's texels take
+    const test::AllocationLimit limit(25'000);  // less than any picture's texels take
     EXPECT_THROW(textures.blurred(0, 0.5 * cell, 0.5 * cell), std::bad_alloc);
   }
   EXPECT_EQ(textures.num_bytes(), 0U);
@@ -85,12 +85,12 @@ TEST(PatternTextures, TakeTheMemoryThatTheirHeaderTells) {
       return textures.blurred(0, sigma_in_cells * cell, sigma_in_cells * cell)->num_bytes();
     };
     const std::size_t sharp = num_bytes(0.0), middling = num_bytes(0.25), wide = num_bytes(3.0);
-    EXPECT_GE(sharp, 1'200'000U) << family;
-    EXPECT_LE(sharp, 2'750'000U) << family;
-    EXPECT_GE(middling, 45'000U) << family;
-    EXPECT_LE(middling, 100'000U) << family;
-    EXPECT_GE(wide, 320'000U) << family;
-    EXPECT_LE(wide, 440'000U) << family;
+    EXPECT_GE(sharp, 600'000U) << family;
+    EXPECT_LE(sharp, 1'400'000U) << family;
+    EXPECT_GE(middling, 22'500U) << family;
+    EXPECT_LE(middling, 50'000U) << family;
+    EXPECT_GE(wide, 160'000U) << family;
+    EXPECT_LE(wide, 220'000U) << family;
   }
 }
 

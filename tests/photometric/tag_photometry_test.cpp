@@ -23,17 +23,18 @@ class TagCost {
   TagCost() : film_(lens(), motion()), world_(film_.world()) {
     const TagPrediction prediction = prediction_of(film_.truth);
     const auto swept = swept_pixels(world_, film_.frame.light, prediction, world_.tags[0], 0);
-    pixels_ = select_pixels(world_, film_.frame.light, prediction, swept, 0, 700);
+    PredictedPixels predicted;
+    pixels_ = select_pixels(world_, film_.frame.light, prediction, swept, 0, 700, &predicted);
     RandomStream random(1);
-    for (TagPixel& pixel : pixels_.pixels) {
-      const PixelPrediction seen = prediction.predict(pixel.ray);
-      pixel.light =
+    for (std::size_t i = 0; i < pixels_.count; ++i) {
+      const PixelPrediction seen = prediction.predict({pixels_.ray_x[i], pixels_.ray_y[i]});
+      pixels_.image[i] =
           static_cast<float>(kColours.gain * seen.light + kColours.black * seen.presence +
                              kColours.background * (1.0 - seen.presence) + kNoise * random.normal());
     }
   }
 
-  std::size_t num_pixels() const { return pixels_.pixels.size(); }
+  std::size_t num_pixels() const { return pixels_.count; }
 
   /// The path exp(pose + t rate) T(t), to the first order in the step and the second in t: what the rate's
   /// turn does to the path so far is an acceleration.
@@ -49,12 +50,12 @@ class TagCost {
   }
 
   double cost(const Eigen::VectorXd& step, double scale) {
-    return measure_misfit(pixels_, prediction_of(perturbed(step)), scale).cost;
+    return measure_misfit(pixels_, predict(prediction_of(perturbed(step)), pixels_), scale).cost;
   }
 
   TagNormalEquations linearised(const Eigen::VectorXd& step, double scale) {
     const TagPrediction prediction = prediction_of(perturbed(step));
-    const TagColours colours = measure_misfit(pixels_, prediction, scale).colours;
+    const TagColours colours = measure_misfit(pixels_, predict(prediction, pixels_), scale).colours;
     return linearise(pixels_, prediction, colours, scale);
   }
 

@@ -42,11 +42,12 @@ TEST(TagPrediction, ExplainsARenderedPictureOnEveryLevel) {
     const TagPrediction prediction(world, world.tags[0], film.truth, kExposure_s, level);
     ASSERT_TRUE(prediction.is_visible());
     EXPECT_GT(prediction.path_px(), 15.0);
-    const TagPixels pixels =
-        select_pixels(world, film.frame.light, prediction,
-                      swept_pixels(world, film.frame.light, prediction, world.tags[0], level), level, 700);
-    ASSERT_GT(pixels.pixels.size(), 300U);
-    const TagMisfit misfit = measure_misfit(pixels, prediction, 0.0);
+    PredictedPixels predicted;
+    const TagPixels pixels = select_pixels(
+        world, film.frame.light, prediction,
+        swept_pixels(world, film.frame.light, prediction, world.tags[0], level), level, 700, &predicted);
+    ASSERT_GT(pixels.count, 300U);
+    const TagMisfit misfit = measure_misfit(pixels, predicted, 0.0);
     EXPECT_GT(misfit.correlation, 0.996) << "level " << level;
     EXPECT_LT(misfit.residual_scale, 0.02 * misfit.colours.gain) << "level " << level;
   }
@@ -110,11 +111,12 @@ TEST(TagPrediction, JacobianIsTheNumericOne) {
   const TagFilm& film = moving_tag();
   PhotometricWorld world = film.world();
   const TagPrediction prediction(world, world.tags[0], film.truth, kExposure_s, 0);
+  PredictedPixels predicted;
   const TagPixels pixels =
       select_pixels(world, film.frame.light, prediction,
-                    swept_pixels(world, film.frame.light, prediction, world.tags[0], 0), 0, 300);
+                    swept_pixels(world, film.frame.light, prediction, world.tags[0], 0), 0, 300, &predicted);
   std::vector<Eigen::Vector2f> rays;
-  for (const TagPixel& pixel : pixels.pixels) rays.push_back(pixel.ray);
+  for (std::size_t i = 0; i < pixels.count; ++i) rays.emplace_back(pixels.ray_x[i], pixels.ray_y[i]);
   ASSERT_GT(rays.size(), 150U);
   Eigen::MatrixXd analytic(2 * static_cast<Eigen::Index>(rays.size()), 12);
   for (std::size_t i = 0; i < rays.size(); ++i) {

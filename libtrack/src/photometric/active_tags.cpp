@@ -54,9 +54,10 @@ std::vector<ActiveTag> active_tags(PhotometricWorld& world, const PhotometricFra
   const int share = pixels_per_tag(max_pixels, shown.size());
   std::vector<ActiveTag> active;
   for (const TagInImage& tag : shown) {
-    TagPixels pixels = select_pixels(world, frame.light, tag.prediction, tag.swept, level, share);
-    if (pixels.pixels.size() < kMinPixels) continue;
-    active.push_back({tag.index, std::move(pixels), 0.0, tag.prediction.path_px()});
+    PredictedPixels predicted;
+    TagPixels pixels = select_pixels(world, frame.light, tag.prediction, tag.swept, level, share, &predicted);
+    if (pixels.count < kMinPixels) continue;
+    active.push_back({tag.index, std::move(pixels), std::move(predicted), 0.0, tag.prediction.path_px()});
   }
   return active;
 }

@@ -13,7 +13,8 @@ namespace apriltrack {
 struct ActiveTag {
   int index = 0;  ///< Into PhotometricWorld::tags.
   TagPixels pixels;
-  double scale = 0.0;  ///< Of the residuals; 0 until it is measured.
+  PredictedPixels predicted;  ///< At the state that it was found for.
+  double scale = 0.0;         ///< Of the residuals; 0 until it is measured.
   double path_px = 0.0;
 };
 

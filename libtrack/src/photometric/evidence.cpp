@@ -28,11 +28,9 @@ std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const Photometr
   std::vector<TagEvidence> evidence;
   for (const ActiveTag& active : active_tags(world, frame, state, options.level, options.max_pixels_per_tag,
                                              options.extra_sigma_px, options.with_hidden)) {
-    const TagPrediction prediction(world, world.tags[static_cast<std::size_t>(active.index)], state,
-                                   frame.exposure_s, options.level, options.extra_sigma_px);
-    TagMisfit misfit = measure_misfit(active.pixels, prediction, 0.0);
-    if (options.is_robust) misfit = measure_misfit(active.pixels, prediction, scale_of(misfit));
-    evidence.push_back({active.index, static_cast<int>(active.pixels.pixels.size()), active.pixels.area_px,
+    TagMisfit misfit = measure_misfit(active.pixels, active.predicted, 0.0);
+    if (options.is_robust) misfit = measure_misfit(active.pixels, active.predicted, scale_of(misfit));
+    evidence.push_back({active.index, static_cast<int>(active.pixels.count), active.pixels.area_px,
                         misfit.correlation, misfit.colours.gain, active.path_px});
   }
   return evidence;

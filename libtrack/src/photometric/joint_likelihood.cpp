@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kMaxPerTask = 32;
 constexpr std::size_t kMaxPerBatch = 1024;
 /// A batch's predictions, of 1 kB each, are held at once.
-constexpr std::size_t kMaxPredictions = 4096;
+constexpr std::size_t kMaxPredictions = 2048;
 constexpr double kLeastPresence = 0.5;  // of the printed cells in a sample's light
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "active_tags.h"
 #include "apriltrack/base/geman_mcclure.h"
@@ -32,6 +33,17 @@ struct NormalEquations {
   Vector12d g = Vector12d::Zero();
 };
 
+/// A state with what it makes of the tags.
+struct Evaluated {
+  struct Tag {
+    TagPrediction prediction;
+    TagColours colours;
+  };
+  MotionState state;
+  double cost = 0.0;
+  std::vector<Tag> tags;  ///< As the active ones; none where the cost is infinite.
+};
+
 /// The fit of one frame: its data, and what the steps have in common.
 class Fit {
  public:
@@ -46,7 +58,7 @@ class Fit {
       std::vector<ActiveTag> active = active_tags(world_, frame_, state, level, max_pixels);
       // Too coarse for what is seen: the prior alone would pull the state off.
       if (active.empty()) return state;
-      set_scales(active, state, level);
+      set_scales(active);
       state = descend(active, state, level, max_steps / 2);
     }
     return state;
@@ -59,22 +71,20 @@ class Fit {
     std::erase_if(active, [&](const ActiveTag& one) {
       return std::ranges::none_of(tags, [&](const TagEvidence& tag) { return tag.tag_index == one.index; });
     });
-    set_scales(active, state, level);
-    return equations(active, state, level).H;
+    set_scales(active);
+    return equations(active, evaluate(active, state, level)).H;
   }
 
  private:
-  void set_scales(std::vector<ActiveTag>& active, const MotionState& state, int level) {
-    for (ActiveTag& tag : active)
-      tag.scale =
-          scale_of(measure_misfit(tag.pixels, prediction_of(world_, tag.index, state, frame_, level), 0.0));
+  static void set_scales(std::vector<ActiveTag>& active) {
+    for (ActiveTag& tag : active) tag.scale = scale_of(measure_misfit(tag.pixels, tag.predicted, 0.0));
   }
-
-  MotionState descend(const std::vector<ActiveTag>& active, MotionState state, int level, int max_steps) {
-    double current = cost(active, state, level);
+  MotionState descend(const std::vector<ActiveTag>& active, const MotionState& start, int level,
+                      int max_steps) {
+    Evaluated current = evaluate(active, start, level);
     double damping = 1e-3;
     for (int step = 0; step < max_steps; ++step) {
-      const NormalEquations normal = equations(active, state, level);
+      const NormalEquations normal = equations(active, current);
       bool is_better = false;
       Vector12d move = Vector12d::Zero();
       for (int attempt = 0; attempt < 4 && !is_better; ++attempt) {
@@ -82,41 +92,45 @@ class Fit {
         damped.diagonal() *= 1.0 + damping;
         damped.diagonal().array() += 1e-9;
         move = -damped.ldlt().solve(normal.g);
-        if (!move.allFinite()) return state;
-        const MotionState next = moved(state, move);
-        const double next_cost = cost(active, next, level);
-        is_better = next_cost < current;
-        if (is_better) {
-          state = next;
-          current = next_cost;
-          damping = std::max(1e-6, 0.2 * damping);
-        } else {
-          damping = std::max(1e-3, 10.0 * damping);
-        }
+        if (!move.allFinite()) return current.state;
+        Evaluated next = evaluate(active, moved(current.state, move), level);
+        is_better = next.cost < current.cost;
+        damping = is_better ? std::max(1e-6, 0.2 * damping) : std::max(1e-3, 10.0 * damping);
+        if (is_better) current = std::move(next);
       }
       if (!is_better || is_negligible(move)) break;
     }
-    return state;
+    return current.state;
   }
 
   static bool is_negligible(const Vector12d& move) {
     return move.segment<3>(0).norm() < 1e-5 && move.segment<3>(3).norm() < 1e-5;
   }
 
-  double cost(const std::vector<ActiveTag>& active, const MotionState& state, int level) {
-    double sum = 0.0;
+  Evaluated evaluate(const std::vector<ActiveTag>& active, const MotionState& state, int level) {
+    Evaluated result{state, 0.0, {}};
+    result.tags.reserve(active.size());
     for (const ActiveTag& tag : active) {
       const TagPrediction prediction = prediction_of(world_, tag.index, state, frame_, level);
       // A tag must not turn its back to be rid of its pixels.
-      if (!prediction.is_visible()) return std::numeric_limits<double>::infinity();
-      const TagMisfit misfit = measure_misfit(tag.pixels, prediction, tag.scale);
-      if (misfit.colours.gain <= 0.0) sum += static_cast<double>(tag.pixels.pixels.size());
-      sum += information_share(tag.pixels) * misfit.cost;
+      if (!prediction.is_visible()) return {state, std::numeric_limits<double>::infinity(), {}};
+      const TagMisfit misfit = measure_misfit(tag.pixels, predict(prediction, tag.pixels), tag.scale);
+      if (misfit.colours.gain <= 0.0) result.cost += static_cast<double>(tag.pixels.count);
+      result.cost += information_share(tag.pixels) * misfit.cost;
+      result.tags.push_back({prediction, misfit.colours});
     }
-    if (prior_) {
-      const Vector12d d = difference(prior_->mean, state);
-      sum += 0.5 * d.dot(prior_information_ * d);
-    }
+    result.cost += prior_cost(state) + corner_cost(state);
+    return result;
+  }
+
+  double prior_cost(const MotionState& state) const {
+    if (!prior_) return 0.0;
+    const Vector12d d = difference(prior_->mean, state);
+    return 0.5 * d.dot(prior_information_ * d);
+  }
+
+  double corner_cost(const MotionState& state) const {
+    double sum = 0.0;
     const Pose view = camera_from_map(state.pose, world_.mode);
     for (const CornerObservation& corner : corners_) {
       const auto pixel = world_.model.project(view * corner.point_map);
@@ -127,24 +141,23 @@ class Fit {
     return sum;
   }
 
-  NormalEquations equations(const std::vector<ActiveTag>& active, const MotionState& state, int level) {
+  NormalEquations equations(const std::vector<ActiveTag>& active, const Evaluated& at) const {
     NormalEquations left;
-    for (const ActiveTag& tag : active) {
-      const TagPrediction prediction = prediction_of(world_, tag.index, state, frame_, level);
-      if (!prediction.is_visible()) continue;
-      const TagMisfit misfit = measure_misfit(tag.pixels, prediction, tag.scale);
-      if (misfit.colours.gain <= 0.0) continue;
-      const TagNormalEquations one = linearise(tag.pixels, prediction, misfit.colours, tag.scale);
+    for (std::size_t i = 0; i < at.tags.size(); ++i) {
+      const auto& [prediction, colours] = at.tags[i];
+      if (colours.gain <= 0.0) continue;
+      const ActiveTag& tag = active[i];
+      const TagNormalEquations one = linearise(tag.pixels, prediction, colours, tag.scale);
       left.H += information_share(tag.pixels) * one.H;
       left.g += information_share(tag.pixels) * one.g;
     }
-    add_corners(state, left);
+    add_corners(at.state, left);
     Matrix12d A = Matrix12d::Zero();
-    A.block<6, 6>(0, 0) = A.block<6, 6>(6, 6) = view_by_pose(state.pose, world_.mode);
+    A.block<6, 6>(0, 0) = A.block<6, 6>(6, 6) = view_by_pose(at.state.pose, world_.mode);
     NormalEquations right{A.transpose() * left.H * A, A.transpose() * left.g};
     if (prior_) {
       right.H += prior_information_;
-      right.g += prior_information_ * difference(prior_->mean, state);
+      right.g += prior_information_ * difference(prior_->mean, at.state);
     }
     return right;
   }

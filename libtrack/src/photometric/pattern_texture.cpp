@@ -20,6 +20,11 @@ double normal_cdf(double x) {
   return 0.5 * std::erfc(-x / std::numbers::sqrt2);
 }
 
+std::uint16_t rounded(double share) {
+  return static_cast<std::uint16_t>(
+      std::lround(static_cast<double>(Texel::kOne) * std::clamp(share, 0.0, 1.0)));
+}
+
 /// The texels along one axis of the plane.
 struct TexelAxis {
   int count = 0;
@@ -74,13 +79,14 @@ KnownCells known_cells(const TagPattern& pattern) {
 PatternTexture::PatternTexture(const TagPattern& pattern, double sigma_u, double sigma_v) {
   const TexelAxis u = texel_axis(pattern, sigma_u);
   const TexelAxis v = texel_axis(pattern, sigma_v);
-  half_width_ = static_cast<float>(u.half_length);
-  half_height_ = static_cast<float>(v.half_length);
-  columns_per_unit_ = static_cast<float>(u.texels_per_unit);
-  rows_per_unit_ = static_cast<float>(v.texels_per_unit);
-  last_column_ = static_cast<float>(u.count - 1);
-  last_row_ = static_cast<float>(v.count - 1);
-  width_ = u.count;
+  grid_ = {.texels = nullptr,
+           .width = u.count,
+           .half_width = static_cast<float>(u.half_length),
+           .half_height = static_cast<float>(v.half_length),
+           .columns_per_unit = static_cast<float>(u.texels_per_unit),
+           .rows_per_unit = static_cast<float>(v.texels_per_unit),
+           .last_column = static_cast<float>(u.count - 1),
+           .last_row = static_cast<float>(v.count - 1)};
   const KnownCells known = known_cells(pattern);
   const Eigen::MatrixXd light = v.cell_shares * known.light * u.cell_shares.transpose();
   // Most families print all of their cells: a product of sums then.
@@ -91,8 +97,28 @@ PatternTexture::PatternTexture(const TagPattern& pattern, double sigma_u, double
   texels_.reserve(static_cast<std::size_t>(light.size()));
   for (int row = 0; row < v.count; ++row) {
     for (int column = 0; column < u.count; ++column)
-      texels_.push_back({static_cast<float>(light(row, column)), static_cast<float>(presence(row, column))});
+      texels_.push_back({rounded(light(row, column)), rounded(presence(row, column))});
   }
+}
+
+PatternSample PatternTexture::sample_texels(float column, float row, PatternGradient* gradient) const {
+  if (gradient != nullptr) *gradient = {};
+  if (!(column >= 0.0F && row >= 0.0F && column < grid_.last_column && row < grid_.last_row)) return {};
+  const int left = static_cast<int>(column), top = static_cast<int>(row);
+  const float fx = column - static_cast<float>(left), fy = row - static_cast<float>(top);
+  const Texel *a = texels_.data() + top * grid_.width + left, *b = a + grid_.width;
+  const auto between = [&](std::uint16_t Texel::*value, float* by_column, float* by_row) {
+    const auto of = [&](const Texel& texel) { return static_cast<float>(texel.*value) / Texel::kOne; };
+    const float left_edge = of(a[0]) + fy * (of(b[0]) - of(a[0]));
+    const float right_edge = of(a[1]) + fy * (of(b[1]) - of(a[1]));
+    if (by_column != nullptr) *by_column = right_edge - left_edge;
+    if (by_row != nullptr) *by_row = (1.0F - fx) * (of(b[0]) - of(a[0])) + fx * (of(b[1]) - of(a[1]));
+    return left_edge + fx * (right_edge - left_edge);
+  };
+  PatternGradient unused;
+  PatternGradient& by = gradient != nullptr ? *gradient : unused;
+  return {between(&Texel::light, &by.light_u, &by.light_v),
+          between(&Texel::presence, &by.presence_u, &by.presence_v)};
 }
 
 }  // namespace apriltrack

@@ -19,13 +19,13 @@ struct TagColours {
 struct TagMisfit {
   TagColours colours;
   double correlation = 0.0;     ///< sqrt(1 - residual / total variance); 0 where the gain is negative.
-  double residual_scale = 0.0;  ///< Robust standard deviation of the residuals.
+  double residual_scale = 0.0;  ///< Robust standard deviation of the residuals; where it was asked for.
   double cost = 0.0;  ///< -log likelihood under bounded errors of the scale given, up to a constant.
 };
 
 /// The colours that fit best, and what is left. scale: of the residuals, beyond which they count less and
-/// less (Geman and McClure's penalty); 0: plain least squares.
-TagMisfit measure_misfit(const TagPixels& pixels, const TagPrediction& prediction, double scale);
+/// less (Geman and McClure's penalty); 0: plain least squares, which also measures the residuals' scale.
+TagMisfit measure_misfit(const TagPixels& pixels, const PredictedPixels& predicted, double scale);
 
 /// Gauss-Newton's view of measure_misfit's cost, in [left perturbation of the camera's view of the map; of
 /// its rate]; the colours are eliminated.

@@ -26,6 +26,56 @@ Eigen::AlignedBox2d swept_box(const CameraModel& model, const TagPrediction& pre
   return box;
 }
 
+void pad(TagPixels& pixels) {
+  const std::size_t size = padded(pixels.count);
+  for (std::vector<float>* column : {&pixels.ray_x, &pixels.ray_y, &pixels.image, &pixels.inverse_sigma})
+    column->resize(size, 0.0F);
+}
+
+/// Those of `swept` that have a ray and a light.
+TagPixels candidates(const PhotometricWorld& world, const LightPyramid& light,
+                     const Eigen::AlignedBox2i& swept, int level, int max_pixels) {
+  const Image<float>& image = light[static_cast<std::size_t>(level)];
+  const auto rays = world.rays.level(level);
+  const int x0 = swept.min().x(), y0 = swept.min().y(), x1 = swept.max().x(), y1 = swept.max().y();
+  TagPixels pixels;
+  // Tags fill about half of their box.
+  const double num_candidates = 0.5 * (x1 - x0 + 1.0) * (y1 - y0 + 1.0);
+  pixels.stride = std::max(1, static_cast<int>(std::lround(std::sqrt(num_candidates / max_pixels))));
+  for (int y = y0; y <= y1; y += pixels.stride) {
+    // Every other row is shifted, so that edges along a column are met at more than one phase.
+    const int shift = ((y - y0) / pixels.stride % 2) * (pixels.stride / 2);
+    for (int x = x0 + shift; x <= x1; x += pixels.stride) {
+      const Eigen::Vector2f& ray = rays(x, y);
+      if (!std::isnan(ray.x()) && image(x, y) <= kSaturatedLight) pixels.add(ray, image(x, y));
+    }
+  }
+  pad(pixels);
+  return pixels;
+}
+
+/// Those that the tag covers, with the errors to expect of them.
+void keep_covered(TagPixels& pixels, PredictedPixels& predicted) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < pixels.count; ++i) {
+    const float presence = predicted.presence[i];
+    if (presence < kMinPresence) continue;
+    for (std::vector<float>* column :
+         {&pixels.ray_x, &pixels.ray_y, &pixels.image, &predicted.light, &predicted.presence})
+      (*column)[kept] = (*column)[i];
+    const float beyond = kBackgroundSigma * (1.0F - presence);
+    pixels.inverse_sigma[kept] = 1.0F / std::sqrt(1.0F + beyond * beyond);
+    ++kept;
+  }
+  pixels.count = kept;
+  for (std::vector<float>* column : {&pixels.ray_x, &pixels.ray_y, &pixels.image, &pixels.inverse_sigma,
+                                     &predicted.light, &predicted.presence})
+    column->resize(kept);
+  pad(pixels);
+  predicted.light.resize(padded(kept), 0.0F);
+  predicted.presence.resize(padded(kept), 0.0F);
+}
+
 }  // namespace
 
 Eigen::AlignedBox2i swept_pixels(const PhotometricWorld& world, const LightPyramid& light,
@@ -44,32 +94,24 @@ Eigen::AlignedBox2i swept_pixels(const PhotometricWorld& world, const LightPyram
   return {Eigen::Vector2i(x0, y0), Eigen::Vector2i(x1, y1)};
 }
 
+PredictedPixels predict(const TagPrediction& prediction, const TagPixels& pixels) {
+  PredictedPixels predicted;
+  predicted.light.resize(pixels.ray_x.size());
+  predicted.presence.resize(pixels.ray_x.size());
+  predict_pixels(prediction.texel_path(), pixels.rays(), predicted.light.data(), predicted.presence.data());
+  return predicted;
+}
+
 TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light,
                         const TagPrediction& prediction, const Eigen::AlignedBox2i& swept, int level,
-                        int max_pixels) {
-  TagPixels result;
-  if (swept.isEmpty()) return result;
-  const Image<float>& image = light[static_cast<std::size_t>(level)];
-  const auto rays = world.rays.level(level);
-  const int x0 = swept.min().x(), y0 = swept.min().y(), x1 = swept.max().x(), y1 = swept.max().y();
-  // Tags fill about half of their box.
-  const double candidates = 0.5 * (x1 - x0 + 1.0) * (y1 - y0 + 1.0);
-  result.stride = std::max(1, static_cast<int>(std::lround(std::sqrt(candidates / max_pixels))));
-  for (int y = y0; y <= y1; y += result.stride) {
-    // Every other row is shifted, so that edges along a column are met at more than one phase.
-    const int shift = ((y - y0) / result.stride % 2) * (result.stride / 2);
-    for (int x = x0 + shift; x <= x1; x += result.stride) {
-      const Eigen::Vector2f& ray = rays(x, y);
-      const float value = image(x, y);
-      if (std::isnan(ray.x()) || value > kSaturatedLight) continue;
-      const float presence = prediction.predict(ray).presence;
-      if (presence < kMinPresence) continue;
-      result.pixels.push_back({ray, value, std::hypot(1.0F, kBackgroundSigma * (1.0F - presence))});
-    }
-  }
-  const double pixel = result.stride * (1 << level);
-  result.area_px = static_cast<double>(result.pixels.size()) * pixel * pixel;
-  return result;
+                        int max_pixels, PredictedPixels* predicted) {
+  if (swept.isEmpty()) return {};
+  TagPixels pixels = candidates(world, light, swept, level, max_pixels);
+  *predicted = predict(prediction, pixels);
+  keep_covered(pixels, *predicted);
+  const double pixel = pixels.stride * (1 << level);
+  pixels.area_px = static_cast<double>(pixels.count) * pixel * pixel;
+  return pixels;
 }
 
 }  // namespace apriltrack

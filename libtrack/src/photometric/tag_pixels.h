@@ -2,28 +2,41 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <vector>
 
 #include "apriltrack/photometric/photometric_world.h"
 #include "apriltrack/tags/tag_corners.h"
+#include "pixel_kernels.h"
 #include "tag_prediction.h"
 
 namespace apriltrack {
 
-struct TagPixel {
-  Eigen::Vector2f ray;
-  float light;
-  /// Its expected error, 1 where nothing but the tag is seen: what lies behind the tag is not as even as one
-  /// background colour.
-  float relative_sigma;
-};
-
-/// The pixels that a tag is judged by, on one level.
+/// The pixels that a tag is judged by, on one level: columns padded for the kernels.
 struct TagPixels {
-  std::vector<TagPixel> pixels;
+  std::vector<float> ray_x, ray_y;
+  std::vector<float> image;  ///< The frame's light.
+  /// 1 over a pixel's expected error, which is 1 where nothing but the tag is seen and more where the
+  /// background shows: what lies behind the tag is not as even as one colour. 0 in what fills columns up.
+  std::vector<float> inverse_sigma;
+  std::size_t count = 0;
   double area_px = 0.0;  ///< Of level 0 that they stand for.
   int stride = 1;        ///< Every stride-th row and column.
+
+  RayColumns rays() const { return {ray_x.data(), ray_y.data(), ray_x.size()}; }
+  void add(const Eigen::Vector2f& ray, float light) {
+    ray_x.push_back(ray.x());
+    ray_y.push_back(ray.y());
+    image.push_back(light);
+    ++count;
+  }
 };
+
+/// What a tag's pixels should show: columns as long as those of TagPixels.
+struct PredictedPixels {
+  std::vector<float> light, presence;
+};
+PredictedPixels predict(const TagPrediction& prediction, const TagPixels& pixels);
 
 /// The pixels of a level's image, first and last, that the printed square may pass during the exposure; empty
 /// where there are none, or a corner cannot be projected.
@@ -32,9 +45,9 @@ Eigen::AlignedBox2i swept_pixels(const PhotometricWorld& world, const LightPyram
 
 /// Pixels of which the tag covers at least a quarter during the exposure, thinned out evenly to about
 /// max_pixels: twice as many where it fills its box. Saturated pixels are left out: what light they stand for
-/// is not known. swept: as above.
+/// is not known. swept: as above. predicted: what these pixels should show.
 TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light,
                         const TagPrediction& prediction, const Eigen::AlignedBox2i& swept, int level,
-                        int max_pixels);
+                        int max_pixels, PredictedPixels* predicted);
 
 }  // namespace apriltrack

@@ -11,8 +11,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kMinCosine = 0.14;  ///< 82 degrees: beyond, a tag is a line.
-constexpr int kMaxInstants = 16;
+constexpr double kMinCosine = 0.14;      ///< 82 degrees: beyond, a tag is a line.
 constexpr double kInstantSpacing = 1.2;  ///< Pixels of the level.
 
 bool faces_camera(const Pose& T_camera_tag, double half_size_m) {
@@ -24,17 +23,33 @@ Eigen::Vector2d pinhole(const Eigen::Vector3d& point, double focal_px) {
   return focal_px * point.head<2>() / std::max(1e-6, point.z());
 }
 
+/// T_camera_tag, `time_s` after the middle of the exposure.
+Pose view_of(const PhotometricWorld& world, const PhotometricTag& tag, const MotionState& state,
+             double time_s) {
+  return camera_from_map(pose_after(state, time_s), world.mode) * tag.tag.T_map_tag;
+}
+
+/// What an instant shows is blurred by `blur_px2` in the image: its covariance in the tag's plane, in half
+/// tag sizes, at the tag's centre.
+Eigen::Matrix2d in_plane(const Eigen::Matrix2d& blur_px2, const Eigen::Matrix3d& camera_from_plane,
+                         double focal_px) {
+  const Eigen::Matrix3d& H = camera_from_plane;
+  Eigen::Matrix2d pixel_from_plane;
+  for (int k = 0; k < 2; ++k)
+    pixel_from_plane.col(k) =
+        focal_px * (H.col(k).head<2>() - H(2, k) / H(2, 2) * H.col(2).head<2>()) / H(2, 2);
+  const Eigen::Matrix2d plane_from_pixel = pixel_from_plane.inverse();
+  return plane_from_pixel * blur_px2 * plane_from_pixel.transpose();
+}
+
 }  // namespace
 
 TagPrediction::TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const MotionState& state,
                              double exposure_s, int level, double extra_sigma_px) {
   const double focal_px = world.focal_px();
   const double half_size = tag.half_size_m();
-  const auto view_at = [&](double time_s) {
-    return camera_from_map(pose_after(state, time_s), world.mode) * tag.tag.T_map_tag;
-  };
-  T_camera_tag_ = view_at(0.0);
-  path_ = {view_at(-0.5 * exposure_s), view_at(0.5 * exposure_s)};
+  T_camera_tag_ = view_of(world, tag, state, 0.0);
+  path_ = {view_of(world, tag, state, -0.5 * exposure_s), view_of(world, tag, state, 0.5 * exposure_s)};
   const std::array views = {path_[0], T_camera_tag_, path_[1]};
   is_visible_ = std::ranges::all_of(views, [&](const Pose& view) { return faces_camera(view, half_size); }) &&
                 std::ranges::any_of(views, [&](const Pose& view) {
@@ -51,66 +66,85 @@ TagPrediction::TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const
   const double level_pixel = 1 << level;
   // Limited before it is a whole number: a path that ends beside the camera is as long as it likes.
   const double needed = std::ceil(path_px_ / (kInstantSpacing * level_pixel));
-  const int count = static_cast<int>(std::clamp(needed, 1.0, static_cast<double>(kMaxInstants)));
-  for (int m = 0; m < count; ++m) {
-    const double time_s = exposure_s * ((m + 0.5) / count - 0.5);
-    const Eigen::Matrix3d H =
-        camera_from_tag_plane(count == 1 ? T_camera_tag_ : view_at(time_s), tag.tag.size_m);
-    const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> N = H.inverse().cast<float>();
-    Instant instant;
-    std::copy_n(N.data(), 9, instant.plane_from_ray.begin());
-    instant.time_s = static_cast<float>(time_s);
-    instants_.push_back(instant);
-  }
+  num_instants_ = static_cast<int>(std::clamp(needed, 1.0, static_cast<double>(kMaxInstants)));
 
-  // What blurs a single instant, as a covariance in pixels, seen from the tag's plane at its centre.
   const double isotropic = world.psf_sigma_px * world.psf_sigma_px + level_pixel * level_pixel / 12.0 +
                            extra_sigma_px * extra_sigma_px;
-  Eigen::Matrix2d blur = isotropic * Eigen::Matrix2d::Identity();
-  blur += streak * streak.transpose() / (12.0 * count * count);
-  const Eigen::Matrix3d H = camera_from_tag_plane(T_camera_tag_, tag.tag.size_m);
-  const Eigen::Vector3d& centre = T_camera_tag_.translation();
-  Eigen::Matrix2d pixel_from_plane;
-  for (int k = 0; k < 2; ++k)
-    pixel_from_plane.col(k) =
-        focal_px * (H.col(k).head<2>() - H(2, k) / centre.z() * centre.head<2>()) / centre.z();
-  const Eigen::Matrix2d plane_from_pixel = pixel_from_plane.inverse();
-  const Eigen::Matrix2d in_plane = plane_from_pixel * blur * plane_from_pixel.transpose();
-  texture_ = world.textures.blurred(tag.index, std::sqrt(in_plane(0, 0)), std::sqrt(in_plane(1, 1)));
+  Eigen::Matrix2d blur_px2 = isotropic * Eigen::Matrix2d::Identity();
+  blur_px2 += streak * streak.transpose() / (12.0 * num_instants_ * num_instants_);
+  const Eigen::Matrix2d blur =
+      in_plane(blur_px2, camera_from_tag_plane(T_camera_tag_, tag.tag.size_m), focal_px);
+  texture_ = world.textures.blurred(tag.index, std::sqrt(blur(0, 0)), std::sqrt(blur(1, 1)));
+  set_instants(world, tag, state, exposure_s);
 }
+
+void TagPrediction::set_instants(const PhotometricWorld& world, const PhotometricTag& tag,
+                                 const MotionState& state, double exposure_s) {
+  const TexelGrid grid = texture_->grid();
+  Eigen::Matrix3d texel_from_plane = Eigen::Matrix3d::Identity();
+  texel_from_plane(0, 0) = static_cast<double>(grid.columns_per_unit);
+  texel_from_plane(1, 1) = static_cast<double>(grid.rows_per_unit);
+  texel_from_plane(0, 2) = texel_from_plane(0, 0) * static_cast<double>(grid.half_width);
+  texel_from_plane(1, 2) = texel_from_plane(1, 1) * static_cast<double>(grid.half_height);
+  for (int m = 0; m < num_instants_; ++m) {
+    const double time_s = exposure_s * ((m + 0.5) / num_instants_ - 0.5);
+    const Eigen::Matrix3d H = camera_from_tag_plane(
+        num_instants_ == 1 ? T_camera_tag_ : view_of(world, tag, state, time_s), tag.tag.size_m);
+    const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> N = (texel_from_plane * H.inverse()).cast<float>();
+    TexelInstant& instant = instants_[static_cast<std::size_t>(m)];
+    std::copy_n(N.data(), 9, instant.texel_from_ray.begin());
+    instant.time_s = static_cast<float>(time_s);
+  }
+}
+
+namespace {
+
+/// Where a ray meets the tag's plane, in texels; depth in metres, not positive behind the camera.
+struct TexelPlace {
+  float column, row, depth;
+};
+
+TexelPlace meet(const TexelInstant& instant, const Eigen::Vector2f& ray) {
+  const float* N = instant.texel_from_ray.data();
+  const float depth = 1.0F / (N[6] * ray.x() + N[7] * ray.y() + N[8]);
+  return {depth * (N[0] * ray.x() + N[1] * ray.y() + N[2]), depth * (N[3] * ray.x() + N[4] * ray.y() + N[5]),
+          depth};
+}
+
+}  // namespace
 
 PixelPrediction TagPrediction::predict(const Eigen::Vector2f& ray) const {
   PixelPrediction sum;
-  for (const Instant& instant : instants_) {
-    const PlanePoint point = instant.meet(ray);
-    if (!(point.depth > 0.0F)) continue;
-    const PatternSample sample = texture_->sample(point.u, point.v);
+  for (const TexelInstant& instant : texel_path().instants) {
+    const TexelPlace place = meet(instant, ray);
+    if (!(place.depth > 0.0F)) continue;
+    const PatternSample sample = texture_->sample_texels(place.column, place.row);
     sum.light += sample.light;
     sum.presence += sample.presence;
   }
-  const float share = 1.0F / static_cast<float>(instants_.size());
+  const float share = 1.0F / static_cast<float>(num_instants_);
   return {sum.light * share, sum.presence * share};
 }
 
 PixelPrediction TagPrediction::predict(const Eigen::Vector2f& ray, PixelJacobian& jacobian) const {
   PixelPrediction sum;
   jacobian = {};
-  const float share = 1.0F / static_cast<float>(instants_.size());
-  for (const Instant& instant : instants_) {
-    const PlanePoint point = instant.meet(ray);
-    if (!(point.depth > 0.0F)) continue;
+  const float share = 1.0F / static_cast<float>(num_instants_);
+  for (const TexelInstant& instant : texel_path().instants) {
+    const TexelPlace place = meet(instant, ray);
+    if (!(place.depth > 0.0F)) continue;
     PatternGradient gradient;
-    const PatternSample sample = texture_->sample(point.u, point.v, gradient);
+    const PatternSample sample = texture_->sample_texels(place.column, place.row, &gradient);
     sum.light += sample.light * share;
     sum.presence += sample.presence * share;
-    // Moving the plane by dp where the ray meets it moves the place met by -(N_u - u N_w) dp.
-    const float* N = instant.plane_from_ray.data();
+    // Moving the plane by dp where the ray meets it moves the texel met by -(N_u - column N_w) dp.
+    const float* N = instant.texel_from_ray.data();
     float du[3], dv[3];
     for (int k = 0; k < 3; ++k) {
-      du[k] = share * (point.u * N[6 + k] - N[k]);
-      dv[k] = share * (point.v * N[6 + k] - N[3 + k]);
+      du[k] = share * (place.column * N[6 + k] - N[k]);
+      dv[k] = share * (place.row * N[6 + k] - N[3 + k]);
     }
-    const float at[3] = {point.depth * ray.x(), point.depth * ray.y(), point.depth};
+    const float at[3] = {place.depth * ray.x(), place.depth * ray.y(), place.depth};
     const auto add = [&](float by_u, float by_v, std::array<float, 6>& by_pose,
                          std::array<float, 6>& by_rate) {
       float step[6];

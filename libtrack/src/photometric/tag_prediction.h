@@ -3,11 +3,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
-#include <vector>
+#include <span>
 
 #include "apriltrack/motion/motion_state.h"
 #include "apriltrack/photometric/photometric_world.h"
 #include "apriltrack/tags/tag_corners.h"
+#include "pixel_kernels.h"
 
 namespace apriltrack {
 
@@ -37,39 +38,34 @@ class TagPrediction {
 
   /// Whether the tag faces the camera, in front of it, during the whole exposure, and may be in the image.
   bool is_visible() const { return is_visible_; }
-  int num_instants() const { return static_cast<int>(instants_.size()); }
+  int num_instants() const { return num_instants_; }
   /// T_camera_tag in the middle of the exposure.
   const Pose& T_camera_tag() const { return T_camera_tag_; }
   /// T_camera_tag when the shutter opens and when it closes.
-  const std::vector<Pose>& path() const { return path_; }
+  const std::array<Pose, 2>& path() const { return path_; }
   double path_px() const { return path_px_; }
   /// What every instant shows: the pattern under the blur of an instant. Requires is_visible().
   const PatternTexture& texture() const { return *texture_; }
 
-  /// ray: (x / z, y / z).
+  /// What the kernels ask for. Requires is_visible().
+  TexelPath texel_path() const {
+    return {texture_->grid(), std::span(instants_).first(static_cast<std::size_t>(num_instants_))};
+  }
+
+  /// ray: (x / z, y / z). The definition of what predict_pixels and linearise_pixels compute.
   PixelPrediction predict(const Eigen::Vector2f& ray) const;
   PixelPrediction predict(const Eigen::Vector2f& ray, PixelJacobian& jacobian) const;
 
  private:
-  /// Where a ray meets the tag's plane, in half tag sizes; depth in metres, not positive behind the camera.
-  struct PlanePoint {
-    float u, v, depth;
-  };
-  struct Instant {
-    std::array<float, 9> plane_from_ray{};  ///< To homogeneous (u, v, 1 / depth), row by row.
-    float time_s = 0.0F;
+  static constexpr std::size_t kMaxInstants = 16;
 
-    PlanePoint meet(const Eigen::Vector2f& ray) const {
-      const float* N = plane_from_ray.data();
-      const float depth = 1.0F / (N[6] * ray.x() + N[7] * ray.y() + N[8]);
-      return {depth * (N[0] * ray.x() + N[1] * ray.y() + N[2]),
-              depth * (N[3] * ray.x() + N[4] * ray.y() + N[5]), depth};
-    }
-  };
+  void set_instants(const PhotometricWorld& world, const PhotometricTag& tag, const MotionState& state,
+                    double exposure_s);
 
   Pose T_camera_tag_;
-  std::vector<Pose> path_;
-  std::vector<Instant> instants_;
+  std::array<Pose, 2> path_;
+  std::array<TexelInstant, kMaxInstants> instants_;
+  int num_instants_ = 0;
   std::shared_ptr<const PatternTexture> texture_;
   double path_px_ = 0.0;
   bool is_visible_ = false;

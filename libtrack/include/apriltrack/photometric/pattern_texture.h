@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "apriltrack/tags/tag_family.h"
@@ -18,6 +19,21 @@ struct PatternGradient {
   float light_u = 0.0F, light_v = 0.0F, presence_u = 0.0F, presence_v = 0.0F;
 };
 
+/// A point of a texture as it is kept: shares of kOne.
+struct Texel {
+  static constexpr float kOne = 65535.0F;
+  std::uint16_t light = 0, presence = 0;
+};
+
+/// Texels, and how the plane lies on them: column = (u + half_width) * columns_per_unit, and so for rows.
+struct TexelGrid {
+  const Texel* texels = nullptr;  ///< Row by row.
+  int width = 0;
+  float half_width = 0.0F, half_height = 0.0F;          ///< In half tag sizes.
+  float columns_per_unit = 0.0F, rows_per_unit = 0.0F;  ///< Texels per half tag size.
+  float last_column = 0.0F, last_row = 0.0F;            ///< Beyond them there is nothing.
+};
+
 /// The printed cells of a tag, blurred by a Gaussian along the axes of its plane.
 ///
 /// The plane is measured in half tag sizes, as TagPattern's. Beyond the printed cells, and on those that the
@@ -31,64 +47,33 @@ class PatternTexture {
   PatternTexture(const TagPattern& pattern, double sigma_u, double sigma_v);
 
   PatternSample sample(float u, float v) const {
-    Cell cell;
-    if (!find_cell(u, v, cell)) return {};
-    const Texel *a = cell.top, *b = cell.top + width_;
-    const float left_light = a[0].light + cell.fy * (b[0].light - a[0].light);
-    const float right_light = a[1].light + cell.fy * (b[1].light - a[1].light);
-    const float left_presence = a[0].presence + cell.fy * (b[0].presence - a[0].presence);
-    const float right_presence = a[1].presence + cell.fy * (b[1].presence - a[1].presence);
-    return {left_light + cell.fx * (right_light - left_light),
-            left_presence + cell.fx * (right_presence - left_presence)};
+    return sample_texels((u + grid_.half_width) * grid_.columns_per_unit,
+                         (v + grid_.half_height) * grid_.rows_per_unit);
   }
-
   PatternSample sample(float u, float v, PatternGradient& gradient) const {
-    Cell cell;
-    gradient = {};
-    if (!find_cell(u, v, cell)) return {};
-    const Texel *a = cell.top, *b = cell.top + width_;
-    const float light_below = b[0].light - a[0].light, light_below_right = b[1].light - a[1].light;
-    const float presence_below = b[0].presence - a[0].presence;
-    const float presence_below_right = b[1].presence - a[1].presence;
-    const float left_light = a[0].light + cell.fy * light_below;
-    const float across_light = a[1].light + cell.fy * light_below_right - left_light;
-    const float left_presence = a[0].presence + cell.fy * presence_below;
-    const float across_presence = a[1].presence + cell.fy * presence_below_right - left_presence;
-    gradient.light_u = across_light * columns_per_unit_;
-    gradient.presence_u = across_presence * columns_per_unit_;
-    gradient.light_v = (light_below + cell.fx * (light_below_right - light_below)) * rows_per_unit_;
-    gradient.presence_v =
-        (presence_below + cell.fx * (presence_below_right - presence_below)) * rows_per_unit_;
-    return {left_light + cell.fx * across_light, left_presence + cell.fx * across_presence};
+    const PatternSample found = sample_texels((u + grid_.half_width) * grid_.columns_per_unit,
+                                              (v + grid_.half_height) * grid_.rows_per_unit, &gradient);
+    gradient.light_u *= grid_.columns_per_unit;
+    gradient.presence_u *= grid_.columns_per_unit;
+    gradient.light_v *= grid_.rows_per_unit;
+    gradient.presence_v *= grid_.rows_per_unit;
+    return found;
   }
 
+  /// The same at a place in texels. gradient, where it is asked for: per texel.
+  PatternSample sample_texels(float column, float row, PatternGradient* gradient = nullptr) const;
+
+  /// Points into this texture.
+  TexelGrid grid() const {
+    TexelGrid grid = grid_;
+    grid.texels = texels_.data();
+    return grid;
+  }
   std::size_t num_bytes() const { return texels_.size() * sizeof(Texel); }
 
  private:
-  struct Texel {
-    float light, presence;
-  };
-  /// The four texels around a point.
-  struct Cell {
-    const Texel* top = nullptr;
-    float fx = 0.0F, fy = 0.0F;
-  };
-
-  bool find_cell(float u, float v, Cell& cell) const {
-    const float x = (u + half_width_) * columns_per_unit_;
-    const float y = (v + half_height_) * rows_per_unit_;
-    if (!(x >= 0.0F && y >= 0.0F && x < last_column_ && y < last_row_)) return false;
-    const int column = static_cast<int>(x), row = static_cast<int>(y);
-    cell = {texels_.data() + row * width_ + column, x - static_cast<float>(column),
-            y - static_cast<float>(row)};
-    return true;
-  }
-
-  float half_width_ = 0.0F, half_height_ = 0.0F;
-  float columns_per_unit_ = 0.0F, rows_per_unit_ = 0.0F;  ///< Texels per half tag size.
-  float last_column_ = 0.0F, last_row_ = 0.0F;
-  int width_ = 0;
-  std::vector<Texel> texels_;  ///< Row by row.
+  TexelGrid grid_;  ///< Without its texels: textures may be copied.
+  std::vector<Texel> texels_;
 };
 
 }  // namespace apriltrack

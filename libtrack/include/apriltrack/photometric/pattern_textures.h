@@ -17,9 +17,9 @@ namespace apriltrack {
 /// Those who hold one keep it alive. A texture is the same whether it was kept or is made anew.
 class PatternTextures {
  public:
-  /// By family, the sharpest texture takes 1.2 to 2.7 MB, one blurred by a quarter of a cell 50 to 100 kB, by
-  /// three cells 320 to 440 kB, for it reaches far beyond the tag: room for a hundred tags at their worst.
-  static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
+  /// By family, the sharpest texture takes 0.6 to 1.4 MB, one blurred by a quarter of a cell 25 to 50 kB, by
+  /// three cells 160 to 220 kB, for it reaches far beyond the tag: room for fifty tags at their worst.
+  static constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
 
   explicit PatternTextures(std::vector<TagPattern> patterns, std::size_t max_bytes = kMaxBytes);
 
