@@ -91,14 +91,16 @@ class BatchDetector {
   explicit BatchDetector(const FrameLoopOptions& options)
       : check_resolution_(options.camera),
         parallel_for_(parallel_for(resolved_threads(options.num_threads))) {
-    for (int i = 0; i < resolved_threads(options.num_threads); ++i) detectors_.emplace_back(options.detector);
+    if (!options.detector) return;
+    for (int i = 0; i < resolved_threads(options.num_threads); ++i) detectors_.emplace_back(*options.detector);
   }
 
   /// Goes on until one image fits, so that a wrong camera file is told of before any progress.
   std::vector<SourceFrame> read(FrameSource& source) {
     std::vector<SourceFrame> batch;
     const auto is_full = [&] {
-      return batch.size() >= kFramesPerThread * detectors_.size() && !check_resolution_.is_undecided();
+      return batch.size() >= kFramesPerThread * std::max<std::size_t>(1, detectors_.size()) &&
+             !check_resolution_.is_undecided();
     };
     while (!is_full() && !is_interrupted()) {
       std::optional<SourceFrame> frame = source.next();

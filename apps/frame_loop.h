@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,14 +15,14 @@
 namespace apriltrack::app {
 
 struct FrameLoopOptions {
-  DetectorOptions detector;
+  std::optional<DetectorOptions> detector;  ///< None: frames are only read.
   /// Whose resolution the images must have (the first image's where its file names none); nullptr: any.
   const Camera* camera = nullptr;
   int num_threads = 0;  ///< 0: one per core, 8 at most.
   std::string label;    ///< What the progress line says is being done.
 };
 
-/// One frame and the tags found in it: none in a frame that is unreadable.
+/// One frame and the tags found in it: none in a frame that is unreadable, or without a detector.
 struct DetectedFrame {
   const SourceFrame& source;
   std::vector<Detection> detections;

@@ -92,8 +92,9 @@ bool track_images(const TrackArguments& arguments, const Camera& camera, const M
       exposures.add(image.timestamp, image.exposure_s, image.exposure_where);
     else
       exposures.add(image.timestamp, camera.exposure_s, exposure_of_camera);
-    const FrameDetections frame{image.timestamp, camera.name, std::move(detected.detections)};
-    const TrackResult result = method.track(image.frame(), frame.detections);
+    const TrackResult result = method.track(image.frame(), detected.detections);
+    const FrameDetections frame{image.timestamp, camera.name,
+                                method.detector ? std::move(detected.detections) : result.detections};
     record.add(frame, result, detected.latency_s + result.latency_s, image.exposure_s);
     if (video) video->add(image, result);
   };

@@ -46,8 +46,8 @@ Method blur_method(const MethodOptions& given, const Camera& camera, const TagMa
   const auto tracker = std::make_shared<BlurTracker>(camera, map, options);
   // Frames of a recording may bring an exposure each: told once, by the first that does not.
   const auto has_warned = std::make_shared<bool>(camera.exposure_s.has_value());
-  return {tracker->detector_options(),
-          [=, &warnings](const Frame& frame, const std::vector<Detection>& detections) {
+  tracker->prepare();
+  return {std::nullopt, [=, &warnings](const Frame& frame, const std::vector<Detection>&) {
             if (!frame.exposure_s && !*has_warned) {
               warnings.add(fmt::format(
                   "no exposure is known: {} s is assumed, and blur fits the worse the more it is off; give "
@@ -55,7 +55,7 @@ Method blur_method(const MethodOptions& given, const Camera& camera, const TagMa
                   options.default_exposure_s));
               *has_warned = true;
             }
-            return tracker->track(frame, detections);
+            return tracker->track(frame);
           }};
 }
 

@@ -24,7 +24,8 @@ struct MethodOptions {
 
 /// A way to track: what it detects with, and what it makes of a frame.
 struct Method {
-  DetectorOptions detector;
+  std::optional<DetectorOptions> detector;  ///< None: it looks for tags itself, where it needs them.
+  /// detections: empty without a detector.
   std::function<TrackResult(const Frame&, const std::vector<Detection>&)> track;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/tags/tag_family.h"
 #include "corner_refinement.h"
@@ -27,6 +28,12 @@ constexpr std::string_view kGridFamily = "tag36h11b2";
   throw invalid_input("detector", fmt::format("{} must be {} (is {})", option, range, value));
 }
 
+/// The library reduces images by whole numbers and by one and a half.
+void check_decimate(double decimate) {
+  if (!(decimate == 1.5 || (decimate >= 1.0 && decimate <= kMaxDecimate && decimate == std::floor(decimate))))
+    refuse("decimate", fmt::format("{}", decimate), "1, 1.5, or a whole number from 2 to 8");
+}
+
 }  // namespace
 
 void DetectorOptions::check() const {
@@ -36,9 +43,7 @@ void DetectorOptions::check() const {
     if (std::count(families.begin(), families.end(), name) > 1)
       refuse("families", name + " twice", "each named once");
   }
-  // The library reduces images by whole numbers and by one and a half.
-  if (!(decimate == 1.5 || (decimate >= 1.0 && decimate <= kMaxDecimate && decimate == std::floor(decimate))))
-    refuse("decimate", fmt::format("{}", decimate), "1, 1.5, or a whole number from 2 to 8");
+  check_decimate(decimate);
   if (!(min_decision_margin >= 0.0 && min_decision_margin <= 255.0))
     refuse("min_decision_margin", fmt::format("{}", min_decision_margin), "in [0, 255]");
   if (!(max_hamming >= 0 && max_hamming <= kMaxHamming))
@@ -49,16 +54,36 @@ class Detector::Implementation {
  public:
   explicit Implementation(const DetectorOptions& options)
       : options_((options.check(), options)),
-        library_(options.families, options.decimate, options.refine_edges),
+        library_(options.families, options.refine_edges),
         has_grids_(std::ranges::find(options.families, kGridFamily) != options.families.end()) {
     library_pixel_offset();  // measured here, once, lest the first image wait for it
   }
 
   const DetectorOptions& options() const { return options_; }
 
-  std::vector<Detection> detect(const GrayView& image) {
+  std::vector<Detection> detect(const GrayView& image) { return localised(image, find(image)); }
+
+  std::vector<Detection> detect_in(const GrayView& image, std::span<const ImageRegion> regions,
+                                   double decimate) {
+    check_decimate(decimate);
+    std::vector<Candidate> candidates;
+    for (const ImageRegion& region : regions) {
+      APRILTRACK_CHECK(region.x >= 0 && region.y >= 0 && region.x + region.width <= image.width() &&
+                           region.y + region.height <= image.height(),
+                       "regions must lie inside the image");
+      std::vector<Candidate> found = find_quickly(image.part(region), decimate);
+      const Eigen::Vector2d origin(region.x, region.y);
+      for (Candidate& candidate : found) {
+        for (Eigen::Vector2d& corner : candidate.detection.corners_px) corner += origin;
+        candidates.push_back(std::move(candidate));
+      }
+    }
+    return localised(image, std::move(candidates));
+  }
+
+ private:
+  std::vector<Detection> localised(const GrayView& image, std::vector<Candidate> candidates) {
     std::vector<Detection> detections;
-    std::vector<Candidate> candidates = find(image);
     if (has_grids_) drop_one_cell_borders(image, &candidates);
     for (const Candidate& candidate : merge_same_quads(std::move(candidates))) {
       const std::optional<Quad> corners = localise(image, candidate);
@@ -70,7 +95,6 @@ class Detector::Implementation {
     return detections;
   }
 
- private:
   /// Finding in linear light alone loses dark tags, in the raw image alone blurred ones: both, each tag once.
   std::vector<Candidate> find(const GrayView& image) {
     std::vector<Candidate> candidates;
@@ -83,6 +107,17 @@ class Detector::Implementation {
     const GrayImage linear = to_linear_bytes(image, options_.response);
     find_in(linear.view(), true, &candidates);
     if (has_grids_) find_joined(linear.view(), &candidates);
+    return candidates;
+  }
+
+  /// In linear light alone.
+  std::vector<Candidate> find_quickly(const GrayView& image, double decimate) {
+    std::vector<Candidate> candidates;
+    const GrayImage linear =
+        options_.response.is_linear() ? GrayImage() : to_linear_bytes(image, options_.response);
+    const GrayView light = linear.is_empty() ? image : linear.view();
+    find_in(light, true, &candidates, decimate);
+    if (has_grids_) find_joined(light, &candidates);
     return candidates;
   }
 
@@ -102,7 +137,12 @@ class Detector::Implementation {
   }
 
   void find_in(const GrayView& image, bool is_linear_light, std::vector<Candidate>* candidates) {
-    for (const LibraryDetection& found : library_.detect(image)) {
+    find_in(image, is_linear_light, candidates, options_.decimate);
+  }
+
+  void find_in(const GrayView& image, bool is_linear_light, std::vector<Candidate>* candidates,
+               double decimate) {
+    for (const LibraryDetection& found : library_.detect(image, decimate)) {
       // A chance code is a thousand times likelier with two wrong bits than with none (sum of C(36, k)
       // patterns).
       const double min_margin = options_.min_decision_margin * (1 + found.hamming);
@@ -159,6 +199,11 @@ Detector& Detector::operator=(Detector&&) noexcept = default;
 
 std::vector<Detection> Detector::detect(const GrayView& image) {
   return implementation_->detect(image);
+}
+
+std::vector<Detection> Detector::detect_in(const GrayView& image, std::span<const ImageRegion> regions,
+                                           double decimate) {
+  return implementation_->detect_in(image, regions, decimate);
 }
 
 const DetectorOptions& Detector::options() const {

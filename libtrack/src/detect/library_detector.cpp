@@ -32,13 +32,13 @@ struct LibraryDetector::State {
   std::unique_ptr<apriltag_detector_t, DetectorDeleter> detector;
 };
 
-LibraryDetector::LibraryDetector(const std::vector<std::string>& families, double decimate, bool refine_edges)
+LibraryDetector::LibraryDetector(const std::vector<std::string>& families, bool refine_edges)
     : state_(std::make_unique<State>()) {
   state_->detector.reset(apriltag_detector_create());
   apriltag_detector_t* detector = state_->detector.get();
   // With two threads the library's answer differs from run to run when an id occurs more than once.
   detector->nthreads = 1;
-  detector->quad_decimate = static_cast<float>(decimate);
+  detector->quad_decimate = 1.0F;  // as every call says anew
   detector->refine_edges = refine_edges;
   for (const std::string& name : families) {
     state_->families.push_back(make_native_family(name));
@@ -51,7 +51,8 @@ LibraryDetector::~LibraryDetector() = default;
 LibraryDetector::LibraryDetector(LibraryDetector&&) noexcept = default;
 LibraryDetector& LibraryDetector::operator=(LibraryDetector&&) noexcept = default;
 
-std::vector<LibraryDetection> LibraryDetector::detect(const GrayView& image) {
+std::vector<LibraryDetection> LibraryDetector::detect(const GrayView& image, double decimate) {
+  state_->detector->quad_decimate = static_cast<float>(decimate);
   const Eigen::Vector2d offset = Eigen::Vector2d::Constant(library_pixel_offset());
   std::vector<LibraryDetection> detections = detect_in_library_pixels(image);
   for (LibraryDetection& detection : detections)
@@ -117,7 +118,7 @@ double measure_library_pixel_offset() {
   constexpr int kSide_px = 80;
   constexpr double kHalfSize_px = 24.3;
   const TagPattern pattern = TagFamily::get("tag36h11").pattern(0);
-  LibraryDetector detector({"tag36h11"}, 1.0, true);
+  LibraryDetector detector({"tag36h11"}, true);
   double sum = 0.0;
   int count = 0;
   for (int i = 0; i < 4; ++i) {

@@ -31,13 +31,13 @@ struct LibraryDetection {
 class LibraryDetector {
  public:
   /// Throws Error(kInvalidInput) for a name that is no family.
-  LibraryDetector(const std::vector<std::string>& families, double decimate, bool refine_edges);
+  LibraryDetector(const std::vector<std::string>& families, bool refine_edges);
   ~LibraryDetector();
   LibraryDetector(LibraryDetector&&) noexcept;
   LibraryDetector& operator=(LibraryDetector&&) noexcept;
 
-  /// In the library's order.
-  std::vector<LibraryDetection> detect(const GrayView& image);
+  /// In the library's order. decimate: quads are searched for in an image this many times smaller.
+  std::vector<LibraryDetection> detect(const GrayView& image, double decimate);
 
  private:
   friend double measure_library_pixel_offset();

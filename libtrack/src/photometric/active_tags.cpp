@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace apriltrack {
 namespace {
@@ -16,28 +15,6 @@ constexpr int kLeastPixelsPerTag = 64;
 constexpr double kModelErrorOfContrast = 0.03;
 constexpr double kMinScale = 2e-3;
 
-/// A tag whose square passes through the image.
-struct TagInImage {
-  int index = 0;
-  TagPrediction prediction;
-  Eigen::AlignedBox2i swept;
-};
-
-std::vector<TagInImage> tags_in_image(PhotometricWorld& world, const PhotometricFrame& frame,
-                                      const MotionState& state, int level, double extra_sigma_px,
-                                      bool with_hidden) {
-  std::vector<TagInImage> found;
-  for (std::size_t k = 0; k < world.tags.size(); ++k) {
-    PhotometricTag& tag = world.tags[k];
-    if (tag.is_hidden && !with_hidden) continue;
-    TagPrediction prediction(world, tag, state, frame.exposure_s, level, extra_sigma_px);
-    if (!prediction.is_visible()) continue;
-    const Eigen::AlignedBox2i swept = swept_pixels(world, frame.light, prediction, tag, level);
-    if (!swept.isEmpty()) found.push_back({static_cast<int>(k), std::move(prediction), swept});
-  }
-  return found;
-}
-
 /// Of what is asked for, a tag's share when `num_tags` show.
 int pixels_per_tag(int max_pixels, std::size_t num_tags) {
   const int share = kPixelsPerFrame / static_cast<int>(std::max<std::size_t>(1, num_tags));
@@ -46,20 +23,39 @@ int pixels_per_tag(int max_pixels, std::size_t num_tags) {
 
 }  // namespace
 
-std::vector<ActiveTag> active_tags(PhotometricWorld& world, const PhotometricFrame& frame,
-                                   const MotionState& state, int level, int max_pixels, double extra_sigma_px,
-                                   bool with_hidden) {
-  const std::vector<TagInImage> shown =
-      tags_in_image(world, frame, state, level, extra_sigma_px, with_hidden);
-  const int share = pixels_per_tag(max_pixels, shown.size());
-  std::vector<ActiveTag> active;
-  for (const TagInImage& tag : shown) {
-    PredictedPixels predicted;
-    TagPixels pixels = select_pixels(world, frame.light, tag.prediction, tag.swept, level, share, &predicted);
-    if (pixels.count < kMinPixels) continue;
-    active.push_back({tag.index, std::move(pixels), std::move(predicted), 0.0, tag.prediction.path_px()});
+void ActiveTags::find(PhotometricWorld& world, const PhotometricFrame& frame, ViewPath& path,
+                      const ActiveTagsOptions& options) {
+  find_in_image(world, frame, path, options);
+  const int share = pixels_per_tag(options.max_pixels, in_image_.size());
+  count_ = 0;
+  for (const TagInImage& shown : in_image_) {
+    ActiveTag& tag = next_slot();
+    select_pixels(world, frame.light, shown.prediction, shown.swept, options.level, share, &tag.pixels,
+                  &tag.predicted);
+    if (tag.pixels.count < kMinPixels) continue;
+    tag.index = shown.index;
+    tag.scale = 0.0;
+    tag.prediction = &shown.prediction;
+    ++count_;
   }
-  return active;
+}
+
+void ActiveTags::find_in_image(PhotometricWorld& world, const PhotometricFrame& frame, ViewPath& path,
+                               const ActiveTagsOptions& options) {
+  in_image_.clear();
+  for (std::size_t k = 0; k < world.tags.size(); ++k) {
+    const PhotometricTag& tag = world.tags[k];
+    if (tag.is_hidden && !options.with_hidden) continue;
+    const TagPrediction prediction(world, tag, path, options.level, options.extra_sigma_px);
+    if (!prediction.is_visible()) continue;
+    const Eigen::AlignedBox2i swept = swept_pixels(world, frame.light, prediction, tag, options.level);
+    if (!swept.isEmpty()) in_image_.push_back({static_cast<int>(k), prediction, swept});
+  }
+}
+
+TagEvidence evidence_of(const ActiveTag& tag, const TagMisfit& misfit) {
+  return {tag.index,           static_cast<int>(tag.pixels.count), tag.pixels.area_px, misfit.correlation,
+          misfit.colours.gain, tag.prediction->path_px()};
 }
 
 double scale_of(const TagMisfit& misfit) {

@@ -1,11 +1,16 @@
 #pragma once
 
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <span>
 #include <vector>
 
+#include "apriltrack/photometric/evidence.h"
 #include "apriltrack/photometric/photometric_world.h"
 #include "tag_photometry.h"
 #include "tag_pixels.h"
 #include "tag_prediction.h"
+#include "view_path.h"
 
 namespace apriltrack {
 
@@ -13,16 +18,52 @@ namespace apriltrack {
 struct ActiveTag {
   int index = 0;  ///< Into PhotometricWorld::tags.
   TagPixels pixels;
-  PredictedPixels predicted;  ///< At the state that it was found for.
-  double scale = 0.0;         ///< Of the residuals; 0 until it is measured.
-  double path_px = 0.0;
+  const TagPrediction* prediction = nullptr;  ///< At the state that it was found for; until the next is.
+  PredictedPixels predicted;                  ///< Likewise.
+  double scale = 0.0;                         ///< Of the residuals; 0 until it is measured.
 };
 
-/// The tags that `state` shows, but for those known to be hidden. max_pixels: of each tag; less where more
-/// than 14 share a frame's budget (docs/algorithms/blur_tracker.md, section 2).
-std::vector<ActiveTag> active_tags(PhotometricWorld& world, const PhotometricFrame& frame,
-                                   const MotionState& state, int level, int max_pixels,
-                                   double extra_sigma_px = 0.0, bool with_hidden = false);
+/// What is looked at of the tags.
+struct ActiveTagsOptions {
+  int level = 0;
+  /// Of each tag; less where more than 14 share a frame's budget (docs/algorithms/blur_tracker.md, section
+  /// 2).
+  int max_pixels = 700;
+  double extra_sigma_px = 0.0;  ///< Further blur of the tags' pictures, pixels of level 0.
+  bool with_hidden = false;     ///< Tags known to be hidden too.
+};
+
+/// The tags that a state shows. Uses its memory again: found once, it allocates nothing for as many.
+class ActiveTags {
+ public:
+  void find(PhotometricWorld& world, const PhotometricFrame& frame, ViewPath& path,
+            const ActiveTagsOptions& options);
+
+  std::span<ActiveTag> tags() { return std::span(slots_).first(count_); }
+  std::span<const ActiveTag> tags() const { return std::span(slots_).first(count_); }
+
+ private:
+  /// A tag whose square passes through the image.
+  struct TagInImage {
+    int index;
+    TagPrediction prediction;
+    Eigen::AlignedBox2i swept;
+  };
+
+  void find_in_image(PhotometricWorld& world, const PhotometricFrame& frame, ViewPath& path,
+                     const ActiveTagsOptions& options);
+  ActiveTag& next_slot() {
+    if (count_ == slots_.size()) slots_.emplace_back();
+    return slots_[count_];
+  }
+
+  std::vector<TagInImage> in_image_;
+  std::vector<ActiveTag> slots_;
+  std::size_t count_ = 0;
+};
+
+/// What its pixels say of the state that it was found for.
+TagEvidence evidence_of(const ActiveTag& tag, const TagMisfit& misfit);
 
 /// The residuals' scale that a first, plain fit of the colours shows, with a floor for what no model
 /// explains.

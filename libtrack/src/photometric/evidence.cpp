@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "active_tags.h"
 #include "apriltrack/photometric/profile_likelihood.h"
+#include "photometric_scratch.h"
 
 namespace apriltrack {
 namespace {
@@ -25,13 +25,20 @@ std::vector<TagEvidence> explained_tags(const std::vector<TagEvidence>& tags) {
 
 std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const PhotometricFrame& frame,
                                         const MotionState& state, const EvidenceOptions& options) {
+  PhotometricScratch& scratch = *world.scratch;
+  ViewPath path(state, frame.exposure_s, world.mode);
+  scratch.active.find(
+      world, frame, path,
+      {options.level, options.max_pixels_per_tag, options.extra_sigma_px, options.with_hidden});
   std::vector<TagEvidence> evidence;
-  for (const ActiveTag& active : active_tags(world, frame, state, options.level, options.max_pixels_per_tag,
-                                             options.extra_sigma_px, options.with_hidden)) {
-    TagMisfit misfit = measure_misfit(active.pixels, active.predicted, 0.0);
-    if (options.is_robust) misfit = measure_misfit(active.pixels, active.predicted, scale_of(misfit));
-    evidence.push_back({active.index, static_cast<int>(active.pixels.count), active.pixels.area_px,
-                        misfit.correlation, misfit.colours.gain, active.path_px});
+  evidence.reserve(scratch.active.tags().size());
+  for (const ActiveTag& tag : scratch.active.tags()) {
+    const auto misfit_at = [&](double scale) {
+      return measure_misfit(tag.pixels, tag.predicted, scale, &scratch.weights);
+    };
+    TagMisfit misfit = misfit_at(0.0);
+    if (options.is_robust) misfit = misfit_at(scale_of(misfit));
+    evidence.push_back(evidence_of(tag, misfit));
   }
   return evidence;
 }

@@ -154,9 +154,8 @@ std::vector<TagPrediction> JointLikelihood::predict_tags(const PhotometricFrame&
   if (!world_) return predictions;
   predictions.reserve(hypotheses.size() * num_tags());
   for (const MotionState& state : hypotheses) {
-    for (PhotometricTag& tag : world_->tags) {
-      predictions.emplace_back(*world_, tag, state, frame.exposure_s, 0);
-    }
+    ViewPath path(state, frame.exposure_s, mode_);
+    for (const PhotometricTag& tag : world_->tags) predictions.emplace_back(*world_, tag, path, 0);
   }
   return predictions;
 }

@@ -1,14 +1,15 @@
 #include "apriltrack/photometric/motion_fit.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "active_tags.h"
 #include "apriltrack/base/geman_mcclure.h"
 #include "apriltrack/camera/pixel_jacobian.h"
+#include "photometric_scratch.h"
 
 namespace apriltrack {
 namespace {
@@ -23,17 +24,12 @@ double information_share(const TagPixels& pixels) {
   return std::min(1.0, pixels.stride * pixels.stride / kCorrelatedPixels);
 }
 
-TagPrediction prediction_of(PhotometricWorld& world, int index, const MotionState& state,
-                            const PhotometricFrame& frame, int level) {
-  return {world, world.tags[static_cast<std::size_t>(index)], state, frame.exposure_s, level};
-}
-
 struct NormalEquations {
   Matrix12d H = Matrix12d::Zero();
   Vector12d g = Vector12d::Zero();
 };
 
-/// A state with what it makes of the tags.
+/// A state with what it makes of the active tags.
 struct Evaluated {
   struct Tag {
     TagPrediction prediction;
@@ -41,87 +37,154 @@ struct Evaluated {
   };
   MotionState state;
   double cost = 0.0;
-  std::vector<Tag> tags;  ///< As the active ones; none where the cost is infinite.
+  std::vector<Tag> tags;  ///< In the order of the active ones; not all where the cost is infinite.
 };
+
+/// How far a tag's picture moves between two predictions, pixels of level 0.
+double displacement_px(const TagPrediction& from, const TagPrediction& to, double focal_px) {
+  double largest_px = 0.0;
+  for (const Eigen::Vector3d& point : {Eigen::Vector3d(-1, -1, 1), Eigen::Vector3d(1, 1, 1)}) {
+    const Eigen::Vector2d before = (from.camera_from_plane()[1] * point).hnormalized();
+    const Eigen::Vector2d after = (to.camera_from_plane()[1] * point).hnormalized();
+    largest_px = std::max(largest_px, focal_px * (after - before).norm());
+  }
+  return largest_px;
+}
 
 /// The fit of one frame: its data, and what the steps have in common.
 class Fit {
  public:
   Fit(PhotometricWorld& world, const PhotometricFrame& frame, const std::optional<MotionBelief>& prior,
-      const std::vector<CornerObservation>& corners)
-      : world_(world), frame_(frame), prior_(prior), corners_(corners) {
+      const std::vector<CornerObservation>& corners, int max_pixels)
+      : world_(world),
+        frame_(frame),
+        prior_(prior),
+        corners_(corners),
+        max_pixels_(max_pixels),
+        active_(world.scratch->active) {
     if (prior_) prior_information_ = prior_->covariance.ldlt().solve(Matrix12d::Identity());
   }
 
-  MotionState refine_on_level(MotionState state, int level, int max_steps, int max_pixels) {
-    for (int round = 0; round < 2; ++round) {
-      std::vector<ActiveTag> active = active_tags(world_, frame_, state, level, max_pixels);
+  MotionState refined_on_level(MotionState state, int level, int max_steps) {
+    for (int step = 0; step < max_steps; step += kStepsPerSelection) {
+      find(state, level);
       // Too coarse for what is seen: the prior alone would pull the state off.
-      if (active.empty()) return state;
-      set_scales(active);
-      state = descend(active, state, level, max_steps / 2);
+      if (active_.tags().empty()) return state;
+      evaluate_found(state);
+      const bool has_settled = descend(level);
+      state = current_.state;
+      if (has_settled && !has_left_its_pixels(level)) break;
     }
     return state;
   }
 
-  /// Of the tags given: what explains nothing knows nothing of the state.
-  Matrix12d information(const MotionState& state, int level, int max_pixels,
-                        const std::vector<TagEvidence>& tags) {
-    std::vector<ActiveTag> active = active_tags(world_, frame_, state, level, max_pixels);
-    std::erase_if(active, [&](const ActiveTag& one) {
-      return std::ranges::none_of(tags, [&](const TagEvidence& tag) { return tag.tag_index == one.index; });
-    });
-    set_scales(active);
-    return equations(active, evaluate(active, state, level)).H;
+  /// What explains nothing knows nothing of the state: information is that of the tags explained.
+  MotionFit summary(const MotionState& state) {
+    find(state, 0);
+    evaluate_found(state);
+    MotionFit result;
+    result.state = state;
+    for (std::size_t i = 0; i < active_.tags().size(); ++i)
+      result.tags.push_back(evidence_of(active_.tags()[i], misfits_[i]));
+    const std::vector<TagEvidence> explained = explained_tags(result.tags);
+    result.information = equations([&](const ActiveTag& tag) {
+                           return std::ranges::any_of(
+                               explained, [&](const TagEvidence& one) { return one.tag_index == tag.index; });
+                         }).H;
+    return result;
   }
 
  private:
-  static void set_scales(std::vector<ActiveTag>& active) {
-    for (ActiveTag& tag : active) tag.scale = scale_of(measure_misfit(tag.pixels, tag.predicted, 0.0));
+  static constexpr int kStepsPerSelection = 4;
+  /// Squared standard deviations that the step ahead would still move the state: nobody sees them.
+  static constexpr double kNegligibleStep2 = 0.01;
+  static constexpr double kNegligibleStep2Coarse = 0.25;
+
+  void find(const MotionState& state, int level) {
+    ViewPath path(state, frame_.exposure_s, world_.mode);
+    active_.find(world_, frame_, path, {.level = level, .max_pixels = max_pixels_});
+    misfits_.clear();
+    for (ActiveTag& tag : active_.tags()) {
+      tag.scale = scale_of(misfit_of(tag, tag.predicted, 0.0));
+      misfits_.push_back(misfit_of(tag, tag.predicted, tag.scale));
+    }
   }
-  MotionState descend(const std::vector<ActiveTag>& active, const MotionState& start, int level,
-                      int max_steps) {
-    Evaluated current = evaluate(active, start, level);
+
+  TagMisfit misfit_of(const ActiveTag& tag, const PredictedPixels& predicted, double scale) {
+    return measure_misfit(tag.pixels, predicted, scale, &world_.scratch->weights);
+  }
+
+  /// The state that the active tags were found for.
+  void evaluate_found(const MotionState& state) {
+    begin(state, current_);
+    for (std::size_t i = 0; i < misfits_.size(); ++i)
+      add(active_.tags()[i], *active_.tags()[i].prediction, misfits_[i], current_);
+  }
+
+  /// Into next_.
+  void evaluate(const MotionState& state, int level) {
+    begin(state, next_);
+    ViewPath path(state, frame_.exposure_s, world_.mode);
+    for (const ActiveTag& tag : active_.tags()) {
+      const TagPrediction prediction(world_, world_.tags[static_cast<std::size_t>(tag.index)], path, level);
+      // A tag must not turn its back to be rid of its pixels.
+      if (!prediction.is_visible()) {
+        next_.cost = std::numeric_limits<double>::infinity();
+        return;
+      }
+      PredictedPixels& predicted = world_.scratch->predicted;
+      predict(prediction, tag.pixels, &predicted);
+      add(tag, prediction, misfit_of(tag, predicted, tag.scale), next_);
+      if (next_.cost >= current_.cost) return;  // costs only grow
+    }
+  }
+
+  void begin(const MotionState& state, Evaluated& evaluated) const {
+    evaluated.state = state;
+    evaluated.cost = prior_cost(state) + corner_cost(state);
+    evaluated.tags.clear();
+  }
+
+  static void add(const ActiveTag& tag, const TagPrediction& prediction, const TagMisfit& misfit,
+                  Evaluated& evaluated) {
+    if (misfit.colours.gain <= 0.0) evaluated.cost += static_cast<double>(tag.pixels.count);
+    evaluated.cost += information_share(tag.pixels) * misfit.cost;
+    evaluated.tags.push_back({prediction, misfit.colours});
+  }
+
+  /// Levenberg and Marquardt's steps from current_. Whether no step is left to make.
+  bool descend(int level) {
     double damping = 1e-3;
-    for (int step = 0; step < max_steps; ++step) {
-      const NormalEquations normal = equations(active, current);
+    for (int step = 0; step < kStepsPerSelection; ++step) {
+      const NormalEquations normal = equations([](const ActiveTag&) { return true; });
       bool is_better = false;
-      Vector12d move = Vector12d::Zero();
       for (int attempt = 0; attempt < 4 && !is_better; ++attempt) {
         Matrix12d damped = normal.H;
         damped.diagonal() *= 1.0 + damping;
         damped.diagonal().array() += 1e-9;
-        move = -damped.ldlt().solve(normal.g);
-        if (!move.allFinite()) return current.state;
-        Evaluated next = evaluate(active, moved(current.state, move), level);
-        is_better = next.cost < current.cost;
+        const Vector12d move = -damped.ldlt().solve(normal.g);
+        if (!move.allFinite()) return true;
+        if (-normal.g.dot(move) < (level == 0 ? kNegligibleStep2 : kNegligibleStep2Coarse)) return true;
+        evaluate(moved(current_.state, move), level);
+        is_better = next_.cost < current_.cost;
         damping = is_better ? std::max(1e-6, 0.2 * damping) : std::max(1e-3, 10.0 * damping);
-        if (is_better) current = std::move(next);
+        if (is_better) std::swap(current_, next_);
       }
-      if (!is_better || is_negligible(move)) break;
+      if (!is_better) return true;
     }
-    return current.state;
+    return false;
   }
 
-  static bool is_negligible(const Vector12d& move) {
-    return move.segment<3>(0).norm() < 1e-5 && move.segment<3>(3).norm() < 1e-5;
-  }
-
-  Evaluated evaluate(const std::vector<ActiveTag>& active, const MotionState& state, int level) {
-    Evaluated result{state, 0.0, {}};
-    result.tags.reserve(active.size());
-    for (const ActiveTag& tag : active) {
-      const TagPrediction prediction = prediction_of(world_, tag.index, state, frame_, level);
-      // A tag must not turn its back to be rid of its pixels.
-      if (!prediction.is_visible()) return {state, std::numeric_limits<double>::infinity(), {}};
-      const TagMisfit misfit = measure_misfit(tag.pixels, predict(prediction, tag.pixels), tag.scale);
-      if (misfit.colours.gain <= 0.0) result.cost += static_cast<double>(tag.pixels.count);
-      result.cost += information_share(tag.pixels) * misfit.cost;
-      result.tags.push_back({prediction, misfit.colours});
+  bool has_left_its_pixels(int level) const {
+    for (std::size_t i = 0; i < current_.tags.size(); ++i) {
+      const double moved_px =
+          displacement_px(*active_.tags()[i].prediction, current_.tags[i].prediction, world_.focal_px());
+      if (moved_px > kMaxMoved * (1 << level)) return true;
     }
-    result.cost += prior_cost(state) + corner_cost(state);
-    return result;
+    return false;
   }
+  /// Pixels of the level that a tag may move from those that were chosen for it.
+  static constexpr double kMaxMoved = 1.0;
 
   double prior_cost(const MotionState& state) const {
     if (!prior_) return 0.0;
@@ -141,12 +204,15 @@ class Fit {
     return sum;
   }
 
-  NormalEquations equations(const std::vector<ActiveTag>& active, const Evaluated& at) const {
+  /// At current_.
+  template <typename TakesPart>
+  NormalEquations equations(const TakesPart& takes_part) const {
+    const Evaluated& at = current_;
     NormalEquations left;
     for (std::size_t i = 0; i < at.tags.size(); ++i) {
       const auto& [prediction, colours] = at.tags[i];
-      if (colours.gain <= 0.0) continue;
-      const ActiveTag& tag = active[i];
+      const ActiveTag& tag = active_.tags()[i];
+      if (colours.gain <= 0.0 || !takes_part(tag)) continue;
       const TagNormalEquations one = linearise(tag.pixels, prediction, colours, tag.scale);
       left.H += information_share(tag.pixels) * one.H;
       left.g += information_share(tag.pixels) * one.g;
@@ -181,6 +247,10 @@ class Fit {
   const PhotometricFrame& frame_;
   const std::optional<MotionBelief>& prior_;
   const std::vector<CornerObservation>& corners_;
+  int max_pixels_;
+  ActiveTags& active_;
+  std::vector<TagMisfit> misfits_;  ///< Of the active tags, where they were found.
+  Evaluated current_, next_;
   Matrix12d prior_information_ = Matrix12d::Zero();
 };
 
@@ -189,17 +259,11 @@ class Fit {
 MotionFit fit_motion(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& start,
                      const std::optional<MotionBelief>& prior, const std::vector<CornerObservation>& corners,
                      const MotionFitOptions& options) {
-  Fit fit(world, frame, prior, corners);
-  MotionFit result;
-  result.state = start;
+  Fit fit(world, frame, prior, corners, options.max_pixels_per_tag);
+  MotionState state = start;
   for (int level = options.coarsest_level; level >= 0; --level)
-    result.state =
-        fit.refine_on_level(result.state, level, options.max_steps_per_level, options.max_pixels_per_tag);
-  result.tags =
-      weigh_evidence(world, frame, result.state, {.max_pixels_per_tag = options.max_pixels_per_tag});
-  result.information =
-      fit.information(result.state, 0, options.max_pixels_per_tag, explained_tags(result.tags));
-  return result;
+    state = fit.refined_on_level(state, level, options.max_steps_per_level);
+  return fit.summary(state);
 }
 
 }  // namespace apriltrack

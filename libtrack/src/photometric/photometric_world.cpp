@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/photometric/patch.h"
+#include "photometric_scratch.h"
 #include "view_cone.h"
 
 namespace apriltrack {
@@ -28,11 +30,19 @@ PhotometricWorld::PhotometricWorld(const Camera& camera, const TagMap& map, Trac
     : model(camera.model),
       mode(track_mode),
       rays(camera.model, 0, 0, kNumLevels),
-      textures(patterns_of(map)) {
+      textures(patterns_of(map)),
+      scratch(std::make_unique<PhotometricScratch>()) {
   if (width > 0 && height > 0) fit_size(width, height);
-  for (std::size_t i = 0; i < map.tags.size(); ++i)
-    tags.push_back({map.tags[i], i, textures.pattern(i).half_extent()});
+  for (std::size_t i = 0; i < map.tags.size(); ++i) {
+    const MapTag& tag = map.tags[i];
+    tags.push_back({tag, i, textures.pattern(i).half_extent(),
+                    camera_from_tag_plane(tag.T_map_tag, tag.size_m),
+                    tag.T_map_tag.rotation() * Eigen::Vector3d::UnitZ()});
+  }
 }
+
+PhotometricWorld::~PhotometricWorld() = default;
+PhotometricWorld::PhotometricWorld(PhotometricWorld&&) noexcept = default;
 
 void PhotometricWorld::fit_size(int width, int height) {
   rays = PixelRays(model, width, height, kNumLevels);

@@ -37,9 +37,10 @@ TagColours solve_colours(const ColourSums& sums) {
   return {x[0], x[1], x[2]};
 }
 
-double median_size(const TagPixels& pixels, const SeenColumns& seen, const ColourFactors& colours) {
+double median_size(const TagPixels& pixels, const SeenColumns& seen, const ColourFactors& colours,
+                   std::vector<float>& sizes) {
   if (pixels.count == 0) return 0.0;
-  std::vector<float> sizes(seen.count);
+  sizes.resize(seen.count);
   residual_sizes(seen, colours, sizes.data());
   const auto end = sizes.begin() + static_cast<std::ptrdiff_t>(pixels.count);
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(pixels.count / 2);
@@ -49,11 +50,13 @@ double median_size(const TagPixels& pixels, const SeenColumns& seen, const Colou
 
 }  // namespace
 
-TagMisfit measure_misfit(const TagPixels& pixels, const PredictedPixels& predicted, double scale) {
+TagMisfit measure_misfit(const TagPixels& pixels, const PredictedPixels& predicted, double scale,
+                         std::vector<float>* scratch) {
   const SeenColumns seen = seen_columns(pixels, predicted);
   const bool is_robust = scale > 0.0;
   const auto inverse_scale = static_cast<float>(is_robust ? 1.0 / scale : 0.0);
-  std::vector<float> weights(seen.count);
+  std::vector<float>& weights = *scratch;
+  weights.resize(seen.count);
   TagMisfit misfit;
   MisfitSums sums;
   for (int round = 0; round < (is_robust ? kColourRounds : 1); ++round) {
@@ -65,7 +68,8 @@ TagMisfit measure_misfit(const TagPixels& pixels, const PredictedPixels& predict
   if (misfit.colours.gain > 0.0 && total > 0.0)
     misfit.correlation = std::sqrt(std::max(0.0, 1.0 - sums.residual2 / total));
   // Of a Gaussian's sizes, the median is 0.6745 standard deviations.
-  if (!is_robust) misfit.residual_scale = 1.4826 * median_size(pixels, seen, factors(misfit.colours));
+  if (!is_robust)
+    misfit.residual_scale = 1.4826 * median_size(pixels, seen, factors(misfit.colours), *scratch);
   return misfit;
 }
 

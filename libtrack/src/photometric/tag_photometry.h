@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "tag_pixels.h"
 #include "tag_prediction.h"
@@ -25,7 +26,9 @@ struct TagMisfit {
 
 /// The colours that fit best, and what is left. scale: of the residuals, beyond which they count less and
 /// less (Geman and McClure's penalty); 0: plain least squares, which also measures the residuals' scale.
-TagMisfit measure_misfit(const TagPixels& pixels, const PredictedPixels& predicted, double scale);
+/// scratch: overwritten, its memory used again.
+TagMisfit measure_misfit(const TagPixels& pixels, const PredictedPixels& predicted, double scale,
+                         std::vector<float>* scratch);
 
 /// Gauss-Newton's view of measure_misfit's cost, in [left perturbation of the camera's view of the map; of
 /// its rate]; the colours are eliminated.

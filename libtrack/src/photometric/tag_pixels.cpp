@@ -15,43 +15,53 @@ constexpr float kSaturatedLight = 0.985F;
 Eigen::AlignedBox2d swept_box(const CameraModel& model, const TagPrediction& prediction,
                               const PhotometricTag& tag) {
   Eigen::AlignedBox2d box;
-  const double half = tag.half_size_m() * tag.half_extent;
-  for (const Pose& T_camera_tag : {prediction.path()[0], prediction.T_camera_tag(), prediction.path()[1]}) {
-    for (const Eigen::Vector3d& corner : tag_corners(2.0 * half)) {
-      const auto pixel = model.project(T_camera_tag * corner);
-      if (!pixel) return {};
-      box.extend(*pixel);
+  for (const Eigen::Matrix3d& camera_from_plane : prediction.camera_from_plane()) {
+    for (const double u : {-tag.half_extent, tag.half_extent}) {
+      for (const double v : {-tag.half_extent, tag.half_extent}) {
+        const auto pixel = model.project(camera_from_plane * Eigen::Vector3d(u, v, 1.0));
+        if (!pixel) return {};
+        box.extend(*pixel);
+      }
     }
   }
   return box;
 }
 
-void pad(TagPixels& pixels) {
-  const std::size_t size = padded(pixels.count);
-  for (std::vector<float>* column : {&pixels.ray_x, &pixels.ray_y, &pixels.image, &pixels.inverse_sigma})
-    column->resize(size, 0.0F);
+/// Cuts off what lies beyond `count`, and fills up to whole blocks.
+void resize(std::vector<float>& column, std::size_t count) {
+  column.resize(count);
+  column.resize(padded(count), 0.0F);
 }
 
 /// Those of `swept` that have a ray and a light.
-TagPixels candidates(const PhotometricWorld& world, const LightPyramid& light,
-                     const Eigen::AlignedBox2i& swept, int level, int max_pixels) {
+void find_candidates(const PhotometricWorld& world, const LightPyramid& light,
+                     const Eigen::AlignedBox2i& swept, int level, int max_pixels, TagPixels& pixels) {
   const Image<float>& image = light[static_cast<std::size_t>(level)];
   const auto rays = world.rays.level(level);
   const int x0 = swept.min().x(), y0 = swept.min().y(), x1 = swept.max().x(), y1 = swept.max().y();
-  TagPixels pixels;
   // Tags fill about half of their box.
   const double num_candidates = 0.5 * (x1 - x0 + 1.0) * (y1 - y0 + 1.0);
   pixels.stride = std::max(1, static_cast<int>(std::lround(std::sqrt(num_candidates / max_pixels))));
+  const auto steps = [&](int first, int last) {
+    return static_cast<std::size_t>((last - first) / pixels.stride + 1);
+  };
+  for (std::vector<float>* column : pixels.columns()) column->resize(padded(steps(x0, x1) * steps(y0, y1)));
+  std::size_t count = 0;
   for (int y = y0; y <= y1; y += pixels.stride) {
     // Every other row is shifted, so that edges along a column are met at more than one phase.
     const int shift = ((y - y0) / pixels.stride % 2) * (pixels.stride / 2);
+    const float* line = image.row(y);
+    const Eigen::Vector2f* line_rays = rays.row(y);
     for (int x = x0 + shift; x <= x1; x += pixels.stride) {
-      const Eigen::Vector2f& ray = rays(x, y);
-      if (!std::isnan(ray.x()) && image(x, y) <= kSaturatedLight) pixels.add(ray, image(x, y));
+      const Eigen::Vector2f& ray = line_rays[x];
+      if (std::isnan(ray.x()) || line[x] > kSaturatedLight) continue;
+      pixels.ray_x[count] = ray.x();
+      pixels.ray_y[count] = ray.y();
+      pixels.image[count++] = line[x];
     }
   }
-  pad(pixels);
-  return pixels;
+  pixels.count = count;
+  for (std::vector<float>* column : pixels.columns()) resize(*column, count);
 }
 
 /// Those that the tag covers, with the errors to expect of them.
@@ -60,20 +70,19 @@ void keep_covered(TagPixels& pixels, PredictedPixels& predicted) {
   for (std::size_t i = 0; i < pixels.count; ++i) {
     const float presence = predicted.presence[i];
     if (presence < kMinPresence) continue;
-    for (std::vector<float>* column :
-         {&pixels.ray_x, &pixels.ray_y, &pixels.image, &predicted.light, &predicted.presence})
-      (*column)[kept] = (*column)[i];
+    pixels.ray_x[kept] = pixels.ray_x[i];
+    pixels.ray_y[kept] = pixels.ray_y[i];
+    pixels.image[kept] = pixels.image[i];
+    predicted.light[kept] = predicted.light[i];
+    predicted.presence[kept] = presence;
     const float beyond = kBackgroundSigma * (1.0F - presence);
     pixels.inverse_sigma[kept] = 1.0F / std::sqrt(1.0F + beyond * beyond);
     ++kept;
   }
   pixels.count = kept;
-  for (std::vector<float>* column : {&pixels.ray_x, &pixels.ray_y, &pixels.image, &pixels.inverse_sigma,
-                                     &predicted.light, &predicted.presence})
-    column->resize(kept);
-  pad(pixels);
-  predicted.light.resize(padded(kept), 0.0F);
-  predicted.presence.resize(padded(kept), 0.0F);
+  for (std::vector<float>* column : pixels.columns()) resize(*column, kept);
+  resize(predicted.light, kept);
+  resize(predicted.presence, kept);
 }
 
 }  // namespace
@@ -94,24 +103,20 @@ Eigen::AlignedBox2i swept_pixels(const PhotometricWorld& world, const LightPyram
   return {Eigen::Vector2i(x0, y0), Eigen::Vector2i(x1, y1)};
 }
 
-PredictedPixels predict(const TagPrediction& prediction, const TagPixels& pixels) {
-  PredictedPixels predicted;
-  predicted.light.resize(pixels.ray_x.size());
-  predicted.presence.resize(pixels.ray_x.size());
-  predict_pixels(prediction.texel_path(), pixels.rays(), predicted.light.data(), predicted.presence.data());
-  return predicted;
+void predict(const TagPrediction& prediction, const TagPixels& pixels, PredictedPixels* predicted) {
+  predicted->light.resize(pixels.ray_x.size());
+  predicted->presence.resize(pixels.ray_x.size());
+  predict_pixels(prediction.texel_path(), pixels.rays(), predicted->light.data(), predicted->presence.data());
 }
 
-TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light,
-                        const TagPrediction& prediction, const Eigen::AlignedBox2i& swept, int level,
-                        int max_pixels, PredictedPixels* predicted) {
-  if (swept.isEmpty()) return {};
-  TagPixels pixels = candidates(world, light, swept, level, max_pixels);
-  *predicted = predict(prediction, pixels);
-  keep_covered(pixels, *predicted);
-  const double pixel = pixels.stride * (1 << level);
-  pixels.area_px = static_cast<double>(pixels.count) * pixel * pixel;
-  return pixels;
+void select_pixels(const PhotometricWorld& world, const LightPyramid& light, const TagPrediction& prediction,
+                   const Eigen::AlignedBox2i& swept, int level, int max_pixels, TagPixels* pixels,
+                   PredictedPixels* predicted) {
+  find_candidates(world, light, swept, level, max_pixels, *pixels);
+  predict(prediction, *pixels, predicted);
+  keep_covered(*pixels, *predicted);
+  const double pixel = pixels->stride * (1 << level);
+  pixels->area_px = static_cast<double>(pixels->count) * pixel * pixel;
 }
 
 }  // namespace apriltrack

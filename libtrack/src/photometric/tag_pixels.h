@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -24,19 +25,16 @@ struct TagPixels {
   int stride = 1;        ///< Every stride-th row and column.
 
   RayColumns rays() const { return {ray_x.data(), ray_y.data(), ray_x.size()}; }
-  void add(const Eigen::Vector2f& ray, float light) {
-    ray_x.push_back(ray.x());
-    ray_y.push_back(ray.y());
-    image.push_back(light);
-    ++count;
-  }
+  /// The columns that are chosen; inverse_sigma follows.
+  std::array<std::vector<float>*, 4> columns() { return {&ray_x, &ray_y, &image, &inverse_sigma}; }
 };
 
 /// What a tag's pixels should show: columns as long as those of TagPixels.
 struct PredictedPixels {
   std::vector<float> light, presence;
 };
-PredictedPixels predict(const TagPrediction& prediction, const TagPixels& pixels);
+/// predicted: overwritten, its memory used again.
+void predict(const TagPrediction& prediction, const TagPixels& pixels, PredictedPixels* predicted);
 
 /// The pixels of a level's image, first and last, that the printed square may pass during the exposure; empty
 /// where there are none, or a corner cannot be projected.
@@ -45,9 +43,10 @@ Eigen::AlignedBox2i swept_pixels(const PhotometricWorld& world, const LightPyram
 
 /// Pixels of which the tag covers at least a quarter during the exposure, thinned out evenly to about
 /// max_pixels: twice as many where it fills its box. Saturated pixels are left out: what light they stand for
-/// is not known. swept: as above. predicted: what these pixels should show.
-TagPixels select_pixels(const PhotometricWorld& world, const LightPyramid& light,
-                        const TagPrediction& prediction, const Eigen::AlignedBox2i& swept, int level,
-                        int max_pixels, PredictedPixels* predicted);
+/// is not known. swept: as above. predicted: what these pixels should show. Both are overwritten, and their
+/// memory is used again.
+void select_pixels(const PhotometricWorld& world, const LightPyramid& light, const TagPrediction& prediction,
+                   const Eigen::AlignedBox2i& swept, int level, int max_pixels, TagPixels* pixels,
+                   PredictedPixels* predicted);
 
 }  // namespace apriltrack

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apriltrack/geometry/tag_view.h"
-#include "apriltrack/photometric/patch.h"
 #include "view_cone.h"
 
 namespace apriltrack {
@@ -14,8 +12,9 @@ namespace {
 constexpr double kMinCosine = 0.14;      ///< 82 degrees: beyond, a tag is a line.
 constexpr double kInstantSpacing = 1.2;  ///< Pixels of the level.
 
-bool faces_camera(const Pose& T_camera_tag, double half_size_m) {
-  return T_camera_tag.translation().z() > half_size_m && tag_view_cosine(T_camera_tag) > kMinCosine;
+bool faces_camera(const PhotometricTag& tag, const MapView& view, const Eigen::Vector3d& centre) {
+  return centre.z() > tag.half_size_m() &&
+         (view.rotation * tag.normal_map).dot(centre) > kMinCosine * centre.norm();
 }
 
 /// Where the point is in a plain pinhole image, pixels.
@@ -23,10 +22,17 @@ Eigen::Vector2d pinhole(const Eigen::Vector3d& point, double focal_px) {
   return focal_px * point.head<2>() / std::max(1e-6, point.z());
 }
 
-/// T_camera_tag, `time_s` after the middle of the exposure.
-Pose view_of(const PhotometricWorld& world, const PhotometricTag& tag, const MotionState& state,
-             double time_s) {
-  return camera_from_map(pose_after(state, time_s), world.mode) * tag.tag.T_map_tag;
+/// The longest way of a tag's corner from the one view to the other, pixels of level 0.
+Eigen::Vector2d longest_streak(const Eigen::Matrix3d& from, const Eigen::Matrix3d& to, double focal_px) {
+  Eigen::Vector2d longest = Eigen::Vector2d::Zero();
+  for (const double u : {-1.0, 1.0}) {
+    for (const double v : {-1.0, 1.0}) {
+      const Eigen::Vector3d corner(u, v, 1.0);
+      const Eigen::Vector2d move = pinhole(to * corner, focal_px) - pinhole(from * corner, focal_px);
+      if (move.squaredNorm() > longest.squaredNorm()) longest = move;
+    }
+  }
+  return longest;
 }
 
 /// What an instant shows is blurred by `blur_px2` in the image: its covariance in the tag's plane, in half
@@ -44,56 +50,47 @@ Eigen::Matrix2d in_plane(const Eigen::Matrix2d& blur_px2, const Eigen::Matrix3d&
 
 }  // namespace
 
-TagPrediction::TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const MotionState& state,
-                             double exposure_s, int level, double extra_sigma_px) {
+TagPrediction::TagPrediction(PhotometricWorld& world, const PhotometricTag& tag, ViewPath& path, int level,
+                             double extra_sigma_px) {
   const double focal_px = world.focal_px();
-  const double half_size = tag.half_size_m();
-  T_camera_tag_ = view_of(world, tag, state, 0.0);
-  path_ = {view_of(world, tag, state, -0.5 * exposure_s), view_of(world, tag, state, 0.5 * exposure_s)};
-  const std::array views = {path_[0], T_camera_tag_, path_[1]};
-  is_visible_ = std::ranges::all_of(views, [&](const Pose& view) { return faces_camera(view, half_size); }) &&
-                std::ranges::any_of(views, [&](const Pose& view) {
-                  return may_be_in_view(view.translation(), tag.radius_m(), world.max_view_angle_rad);
-                });
-  if (!is_visible_) return;
-
-  Eigen::Vector2d streak = Eigen::Vector2d::Zero();  // the longest of the corners', pixels of level 0
-  for (const Eigen::Vector3d& corner : tag_corners(tag.tag.size_m)) {
-    const Eigen::Vector2d move = pinhole(path_[1] * corner, focal_px) - pinhole(path_[0] * corner, focal_px);
-    if (move.squaredNorm() > streak.squaredNorm()) streak = move;
+  bool may_be_seen = false;
+  const std::array views = {&path.opening(), &path.middle(), &path.closing()};
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    camera_from_plane_[i] = views[i]->of_plane(tag.map_from_plane);
+    const Eigen::Vector3d centre = camera_from_plane_[i].col(2);
+    if (!faces_camera(tag, *views[i], centre)) return;
+    may_be_seen = may_be_seen || may_be_in_view(centre, tag.radius_m(), world.max_view_angle_rad);
   }
+  if (!may_be_seen) return;
+  is_visible_ = true;
+
+  const Eigen::Vector2d streak = longest_streak(camera_from_plane_[0], camera_from_plane_[2], focal_px);
   path_px_ = streak.norm();
   const double level_pixel = 1 << level;
-  // Limited before it is a whole number: a path that ends beside the camera is as long as it likes.
-  const double needed = std::ceil(path_px_ / (kInstantSpacing * level_pixel));
-  num_instants_ = static_cast<int>(std::clamp(needed, 1.0, static_cast<double>(kMaxInstants)));
-
+  const std::span<const MapView> instants = path.instants(path_px_ / (kInstantSpacing * level_pixel));
   const double isotropic = world.psf_sigma_px * world.psf_sigma_px + level_pixel * level_pixel / 12.0 +
                            extra_sigma_px * extra_sigma_px;
   Eigen::Matrix2d blur_px2 = isotropic * Eigen::Matrix2d::Identity();
-  blur_px2 += streak * streak.transpose() / (12.0 * num_instants_ * num_instants_);
-  const Eigen::Matrix2d blur =
-      in_plane(blur_px2, camera_from_tag_plane(T_camera_tag_, tag.tag.size_m), focal_px);
+  const auto count = static_cast<double>(instants.size());
+  blur_px2 += streak * streak.transpose() / (12.0 * count * count);
+  const Eigen::Matrix2d blur = in_plane(blur_px2, camera_from_plane_[1], focal_px);
   texture_ = world.textures.blurred(tag.index, std::sqrt(blur(0, 0)), std::sqrt(blur(1, 1)));
-  set_instants(world, tag, state, exposure_s);
+  set_instants(tag, instants);
 }
 
-void TagPrediction::set_instants(const PhotometricWorld& world, const PhotometricTag& tag,
-                                 const MotionState& state, double exposure_s) {
+void TagPrediction::set_instants(const PhotometricTag& tag, std::span<const MapView> views) {
   const TexelGrid grid = texture_->grid();
   Eigen::Matrix3d texel_from_plane = Eigen::Matrix3d::Identity();
   texel_from_plane(0, 0) = static_cast<double>(grid.columns_per_unit);
   texel_from_plane(1, 1) = static_cast<double>(grid.rows_per_unit);
   texel_from_plane(0, 2) = texel_from_plane(0, 0) * static_cast<double>(grid.half_width);
   texel_from_plane(1, 2) = texel_from_plane(1, 1) * static_cast<double>(grid.half_height);
-  for (int m = 0; m < num_instants_; ++m) {
-    const double time_s = exposure_s * ((m + 0.5) / num_instants_ - 0.5);
-    const Eigen::Matrix3d H = camera_from_tag_plane(
-        num_instants_ == 1 ? T_camera_tag_ : view_of(world, tag, state, time_s), tag.tag.size_m);
+  num_instants_ = views.size();
+  for (std::size_t m = 0; m < num_instants_; ++m) {
+    const Eigen::Matrix3d H = views[m].of_plane(tag.map_from_plane);
     const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> N = (texel_from_plane * H.inverse()).cast<float>();
-    TexelInstant& instant = instants_[static_cast<std::size_t>(m)];
-    std::copy_n(N.data(), 9, instant.texel_from_ray.begin());
-    instant.time_s = static_cast<float>(time_s);
+    std::copy_n(N.data(), 9, instants_[m].texel_from_ray.begin());
+    instants_[m].time_s = static_cast<float>(views[m].time_s);
   }
 }
 

@@ -7,8 +7,8 @@
 
 #include "apriltrack/motion/motion_state.h"
 #include "apriltrack/photometric/photometric_world.h"
-#include "apriltrack/tags/tag_corners.h"
 #include "pixel_kernels.h"
+#include "view_path.h"
 
 namespace apriltrack {
 
@@ -33,39 +33,32 @@ struct PixelJacobian {
 class TagPrediction {
  public:
   /// extra_sigma_px: further blur, pixels of level 0, to see a tag from further off.
-  TagPrediction(PhotometricWorld& world, PhotometricTag& tag, const MotionState& state, double exposure_s,
-                int level, double extra_sigma_px = 0.0);
+  TagPrediction(PhotometricWorld& world, const PhotometricTag& tag, ViewPath& path, int level,
+                double extra_sigma_px = 0.0);
 
   /// Whether the tag faces the camera, in front of it, during the whole exposure, and may be in the image.
   bool is_visible() const { return is_visible_; }
-  int num_instants() const { return num_instants_; }
-  /// T_camera_tag in the middle of the exposure.
-  const Pose& T_camera_tag() const { return T_camera_tag_; }
-  /// T_camera_tag when the shutter opens and when it closes.
-  const std::array<Pose, 2>& path() const { return path_; }
+  std::size_t num_instants() const { return num_instants_; }
+  /// From (u, v, 1) of the tag's plane, in half tag sizes, to the camera frame: when the shutter opens, in
+  /// the middle, and when it closes.
+  const std::array<Eigen::Matrix3d, 3>& camera_from_plane() const { return camera_from_plane_; }
   double path_px() const { return path_px_; }
   /// What every instant shows: the pattern under the blur of an instant. Requires is_visible().
   const PatternTexture& texture() const { return *texture_; }
 
   /// What the kernels ask for. Requires is_visible().
-  TexelPath texel_path() const {
-    return {texture_->grid(), std::span(instants_).first(static_cast<std::size_t>(num_instants_))};
-  }
+  TexelPath texel_path() const { return {texture_->grid(), std::span(instants_).first(num_instants_)}; }
 
   /// ray: (x / z, y / z). The definition of what predict_pixels and linearise_pixels compute.
   PixelPrediction predict(const Eigen::Vector2f& ray) const;
   PixelPrediction predict(const Eigen::Vector2f& ray, PixelJacobian& jacobian) const;
 
  private:
-  static constexpr std::size_t kMaxInstants = 16;
+  void set_instants(const PhotometricTag& tag, std::span<const MapView> views);
 
-  void set_instants(const PhotometricWorld& world, const PhotometricTag& tag, const MotionState& state,
-                    double exposure_s);
-
-  Pose T_camera_tag_;
-  std::array<Pose, 2> path_;
-  std::array<TexelInstant, kMaxInstants> instants_;
-  int num_instants_ = 0;
+  std::array<Eigen::Matrix3d, 3> camera_from_plane_;
+  std::array<TexelInstant, ViewPath::kMaxInstants> instants_;
+  std::size_t num_instants_ = 0;
   std::shared_ptr<const PatternTexture> texture_;
   double path_px_ = 0.0;
   bool is_visible_ = false;

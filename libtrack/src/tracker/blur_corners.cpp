@@ -95,7 +95,7 @@ TagVotes count_votes(const PhotometricWorld& world, const std::vector<TagObserva
       is_near = is_near && pixel && (*pixel - observation.corners_px[i]).norm() < limit_px;
     }
     const bool is_sure = observation.corrected_bits == 0 && !observation.is_repeated;
-    const int index = index_of(world, observation.tag->key);
+    const int index = observation.tag_index;
     if (is_near) agreeing.insert(index);
     if (!is_near && is_sure) contradicting.insert(index);
   }

@@ -10,7 +10,6 @@
 #include "blur_cloud.h"
 #include "blur_corners.h"
 #include "pose_adjustment.h"
-#include "pose_candidate.h"
 
 namespace apriltrack {
 namespace {
@@ -24,6 +23,8 @@ constexpr double kMaxSecondCloudAge_s = 0.1;
 constexpr std::uint64_t kMaxClouds = 2;
 constexpr double kMaxStartPriorCost =
     30.0;  // -log of the prior, beyond which its Gaussian is not to be trusted
+/// What a motion that went on as expected costs: 6 on the average, of twelve numbers; one in 200 costs more.
+constexpr double kMaxExpectedPriorCost = 14.0;
 constexpr double kMaxPriorDistance = 6.0;  // standard deviations of the pose
 constexpr double kAccelerationShare = 0.7;
 constexpr double kColdCornerSigma_px = 3.0;
@@ -123,9 +124,9 @@ void sort_by_score(std::vector<Explanation>& found) {
 
 std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
                                                 const std::vector<MotionHypothesis>& hypotheses) {
-  std::vector<Explanation> found;
-  for (const Start& start : starts(frame, hypotheses)) found.push_back(explained(frame, start, {}));
-  sort_by_score(found);
+  std::vector<Explanation> found = expected(frame, hypotheses);
+  if (!frame.is_searched && needs_search(found)) return found;
+  if (found.empty() || !is_settled(frame, found.front())) detected(frame, hypotheses, found);
   if (found.empty()) return found;
   if (found.front().mean_correlation < kGoodCorrelation) vary_velocity(frame, found);
   const bool is_recent = frame.interval_s && *frame.interval_s <= kMaxSecondCloudAge_s;
@@ -139,32 +140,56 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
   return found;
 }
 
-std::vector<BlurExplainer::Start> BlurExplainer::starts(
-    const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses) const {
-  std::vector<Start> result;
-  std::vector<Pose> predictions;
+bool BlurExplainer::needs_search(const std::vector<Explanation>& found) {
+  return found.empty() || found.front().mean_correlation < TagEvidence::kExplained ||
+         !found.front().votes.contradicting.empty();
+}
+
+std::vector<Explanation> BlurExplainer::expected(const BlurFrame& frame,
+                                                 const std::vector<MotionHypothesis>& hypotheses) {
+  std::vector<Explanation> found;
   for (const MotionHypothesis& hypothesis : hypotheses) {
-    result.push_back({hypothesis.belief.mean, hypothesis, false});
-    predictions.push_back(camera_from_map(hypothesis.belief.mean.pose, world_.mode));
+    found.push_back(explained(frame, {hypothesis.belief.mean, hypothesis, false}, {}));
+    if (is_settled(frame, found.back())) break;
   }
-  if (frame.observations.empty()) return result;
+  sort_by_score(found);
+  return found;
+}
+
+void BlurExplainer::detected(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses,
+                             std::vector<Explanation>& found) {
+  if (frame.observations.empty()) return;
+  std::vector<Pose> predictions;
+  for (const MotionHypothesis& hypothesis : hypotheses)
+    predictions.push_back(camera_from_map(hypothesis.belief.mean.pose, world_.mode));
   const CandidateOptions options{.expected_sigma_px = options_.corner_sigma_px};
   for (const PoseCandidate& candidate :
        find_pose_candidates(world_.model, frame.observations, predictions, options)) {
-    const Pose pose = pose_from_camera(candidate.T_camera_map, world_.mode);
-    bool is_expected = false;
-    for (const MotionHypothesis& hypothesis : hypotheses) {
-      const auto state = conditioned(hypothesis.belief, pose);
-      if (state) result.push_back({*state, hypothesis, false});
-      is_expected = is_expected || state;
-    }
-    if (is_expected) continue;
-    // A detection that the motion so far did not expect pays as much as any surprise may cost.
-    const double log_odds = hypotheses.empty() ? 0.0 : -kMaxStartPriorCost;
-    if (const auto cold = cold_belief(world_, candidate))
-      result.push_back({cold->mean, {*cold, log_odds}, true});
+    for (const Start& start : starts_at(candidate, hypotheses)) found.push_back(explained(frame, start, {}));
   }
-  return result;
+  sort_by_score(found);
+}
+
+std::vector<BlurExplainer::Start> BlurExplainer::starts_at(
+    const PoseCandidate& candidate, const std::vector<MotionHypothesis>& hypotheses) const {
+  std::vector<Start> starts;
+  const Pose pose = pose_from_camera(candidate.T_camera_map, world_.mode);
+  for (const MotionHypothesis& hypothesis : hypotheses) {
+    if (const auto state = conditioned(hypothesis.belief, pose)) starts.push_back({*state, hypothesis, false});
+  }
+  if (!starts.empty()) return starts;
+  // A detection that the motion so far did not expect pays as much as any surprise may cost.
+  const double log_odds = hypotheses.empty() ? 0.0 : -kMaxStartPriorCost;
+  if (const auto cold = cold_belief(world_, candidate)) starts.push_back({cold->mean, {*cold, log_odds}, true});
+  return starts;
+}
+
+bool BlurExplainer::is_settled(const BlurFrame& frame, const Explanation& explanation) {
+  return explanation.mean_correlation >= kGoodCorrelation &&
+         explanation.prior_cost <= kMaxExpectedPriorCost &&
+         std::ranges::all_of(frame.observations, [&](const TagObservation& seen) {
+           return std::ranges::count(explanation.votes.agreeing, seen.tag_index) > 0;
+         });
 }
 
 Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,

@@ -8,6 +8,7 @@
 #include "apriltrack/tracker/blur_tracker.h"
 #include "blur_corners.h"
 #include "motion_memory.h"
+#include "pose_candidate.h"
 #include "tag_observation.h"
 
 namespace apriltrack {
@@ -17,6 +18,7 @@ struct BlurFrame {
   PhotometricFrame photometric;
   std::vector<Detection> detections;
   std::vector<TagObservation> observations;  ///< Of them, those of mapped tags.
+  bool is_searched = false;  ///< Tags were looked for everywhere, not only where they are expected.
   std::uint64_t index = 0;                   ///< In the recording: the key of its random numbers.
   std::optional<double> interval_s;          ///< Since the frame before that was explained.
   double sensitivity = 1.0;  ///< Light in the image for light in the scene: exposure times gain. > 0.
@@ -46,8 +48,12 @@ class BlurExplainer {
       : world_(world), options_(options) {}
 
   /// Best first; empty when there is neither a hypothesis nor a detection. hypotheses: of this frame's time,
-  /// the likeliest first.
+  /// the likeliest first. Of a frame that was not searched, only what follows from them, where that leaves
+  /// questions which a search may answer (needs_search).
   std::vector<Explanation> explain(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses);
+
+  /// The best explains too little, or tags were read that contradict it.
+  static bool needs_search(const std::vector<Explanation>& found);
 
  private:
   struct Start {
@@ -56,7 +62,17 @@ class BlurExplainer {
     bool is_cold;
   };
 
-  std::vector<Start> starts(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses) const;
+  /// From what the motion so far predicts: the likeliest, and the others where it settles nothing.
+  std::vector<Explanation> expected(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses);
+  /// Adds those that begin at the poses that detected corners allow.
+  void detected(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses,
+                std::vector<Explanation>& found);
+  /// At a pose that corners allow, with the velocities that the hypotheses expect there; cold where none does.
+  std::vector<Start> starts_at(const PoseCandidate& candidate,
+                               const std::vector<MotionHypothesis>& hypotheses) const;
+  /// The motion went on as expected, the tags look as they should, and every detection agrees: no other start
+  /// is needed.
+  static bool is_settled(const BlurFrame& frame, const Explanation& explanation);
   /// The best pose with other velocities: none, and the reverse.
   void vary_velocity(const BlurFrame& frame, std::vector<Explanation>& found);
   /// What the clouds are drawn about.

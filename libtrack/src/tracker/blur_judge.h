@@ -22,6 +22,8 @@ class BlurJudge {
   void claimed(const Explanation& explanation);
   /// After a frame without evidence. What is known of the tags stays: a detection renews it.
   void missed() { is_confirmed_ = false; }
+  /// Whether every frame gave evidence since one with a detection that agrees.
+  bool is_confirmed() const { return is_confirmed_; }
 
  private:
   /// Without a detection that agrees, tags of another contrast than they had count as not explained: in the

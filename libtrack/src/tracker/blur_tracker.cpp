@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -16,6 +17,7 @@
 #include "known_exposure.h"
 #include "map_detection.h"
 #include "motion_memory.h"
+#include "tag_regions.h"
 
 namespace apriltrack {
 namespace {
@@ -24,6 +26,9 @@ constexpr double kLeastOdds = 1e-3;  // what is less likely than this is ruled o
 // The same before the next frame was seen: that one may tell by tens of nats.
 constexpr double kLeastLogOddsCarried = -10.0;
 constexpr double kDistinctSigmas = 5.0;
+/// How often the whole image is glanced at for tags that nothing expects, and how coarsely.
+constexpr double kGlanceInterval_s = 1.0;
+constexpr double kGlanceDecimate = 2.0;
 
 }  // namespace
 
@@ -62,13 +67,13 @@ class BlurTracker::Implementation {
   }
 
   TrackResult track(const Frame& frame) {
-    if (lost_to_another_camera(frame, camera_)) return track(frame, {}, std::chrono::steady_clock::now());
+    if (lost_to_another_camera(frame, camera_)) return track(frame, nullptr, std::chrono::steady_clock::now());
     prepare();  // the tables are no part of a frame's latency
-    const auto start = std::chrono::steady_clock::now();
-    return track(frame, detector_->detect(frame.image), start);
+    return track(frame, nullptr, std::chrono::steady_clock::now());
   }
 
-  TrackResult track(const Frame& frame, const std::vector<Detection>& detections,
+  /// detections: null where they are this tracker's own task.
+  TrackResult track(const Frame& frame, const std::vector<Detection>* detections,
                     std::chrono::steady_clock::time_point start) {
     start_anew_if_time_runs_back(frame.timestamp);
     if (const auto lost = lost_to_another_camera(frame, camera_)) {
@@ -80,10 +85,15 @@ class BlurTracker::Implementation {
     result.timestamp = frame.timestamp;
     const std::vector<MotionHypothesis> expected = motion_.predict(frame.timestamp);
     if (expected.empty()) judge_.missed();
-    const BlurFrame blur_frame = prepared(frame, detections);
+    BlurFrame blur_frame = prepared(frame);
+    if (detections != nullptr) {
+      see(*detections, blur_frame);
+      blur_frame.is_searched = true;
+    } else {
+      look(frame, expected, blur_frame);
+    }
+    const std::vector<Explanation> found = explanations(frame, blur_frame, expected);
     result.tags_detected = count_tags(blur_frame.observations);
-
-    const std::vector<Explanation> found = explanations(blur_frame, expected);
     if (is_convincing(found, blur_frame)) {
       report_evidence(found, result);
       learn_hidden_tags(blur_frame, found.front(), result.second_pose.has_value());
@@ -92,6 +102,7 @@ class BlurTracker::Implementation {
       report_prediction(expected, result);
       if (!result.pose) result.reason = why_lost(blur_frame, found);
     }
+    result.detections = std::move(blur_frame.detections);
     result.latency_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return result;
   }
@@ -117,14 +128,12 @@ class BlurTracker::Implementation {
     world_->fit_size(image.width(), image.height());
   }
 
-  BlurFrame prepared(const Frame& frame, const std::vector<Detection>& detections) {
+  BlurFrame prepared(const Frame& frame) {
     BlurFrame result;
     result.photometric.light =
         light_pyramid(to_linear_light(frame.image, camera_.response), PhotometricWorld::kNumLevels);
     result.photometric.exposure_s =
         known_exposure_s(frame.exposure_s, camera_.exposure_s).value_or(options_.default_exposure_s);
-    result.detections = detections;
-    result.observations = observe_mapped_tags(map_, camera_.model, detections);
     result.index = num_frames_++;
     result.interval_s = motion_.age_s(frame.timestamp);
     if (result.photometric.exposure_s > 0.0 && frame.gain > 0.0)
@@ -132,24 +141,60 @@ class BlurTracker::Implementation {
     return result;
   }
 
+  void see(std::vector<Detection> detections, BlurFrame& blur_frame) const {
+    blur_frame.detections = std::move(detections);
+    blur_frame.observations = observe_mapped_tags(map_, camera_.model, blur_frame.detections);
+  }
+
+  /// As far as is needed: where the motion went on as expected, at the places of tags; at times at the whole
+  /// image in half its resolution, for tags that nothing expects; else everywhere.
+  void look(const Frame& frame, const std::vector<MotionHypothesis>& expected, BlurFrame& blur_frame) {
+    if (expected.empty() || !judge_.is_confirmed()) return search(frame, blur_frame);
+    const GrayView& image = frame.image;
+    if (seconds_between(last_search_, frame.timestamp) >= kGlanceInterval_s) {
+      last_search_ = frame.timestamp;
+      const std::array whole = {ImageRegion{0, 0, image.width(), image.height()}};
+      return see(detector_->detect_in(image, whole, kGlanceDecimate), blur_frame);
+    }
+    see(detector_->detect_in(image,
+                             regions_.choose(*world_, expected.front().belief,
+                                             blur_frame.photometric.exposure_s, image.width(), image.height())),
+        blur_frame);
+  }
+
+  void search(const Frame& frame, BlurFrame& blur_frame) {
+    last_search_ = frame.timestamp;
+    see(detector_->detect(frame.image), blur_frame);
+    blur_frame.is_searched = true;
+  }
+
   bool is_convincing(const std::vector<Explanation>& found, const BlurFrame& frame) const {
     return !found.empty() && judge_.is_convincing(found.front(), frame.interval_s);
   }
 
-  /// Where nothing else convinces, the tags that were hidden are looked for as well.
-  std::vector<Explanation> explanations(const BlurFrame& frame,
+  /// Where nothing else convinces, the whole frame is searched, and then the tags that were hidden are looked
+  /// for as well.
+  std::vector<Explanation> explanations(const Frame& frame, BlurFrame& blur_frame,
                                         const std::vector<MotionHypothesis>& expected) {
-    hidden_.mark(*world_, frame.observations);
-    std::vector<Explanation> found = explainer_->explain(frame, expected);
-    if (hidden_.is_empty() || is_convincing(found, frame)) return found;
+    hidden_.mark(*world_, blur_frame.observations);
+    std::vector<Explanation> found = explainer_->explain(blur_frame, expected);
+    if (!blur_frame.is_searched &&
+        (BlurExplainer::needs_search(found) || !is_convincing(found, blur_frame))) {
+      search(frame, blur_frame);
+      hidden_.mark(*world_, blur_frame.observations);
+      found = explainer_->explain(blur_frame, expected);
+    }
+    if (hidden_.is_empty() || is_convincing(found, blur_frame)) return found;
     for (PhotometricTag& tag : world_->tags) tag.is_hidden = false;
-    std::vector<Explanation> with_hidden = explainer_->explain(frame, expected);
-    return is_convincing(with_hidden, frame) ? with_hidden : found;
+    std::vector<Explanation> with_hidden = explainer_->explain(blur_frame, expected);
+    return is_convincing(with_hidden, blur_frame) ? with_hidden : found;
   }
 
   void learn_hidden_tags(const BlurFrame& frame, const Explanation& best, bool has_rival) {
     const MotionState& state = best.fit.state;
-    std::vector<TagEvidence> tags = weigh_evidence(*world_, frame.photometric, state, {.with_hidden = true});
+    std::vector<TagEvidence> tags =
+        hidden_.is_empty() ? best.fit.tags
+                           : weigh_evidence(*world_, frame.photometric, state, {.with_hidden = true});
     discredit_tags_read_as_others(*world_, frame.detections, state, best.votes, tags);
     hidden_.learn(tags, best.votes, !best.is_cold && !best.votes.agreeing.empty() && !has_rival);
   }
@@ -237,6 +282,8 @@ class BlurTracker::Implementation {
   HiddenTags hidden_;
   Matrix6d map_covariance_ = Matrix6d::Zero();  ///< What the map adds to that of the last evidence,
   Pose evidence_pose_;                          ///< at that pose.
+  TagRegions regions_;
+  Timestamp last_search_;  ///< Of the whole image.
   std::optional<Timestamp> last_time_;
   std::uint64_t num_frames_ = 0;
 };
@@ -254,7 +301,7 @@ TrackResult BlurTracker::track(const Frame& frame) {
   return implementation_->track(frame);
 }
 TrackResult BlurTracker::track(const Frame& frame, const std::vector<Detection>& detections) {
-  return implementation_->track(frame, detections, std::chrono::steady_clock::now());
+  return implementation_->track(frame, &detections, std::chrono::steady_clock::now());
 }
 const DetectorOptions& BlurTracker::detector_options() const {
   return implementation_->detector_options();

@@ -13,6 +13,7 @@ std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const CameraM
     const auto rays = corner_rays(model, detection.corners_px);
     if (!rays) continue;
     TagObservation observation{.tag = tag,
+                               .tag_index = static_cast<int>(tag - map.tags.data()),
                                .corners_map = corners_in_map(*tag),
                                .corners_px = detection.corners_px,
                                .planar_poses = solve_planar_pnp(*rays, tag->size_m),

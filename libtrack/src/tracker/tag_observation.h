@@ -13,6 +13,7 @@ namespace apriltrack {
 /// A detection of a mapped tag with all that a pose can be judged by.
 struct TagObservation {
   const MapTag* tag = nullptr;
+  int tag_index = 0;  ///< Into the map's tags.
   std::array<Eigen::Vector3d, kNumCorners> corners_map;
   std::array<Eigen::Vector2d, kNumCorners> corners_px;
   PlanarPoses planar_poses;  ///< Both T_camera_tag; may be empty.

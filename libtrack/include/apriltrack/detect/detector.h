@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,13 @@ class Detector {
   /// Sorted by family, id, then centre (x, y); the same image gives the same answer, always. An id that is
   /// seen twice is reported twice.
   std::vector<Detection> detect(const GrayView& image);
+
+  /// The same, of what lies whole within one of the regions, which must lie inside the image: for tags about
+  /// whose place one knows. Searched in linear light alone, in an image `decimate` times smaller (as
+  /// DetectorOptions'), corners as exact as ever: a fraction of the cost, but dark and blurred tags are missed
+  /// that detect() finds.
+  std::vector<Detection> detect_in(const GrayView& image, std::span<const ImageRegion> regions,
+                                   double decimate = 1.0);
 
   const DetectorOptions& options() const;
 

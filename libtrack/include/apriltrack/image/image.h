@@ -7,6 +7,14 @@
 
 namespace apriltrack {
 
+/// Whole pixels: columns x to x + width - 1, rows y to y + height - 1.
+struct ImageRegion {
+  int x = 0;
+  int y = 0;
+  int width = 0;
+  int height = 0;
+};
+
 /// A non-owning view of a single-channel image, row by row. Pixel (0, 0) is the CENTRE of the top-left pixel,
 /// so pixel (x, y) covers [x - 0.5, x + 0.5] x [y - 0.5, y + 0.5] (docs/conventions.md).
 template <class T>
@@ -31,6 +39,10 @@ class ImageView {
   T* row(int y) const { return data_ + y * stride_; }
   T& operator()(int x, int y) const { return row(y)[x]; }
   bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
+  /// The same pixels, those of `region` alone, which must lie inside.
+  ImageView part(const ImageRegion& region) const {
+    return {row(region.y) + region.x, region.width, region.height, stride_};
+  }
 
  private:
   T* data_ = nullptr;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <numbers>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct PhotometricTag {
   MapTag tag;
   std::size_t index = 0;     ///< Of its pattern in PhotometricWorld::textures.
   double half_extent = 0.0;  ///< Of its printed cells, in half tag sizes.
+  Eigen::Matrix3d map_from_plane = Eigen::Matrix3d::Zero();  ///< (u, v, 1), in half tag sizes, to the map.
+  Eigen::Vector3d normal_map = Eigen::Vector3d::Zero();      ///< Points into the tag.
 
   /// Known to be behind something: takes no part in fits and scores until it is seen again.
   bool is_hidden = false;
@@ -26,10 +29,15 @@ struct PhotometricTag {
   double radius_m() const { return std::numbers::sqrt2 * half_extent * half_size_m(); }
 };
 
-/// What stays the same from frame to frame: the camera's rays and the tags' pictures.
+struct PhotometricScratch;
+
+/// What stays the same from frame to frame: the camera's rays and the tags' pictures. For one thread: fits
+/// and scores mark its tags, make its pictures and use its memory.
 struct PhotometricWorld {
   /// width, height: of the images. Throws Error(kInvalidInput) for a tag of an unknown family or id.
   PhotometricWorld(const Camera& camera, const TagMap& map, TrackMode mode, int width, int height);
+  ~PhotometricWorld();
+  PhotometricWorld(PhotometricWorld&&) noexcept;
 
   /// For images of another size, or where none was known before.
   void fit_size(int width, int height);
@@ -43,6 +51,8 @@ struct PhotometricWorld {
   PatternTextures textures;                      ///< Of the tags, by index.
   double psf_sigma_px = 0.5;                     ///< Blur of the lens.
   double max_view_angle_rad = std::numbers::pi;  ///< Off the optical axis, of the farthest pixel.
+
+  std::unique_ptr<PhotometricScratch> scratch;  ///< Memory to use again.
 
   double focal_px() const { return 0.5 * (model.pinhole().fx + model.pinhole().fy); }
 };

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apriltrack/base/timestamp.h"
+#include "apriltrack/detect/detection.h"
 #include "apriltrack/geometry/pose.h"
 #include "apriltrack/motion/track_mode.h"
 #include "apriltrack/tags/tag_key.h"
@@ -30,7 +31,10 @@ struct TrackResult {
   std::optional<Pose> pose;
   /// Of the right perturbation of `pose`, [translation; rotation], m and rad.
   std::optional<Matrix6d> covariance;
-  int tags_detected = 0;  ///< Mapped tags found in this frame.
+  /// All tags that were read in this frame, mapped or not. A tracker that knows where it is looks only where
+  /// tags are expected, and not at all at what is too blurred to be read.
+  std::vector<Detection> detections;
+  int tags_detected = 0;  ///< Mapped tags among them.
   int tags_tracked = 0;   ///< Mapped tags whose evidence the pose rests on.
   /// Mapped tags read in this frame, once and without a corrected bit, that are not where the pose puts them:
   /// moved since the map was made, or the camera file is of another camera. Empty without evidence.
