@@ -54,8 +54,13 @@ void ActiveTags::find_in_image(PhotometricWorld& world, const PhotometricFrame& 
 }
 
 TagEvidence evidence_of(const ActiveTag& tag, const TagMisfit& misfit) {
-  return {tag.index,           static_cast<int>(tag.pixels.count), tag.pixels.area_px, misfit.correlation,
-          misfit.colours.gain, tag.prediction->path_px()};
+  return {.tag_index = tag.index,
+          .num_pixels = static_cast<int>(tag.pixels.count),
+          .area_px = tag.pixels.area_px,
+          .correlation = misfit.correlation,
+          .contrast = misfit.colours.gain,
+          .path_px = tag.prediction->path_px(),
+          .noise_share = misfit.noise_share};
 }
 
 double scale_of(const TagMisfit& misfit) {

@@ -1,6 +1,7 @@
 #include "apriltrack/photometric/evidence.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "apriltrack/photometric/profile_likelihood.h"
@@ -9,12 +10,37 @@
 namespace apriltrack {
 namespace {
 
+/// What `share` of the independent samples reach.
+double correlation_of_share(const std::vector<TagEvidence>& tags, double share) {
+  std::vector<std::pair<double, double>> weighed;  // correlation, samples
+  double total = 0.0;
+  for (const TagEvidence& tag : tags) {
+    weighed.emplace_back(tag.clean_correlation(), tag.independent_samples());
+    total += tag.independent_samples();
+  }
+  std::sort(weighed.rbegin(), weighed.rend());
+  double reached = 0.0;
+  for (const auto& [correlation, samples] : weighed) {
+    reached += samples;
+    if (reached >= share * total) return correlation;
+  }
+  return 0.0;
+}
+
 constexpr double kMaxSamples = 340.0;  // of one tag: a patch of 32 x 32, three samples counted as one
 
 }  // namespace
 
 double TagEvidence::independent_samples() const {
   return std::min({kMaxSamples, area_px / kPixelsPerIndependentSample, static_cast<double>(num_pixels)});
+}
+
+double TagEvidence::clean_correlation() const {
+  // A share of the noise counts as left over: its size is itself a guess.
+  constexpr double kDoubtOfNoise = 0.1;
+  const double left = std::max(0.0, 1.0 - correlation * correlation - noise_share) + kDoubtOfNoise * noise_share;
+  const double total = 1.0 - (1.0 - kDoubtOfNoise) * noise_share;
+  return std::sqrt(std::max(0.0, 1.0 - left / total));
 }
 
 std::vector<TagEvidence> explained_tags(const std::vector<TagEvidence>& tags) {
@@ -50,29 +76,12 @@ double log_likelihood(const std::vector<TagEvidence>& tags) {
   return sum;
 }
 
-double mean_correlation(const std::vector<TagEvidence>& tags) {
-  double sum = 0.0, weight = 0.0;
-  for (const TagEvidence& tag : tags) {
-    sum += tag.independent_samples() * tag.correlation;
-    weight += tag.independent_samples();
-  }
-  return weight > 0.0 ? sum / weight : 0.0;
+double typical_correlation(const std::vector<TagEvidence>& tags) {
+  return correlation_of_share(tags, 0.5);
 }
 
-double typical_correlation(const std::vector<TagEvidence>& tags) {
-  std::vector<std::pair<double, double>> weighed;  // correlation, samples
-  double total = 0.0;
-  for (const TagEvidence& tag : tags) {
-    weighed.emplace_back(tag.correlation, tag.independent_samples());
-    total += tag.independent_samples();
-  }
-  std::sort(weighed.rbegin(), weighed.rend());
-  double reached = 0.0;
-  for (const auto& [correlation, samples] : weighed) {
-    reached += samples;
-    if (reached >= 0.5 * total) return correlation;
-  }
-  return 0.0;
+double widespread_correlation(const std::vector<TagEvidence>& tags) {
+  return correlation_of_share(tags, 2.0 / 3.0);
 }
 
 }  // namespace apriltrack

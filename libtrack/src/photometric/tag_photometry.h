@@ -20,6 +20,8 @@ struct TagColours {
 struct TagMisfit {
   TagColours colours;
   double correlation = 0.0;     ///< sqrt(1 - residual / total variance); 0 where the gain is negative.
+  /// Of the total variance: of residuals, what differs from pixel to pixel. Where the correlation is.
+  double noise_share = 0.0;
   double residual_scale = 0.0;  ///< Robust standard deviation of the residuals; where it was asked for.
   double cost = 0.0;  ///< -log likelihood under bounded errors of the scale given, up to a constant.
 };

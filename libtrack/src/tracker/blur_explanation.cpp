@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -34,6 +35,7 @@ constexpr std::size_t kMaxBases = 2;  // of clouds: hypotheses, or cold starts
 /// Of the next frame's motion noise: nearer than this, the path and its reverse lead to the same place.
 constexpr double kMinReversedDistance = 1.0;
 constexpr double kMinReversedPath_px = 2.0;
+constexpr double kLeastBend_px = 0.05;  // of a path, to be worth a fit
 constexpr double kUsualInterval_s = 1.0 / 30.0;
 
 /// What a detection alone says of the motion: about where, and nothing of the velocity but that it is usual.
@@ -115,6 +117,21 @@ double longest_path_px(const Explanation& explanation) {
   return longest_px;
 }
 
+/// How far the acceleration of `bent` takes a tag off the explanation's own path before the shutter closes.
+double bend_px(const PhotometricWorld& world, const Explanation& explanation, const MotionState& bent,
+               double exposure_s) {
+  const Pose straight_end = camera_from_map(pose_after(explanation.fit.state, 0.5 * exposure_s), world.mode);
+  const Pose bent_end = camera_from_map(pose_after(bent, 0.5 * exposure_s), world.mode);
+  double largest_px = 0.0;
+  for (const TagEvidence& tag : explanation.fit.tags) {
+    const Eigen::Vector3d centre =
+        world.tags[static_cast<std::size_t>(tag.tag_index)].tag.T_map_tag.translation();
+    const Eigen::Vector2d off = (bent_end * centre).hnormalized() - (straight_end * centre).hnormalized();
+    largest_px = std::max(largest_px, world.focal_px() * off.norm());
+  }
+  return largest_px;
+}
+
 void sort_by_score(std::vector<Explanation>& found) {
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.score > b.score; });
@@ -128,10 +145,10 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
   if (!frame.is_searched && needs_search(found)) return found;
   if (found.empty() || !is_settled(frame, found.front())) detected(frame, hypotheses, found);
   if (found.empty()) return found;
-  if (found.front().mean_correlation < kGoodCorrelation) vary_velocity(frame, found);
+  if (found.front().correlation < kGoodCorrelation) vary_velocity(frame, found);
   const bool is_recent = frame.interval_s && *frame.interval_s <= kMaxSecondCloudAge_s;
   for (std::size_t cloud = 0; cloud < (is_recent ? kMaxClouds : 1); ++cloud) {
-    if (found.front().mean_correlation >= (cloud == 0 ? kGoodCorrelation : kPoorCorrelation)) break;
+    if (found.front().correlation >= (cloud == 0 ? kGoodCorrelation : kPoorCorrelation)) break;
     search(frame, hypotheses, cloud, found);
   }
   mirror(frame, found);
@@ -141,7 +158,7 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
 }
 
 bool BlurExplainer::needs_search(const std::vector<Explanation>& found) {
-  return found.empty() || found.front().mean_correlation < TagEvidence::kExplained ||
+  return found.empty() || found.front().correlation < TagEvidence::kExplained ||
          !found.front().votes.contradicting.empty();
 }
 
@@ -185,7 +202,7 @@ std::vector<BlurExplainer::Start> BlurExplainer::starts_at(
 }
 
 bool BlurExplainer::is_settled(const BlurFrame& frame, const Explanation& explanation) {
-  return explanation.mean_correlation >= kGoodCorrelation &&
+  return explanation.correlation >= kGoodCorrelation &&
          explanation.prior_cost <= kMaxExpectedPriorCost &&
          std::ranges::all_of(frame.observations, [&](const TagObservation& seen) {
            return std::ranges::count(explanation.votes.agreeing, seen.tag_index) > 0;
@@ -201,7 +218,7 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
   explanation.sensitivity = frame.sensitivity;
   explanation.votes = votes(frame, explanation.fit.state);
   refit_without_tags_read_as_others(frame, explanation);
-  explanation.mean_correlation = mean_correlation(quorum(explanation.fit.tags, explanation.votes));
+  explanation.correlation = widespread_correlation(quorum(explanation.fit.tags, explanation.votes));
   if (!start.is_cold) {
     explanation.prior_cost = prior_cost(start.prior.belief, explanation.fit.state);
     explanation.prior_spread = prior_spread(world_, start.prior.belief, explanation.fit);
@@ -294,6 +311,7 @@ void BlurExplainer::accelerate(const BlurFrame& frame, Explanation& best) {
   MotionState state = best.fit.state;
   state.acceleration =
       kAccelerationShare / *frame.interval_s * (state.velocity - best.prior.belief.mean.velocity);
+  if (bend_px(world_, best, state, frame.photometric.exposure_s) < kLeastBend_px) return;
   Explanation curved = explained(frame, {state, best.prior, best.is_cold}, {.coarsest_level = 0});
   if (curved.score > best.score) best = std::move(curved);
 }

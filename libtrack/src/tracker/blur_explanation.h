@@ -34,7 +34,7 @@ struct Explanation {
   /// the tag's size there, of the tag that it knew best. 0 when it is cold.
   double prior_spread = 0.0;
   TagVotes votes;
-  double mean_correlation = 0.0;  ///< Of the quorum.
+  double correlation = 0.0;  ///< What most of the quorum reaches: one tag behind something lowers it not.
   /// Log-likelihood of the pixels and, within limits, of the prior.
   double score = 0.0;
   double sensitivity = 1.0;  ///< Of its frame.

@@ -28,6 +28,12 @@ std::vector<TagEvidence> per_gathered_light(std::vector<TagEvidence> tags, doubl
   return tags;
 }
 
+/// As they are seen: a wide search finds too much where noise is an excuse.
+std::vector<TagEvidence> with_noise(std::vector<TagEvidence> tags) {
+  for (TagEvidence& tag : tags) tag.noise_share = 0.0;
+  return tags;
+}
+
 double samples_of_explained(const std::vector<TagEvidence>& tags) {
   double sum = 0.0;
   for (const TagEvidence& tag : tags) sum += tag.is_explained() ? tag.independent_samples() : 0.0;
@@ -40,13 +46,13 @@ bool BlurJudge::is_convincing(const Explanation& explanation, const std::optiona
   const TagVotes& votes = explanation.votes;
   if (num_supporting(explanation) <= static_cast<int>(votes.contradicting.size())) return false;
   const std::vector<TagEvidence> tags = quorum(trusted_tags(explanation), votes);
-  const double correlation = typical_correlation(tags);
-  if (!votes.agreeing.empty()) return correlation >= kMinCorrelationWithDetection;
+  if (!votes.agreeing.empty()) return typical_correlation(tags) >= kMinCorrelationWithDetection;
   if (explanation.is_cold) return false;  // it began at a detection, and does not agree with any
   if (num_explained(tags) < 2 && explanation.prior_spread > kMaxSpreadAlone) return false;
   const bool is_followed = is_confirmed_ && interval_s && *interval_s <= kMaxFollowed_s;
   return samples_of_explained(tags) >= kMinSamples &&
-         correlation >= (is_followed ? TagEvidence::kExplained : kMinCorrelationAgain) &&
+         (is_followed ? typical_correlation(tags) >= TagEvidence::kExplained
+                      : typical_correlation(with_noise(tags)) >= kMinCorrelationAgain) &&
          explanation.prior_cost <= 0.5 * kMaxSigmas * kMaxSigmas;
 }
 

@@ -16,6 +16,8 @@ struct TagEvidence {
       0.0;  ///< sqrt of the share of the pixels' variance that the tag explains; 0 for a negative tag.
   double contrast = 0.0;  ///< Light between black and white.
   double path_px = 0.0;   ///< Of the tag's fastest corner during the exposure.
+  /// Of the pixels' variance, what changes from pixel to pixel at random where the tag is explained.
+  double noise_share = 0.0;
 
   /// How many independent pixels they are worth: neighbours err together, and a tag is never all there is.
   double independent_samples() const;
@@ -23,7 +25,12 @@ struct TagEvidence {
   /// Right states reach 0.943 and more where a tag is read, 0.957 where none is, in photoreal recordings;
   /// half a tag behind a hand costs some of that.
   static constexpr double kExplained = 0.85;
-  bool is_explained() const { return correlation >= kExplained; }
+  bool is_explained() const { return clean_correlation() >= kExplained; }
+
+  /// The correlation in an image without noise, nearly: of what the tag does not explain, only what
+  /// neighbouring pixels share counts. In the dark a right state correlates no better than a wrong one in
+  /// the light, but what it leaves over is noise alone. 0 where there is nothing but noise, or no correlation.
+  double clean_correlation() const;
 };
 
 /// Those that are explained; all of them where none is.
@@ -47,11 +54,10 @@ std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const Photometr
 /// (docs/algorithms/blur_tracker.md, equation 9). A tag that should be seen and explains nothing (c = 0)
 /// costs (n / 2) log(1 + kappa), up to 5 nats: that it is not seen speaks against the state.
 double log_likelihood(const std::vector<TagEvidence>& tags);
-/// Mean correlation, each tag weighed by its independent samples; 0 without tags.
-double mean_correlation(const std::vector<TagEvidence>& tags);
-
-/// The correlation that half of the independent samples or more reach: one hidden tag among others does not
-/// change it. 0 without tags.
+/// The clean correlation that half of the independent samples or more reach: one hidden tag among others does
+/// not change it. 0 without tags.
 double typical_correlation(const std::vector<TagEvidence>& tags);
+/// That two thirds of them reach.
+double widespread_correlation(const std::vector<TagEvidence>& tags);
 
 }  // namespace apriltrack
