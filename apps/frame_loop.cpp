@@ -92,7 +92,8 @@ class BatchDetector {
       : check_resolution_(options.camera),
         parallel_for_(parallel_for(resolved_threads(options.num_threads))) {
     if (!options.detector) return;
-    for (int i = 0; i < resolved_threads(options.num_threads); ++i) detectors_.emplace_back(*options.detector);
+    for (int i = 0; i < resolved_threads(options.num_threads); ++i)
+      detectors_.emplace_back(*options.detector);
   }
 
   /// Goes on until one image fits, so that a wrong camera file is told of before any progress.

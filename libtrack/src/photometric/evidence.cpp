@@ -38,7 +38,8 @@ double TagEvidence::independent_samples() const {
 double TagEvidence::clean_correlation() const {
   // A share of the noise counts as left over: its size is itself a guess.
   constexpr double kDoubtOfNoise = 0.1;
-  const double left = std::max(0.0, 1.0 - correlation * correlation - noise_share) + kDoubtOfNoise * noise_share;
+  const double left =
+      std::max(0.0, 1.0 - correlation * correlation - noise_share) + kDoubtOfNoise * noise_share;
   const double total = 1.0 - (1.0 - kDoubtOfNoise) * noise_share;
   return std::sqrt(std::max(0.0, 1.0 - left / total));
 }

@@ -55,19 +55,49 @@ double displacement_px(const TagPrediction& from, const TagPrediction& to, doubl
 class Fit {
  public:
   Fit(PhotometricWorld& world, const PhotometricFrame& frame, const std::optional<MotionBelief>& prior,
-      const std::vector<CornerObservation>& corners, int max_pixels)
+      const std::vector<CornerObservation>& corners, const MotionFitOptions& options)
       : world_(world),
         frame_(frame),
         prior_(prior),
         corners_(corners),
-        max_pixels_(max_pixels),
+        options_(options),
         active_(world.scratch->active) {
     if (prior_) prior_information_ = prior_->covariance.ldlt().solve(Matrix12d::Identity());
   }
 
-  MotionState refined_on_level(MotionState state, int level, int max_steps) {
-    for (int step = 0; step < max_steps; step += kStepsPerSelection) {
-      find(state, level);
+  MotionState refined(MotionState state) {
+    for (int level = options_.coarsest_level; level >= options_.finest_level; --level)
+      state = refined_on_level(state, level);
+    return state;
+  }
+
+  /// With all pixels, one step that needs no trial: the state is nearly there. What explains nothing knows
+  /// nothing of the state: information is that of the tags explained.
+  MotionFit summary(const MotionState& state) {
+    const EvidenceOptions evidence;
+    find(state, {.level = 0, .max_pixels = evidence.max_pixels_per_tag});
+    evaluate_found(state);
+    MotionFit result;
+    for (std::size_t i = 0; i < active_.tags().size(); ++i)
+      result.tags.push_back(evidence_of(active_.tags()[i], misfits_[i]));
+    const std::vector<TagEvidence> explained = explained_tags(result.tags);
+    const NormalEquations normal = equations([&](const ActiveTag& tag) {
+      return std::ranges::any_of(explained,
+                                 [&](const TagEvidence& one) { return one.tag_index == tag.index; });
+    });
+    result.information = normal.H;
+    result.state = state;
+    const Vector12d step = -normal.H.ldlt().solve(normal.g);
+    if (-normal.g.dot(step) < kMaxLastStep2) result.state = moved(state, step);
+    return result;
+  }
+
+ private:
+  MotionState refined_on_level(MotionState state, int level) {
+    for (int step = 0; step < options_.max_steps_per_level; step += kStepsPerSelection) {
+      find(state, {.level = level,
+                   .max_pixels = options_.max_pixels_per_tag,
+                   .extra_sigma_px = options_.extra_sigma_px});
       // Too coarse for what is seen: the prior alone would pull the state off.
       if (active_.tags().empty()) return state;
       evaluate_found(state);
@@ -78,31 +108,17 @@ class Fit {
     return state;
   }
 
-  /// What explains nothing knows nothing of the state: information is that of the tags explained.
-  MotionFit summary(const MotionState& state) {
-    find(state, 0);
-    evaluate_found(state);
-    MotionFit result;
-    result.state = state;
-    for (std::size_t i = 0; i < active_.tags().size(); ++i)
-      result.tags.push_back(evidence_of(active_.tags()[i], misfits_[i]));
-    const std::vector<TagEvidence> explained = explained_tags(result.tags);
-    result.information = equations([&](const ActiveTag& tag) {
-                           return std::ranges::any_of(
-                               explained, [&](const TagEvidence& one) { return one.tag_index == tag.index; });
-                         }).H;
-    return result;
-  }
-
- private:
   static constexpr int kStepsPerSelection = 4;
   /// Squared standard deviations that the step ahead would still move the state: nobody sees them.
   static constexpr double kNegligibleStep2 = 0.01;
   static constexpr double kNegligibleStep2Coarse = 0.25;
 
-  void find(const MotionState& state, int level) {
+  /// Squared standard deviations: what is farther is no matter of a few pixels more.
+  static constexpr double kMaxLastStep2 = 100.0;
+
+  void find(const MotionState& state, const ActiveTagsOptions& options) {
     ViewPath path(state, frame_.exposure_s, world_.mode);
-    active_.find(world_, frame_, path, {.level = level, .max_pixels = max_pixels_});
+    active_.find(world_, frame_, path, options);
     misfits_.clear();
     for (ActiveTag& tag : active_.tags()) {
       tag.scale = scale_of(misfit_of(tag, tag.predicted, 0.0));
@@ -126,7 +142,8 @@ class Fit {
     begin(state, next_);
     ViewPath path(state, frame_.exposure_s, world_.mode);
     for (const ActiveTag& tag : active_.tags()) {
-      const TagPrediction prediction(world_, world_.tags[static_cast<std::size_t>(tag.index)], path, level);
+      const TagPrediction prediction(world_, world_.tags[static_cast<std::size_t>(tag.index)], path, level,
+                                     options_.extra_sigma_px);
       // A tag must not turn its back to be rid of its pixels.
       if (!prediction.is_visible()) {
         next_.cost = std::numeric_limits<double>::infinity();
@@ -247,7 +264,7 @@ class Fit {
   const PhotometricFrame& frame_;
   const std::optional<MotionBelief>& prior_;
   const std::vector<CornerObservation>& corners_;
-  int max_pixels_;
+  const MotionFitOptions& options_;
   ActiveTags& active_;
   std::vector<TagMisfit> misfits_;  ///< Of the active tags, where they were found.
   Evaluated current_, next_;
@@ -259,11 +276,13 @@ class Fit {
 MotionFit fit_motion(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& start,
                      const std::optional<MotionBelief>& prior, const std::vector<CornerObservation>& corners,
                      const MotionFitOptions& options) {
-  Fit fit(world, frame, prior, corners, options.max_pixels_per_tag);
-  MotionState state = start;
-  for (int level = options.coarsest_level; level >= 0; --level)
-    state = fit.refined_on_level(state, level, options.max_steps_per_level);
-  return fit.summary(state);
+  Fit fit(world, frame, prior, corners, options);
+  return fit.summary(fit.refined(start));
+}
+
+MotionState descend_motion(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& start,
+                           const std::optional<MotionBelief>& prior, const MotionFitOptions& options) {
+  return Fit(world, frame, prior, {}, options).refined(start);
 }
 
 }  // namespace apriltrack

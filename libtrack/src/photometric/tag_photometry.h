@@ -19,7 +19,7 @@ struct TagColours {
 /// How a tag's pixels fit a state.
 struct TagMisfit {
   TagColours colours;
-  double correlation = 0.0;     ///< sqrt(1 - residual / total variance); 0 where the gain is negative.
+  double correlation = 0.0;  ///< sqrt(1 - residual / total variance); 0 where the gain is negative.
   /// Of the total variance: of residuals, what differs from pixel to pixel. Where the correlation is.
   double noise_share = 0.0;
   double residual_scale = 0.0;  ///< Robust standard deviation of the residuals; where it was asked for.

@@ -10,7 +10,7 @@ namespace apriltrack {
 namespace {
 
 constexpr double kMinCosine = 0.14;      ///< 82 degrees: beyond, a tag is a line.
-constexpr double kInstantSpacing = 1.2;  ///< Pixels of the level.
+constexpr double kInstantSpacing = 2.0;  ///< Pixels of the level.
 
 bool faces_camera(const PhotometricTag& tag, const MapView& view, const Eigen::Vector3d& centre) {
   return centre.z() > tag.half_size_m() &&

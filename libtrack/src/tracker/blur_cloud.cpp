@@ -5,76 +5,100 @@
 #include <array>
 
 #include "apriltrack/base/random.h"
+#include "apriltrack/photometric/motion_fit.h"
 
 namespace apriltrack {
 namespace {
 
-/// Further blur of the pictures, round by round, pixels of level 0: it widens the optimum's basin.
-constexpr std::array kExtraSigma_px = {8.0, 6.0, 4.0, 2.4, 1.4};
+/// Further blur of the pictures, stage by stage, pixels of level 0: it widens the optimum's basin.
+constexpr std::array kExtraSigma_px = {8.0, 4.0, 1.4};
+/// What is left for each stage to descend.
+constexpr std::array<std::size_t, 3> kNumDescended = {12, 8, 6};
 constexpr int kLevel = 2;
 constexpr int kPixelsPerTag = 196;
+constexpr int kSteps = 4;
 constexpr std::size_t kMaxSurvivors = 6;
 constexpr double kMaxPriorCost = 15.0;  // -log of the prior: beyond, its Gaussian is not to be trusted
-constexpr double kWideShare = 0.25;     // of the first round is drawn twice as wide
+constexpr double kWideShare = 0.25;     // of the cloud is drawn twice as wide
+/// Standard deviations of the belief's pose between states worth descending from.
+constexpr double kSeparation = 0.3;
 
 struct Particle {
   MotionState state;
   double score = 0.0;
 };
 
-/// A Gaussian to draw from.
-struct Proposal {
-  MotionState mean;
-  Matrix12d covariance;
-};
-
 class Search {
  public:
   Search(PhotometricWorld& world, const PhotometricFrame& frame, const MotionBelief& belief,
          const CloudOptions& options)
-      : world_(world), frame_(frame), belief_(belief), options_(options), prior_(belief.covariance) {}
-
-  std::vector<Particle> run(const std::vector<MotionState>& seeds) {
-    std::vector<Particle> elite;
-    for (const MotionState& seed : seeds) elite.push_back({seed, 0.0});
-    Proposal proposal{belief_.mean, belief_.covariance};
-    for (std::size_t round = 0; round < kExtraSigma_px.size(); ++round) {
-      std::vector<Particle> cloud = draw(proposal, round);
-      cloud.insert(cloud.end(), elite.begin(), elite.end());
-      for (Particle& particle : cloud) particle.score = score(particle.state, kExtraSigma_px[round]);
-      std::stable_sort(cloud.begin(), cloud.end(),
-                       [](const auto& a, const auto& b) { return a.score > b.score; });
-      cloud.resize(std::min(cloud.size(), static_cast<std::size_t>(std::max(2, options_.num_particles / 8))));
-      elite = std::move(cloud);
-      proposal = fitted(elite);
-    }
-    return elite;
+      : world_(world), frame_(frame), belief_(belief), options_(options), prior_(belief.covariance) {
+    const auto inverse = [](const Matrix6d& covariance) {
+      return Matrix6d(covariance.ldlt().solve(Matrix6d::Identity()));
+    };
+    pose_information_ = inverse(belief.covariance.topLeftCorner<6, 6>());
+    velocity_information_ = inverse(belief.covariance.bottomRightCorner<6, 6>());
   }
 
-  /// Distance of the poses in standard deviations of the belief.
-  double distance(const MotionState& a, const MotionState& b) const {
-    Vector12d d = Vector12d::Zero();
-    d.head<6>() = (a.pose.inverse() * b.pose).log();
-    return std::sqrt(d.head<6>().dot(pose_information() * d.head<6>()));
+  /// Best first, apart from each other.
+  std::vector<Particle> run(const std::vector<MotionState>& seeds) {
+    std::vector<Particle> cloud = draw();
+    for (const MotionState& seed : seeds) cloud.push_back({seed, 0.0});
+    rank(cloud, kExtraSigma_px.front());
+    for (std::size_t stage = 0; stage < kExtraSigma_px.size(); ++stage) {
+      cloud = best_apart(cloud, kNumDescended[stage]);
+      for (Particle& particle : cloud) particle.state = descended(particle.state, kExtraSigma_px[stage]);
+      rank(cloud, kExtraSigma_px[std::min(stage + 1, kExtraSigma_px.size() - 1)]);
+    }
+    return best_apart(cloud, kMaxSurvivors);
   }
 
  private:
-  Matrix6d pose_information() const {
-    return Matrix6d(belief_.covariance.topLeftCorner<6, 6>()).ldlt().solve(Matrix6d::Identity());
-  }
-
-  std::vector<Particle> draw(const Proposal& proposal, std::size_t round) const {
-    const Matrix12d L = Eigen::LLT<Matrix12d>(proposal.covariance).matrixL();
+  std::vector<Particle> draw() const {
+    const Matrix12d L = Eigen::LLT<Matrix12d>(belief_.covariance).matrixL();
     std::vector<Particle> cloud(static_cast<std::size_t>(options_.num_particles));
     for (std::size_t i = 0; i < cloud.size(); ++i) {
-      RandomStream random(options_.seed, options_.index, round * cloud.size() + i);
-      const bool is_wide =
-          round == 0 && static_cast<double>(i) < kWideShare * static_cast<double>(cloud.size());
+      RandomStream random(options_.seed, options_.index, i);
+      const bool is_wide = static_cast<double>(i) < kWideShare * static_cast<double>(cloud.size());
       Vector12d z;
       for (double& value : z) value = random.normal();
-      cloud[i].state = moved(proposal.mean, (is_wide ? 2.0 : 1.0) * (L * z));
+      cloud[i].state = moved(belief_.mean, (is_wide ? 2.0 : 1.0) * (L * z));
     }
     return cloud;
+  }
+
+  void rank(std::vector<Particle>& cloud, double extra_sigma_px) {
+    for (Particle& particle : cloud) particle.score = score(particle.state, extra_sigma_px);
+    std::stable_sort(cloud.begin(), cloud.end(),
+                     [](const auto& a, const auto& b) { return a.score > b.score; });
+  }
+
+  std::vector<Particle> best_apart(const std::vector<Particle>& ranked, std::size_t max_count) const {
+    std::vector<Particle> best;
+    for (const Particle& particle : ranked) {
+      if (best.size() == max_count) break;
+      const bool is_apart = std::ranges::all_of(
+          best, [&](const Particle& other) { return distance(other.state, particle.state) > kSeparation; });
+      if (is_apart) best.push_back(particle);
+    }
+    return best;
+  }
+
+  /// Of the poses, in standard deviations of the belief; or of their velocities, where these are farther
+  /// apart.
+  double distance(const MotionState& a, const MotionState& b) const {
+    const Vector12d d = difference(a, b);
+    return std::sqrt(std::max(d.head<6>().dot(pose_information_ * d.head<6>()),
+                              d.tail<6>().dot(velocity_information_ * d.tail<6>())));
+  }
+
+  MotionState descended(const MotionState& state, double extra_sigma_px) {
+    return descend_motion(world_, frame_, state, belief_,
+                          {.coarsest_level = kLevel,
+                           .finest_level = kLevel,
+                           .max_steps_per_level = kSteps,
+                           .max_pixels_per_tag = kPixelsPerTag,
+                           .extra_sigma_px = extra_sigma_px});
   }
 
   double score(const MotionState& state, double extra_sigma_px) {
@@ -87,26 +111,12 @@ class Search {
     return evidence - std::min(kMaxPriorCost, 0.5 * d.dot(prior_.solve(d)));
   }
 
-  Proposal fitted(const std::vector<Particle>& elite) const {
-    const MotionState& origin = elite.front().state;
-    Vector12d mean = Vector12d::Zero();
-    for (const Particle& particle : elite) mean += difference(origin, particle.state);
-    mean /= static_cast<double>(elite.size());
-    Matrix12d covariance = Matrix12d::Zero();
-    for (const Particle& particle : elite) {
-      const Vector12d d = difference(origin, particle.state) - mean;
-      covariance += d * d.transpose() / static_cast<double>(elite.size());
-    }
-    // A cloud of thirty cannot tell its own width in twelve directions: it keeps a part of where it began.
-    covariance += 1e-3 * belief_.covariance;
-    return {moved(origin, mean), covariance};
-  }
-
   PhotometricWorld& world_;
   const PhotometricFrame& frame_;
   const MotionBelief& belief_;
   const CloudOptions& options_;
   Eigen::LDLT<Matrix12d> prior_;
+  Matrix6d pose_information_, velocity_information_;
 };
 
 }  // namespace
@@ -114,16 +124,9 @@ class Search {
 std::vector<MotionState> search_cloud(PhotometricWorld& world, const PhotometricFrame& frame,
                                       const MotionBelief& belief, const std::vector<MotionState>& seeds,
                                       const CloudOptions& options) {
-  constexpr double kSeparation = 0.3;
-  Search search(world, frame, belief, options);
   std::vector<MotionState> survivors;
-  for (const Particle& particle : search.run(seeds)) {
-    if (survivors.size() == kMaxSurvivors) break;
-    const bool is_apart = std::all_of(survivors.begin(), survivors.end(), [&](const MotionState& other) {
-      return search.distance(other, particle.state) > kSeparation;
-    });
-    if (is_apart) survivors.push_back(particle.state);
-  }
+  for (const Particle& particle : Search(world, frame, belief, options).run(seeds))
+    survivors.push_back(particle.state);
   return survivors;
 }
 

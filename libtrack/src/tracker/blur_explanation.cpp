@@ -17,6 +17,8 @@ namespace {
 
 /// Explained well enough to look no further: what a right state reaches where nothing hides the tags.
 constexpr double kGoodCorrelation = 0.94;
+/// Of a cold start more is asked: it begins at rest, and where it is not, a slow path is a good second best.
+constexpr double kGoodColdCorrelation = 0.97;
 /// Explained so badly that a second, larger cloud may find what the first missed; later after the last
 /// evidence than this the prior is too wide for any.
 constexpr double kPoorCorrelation = 0.85;
@@ -111,6 +113,10 @@ Pose mirrored_tilt(const Pose& T_camera_tag) {
   return {to_sight.conjugate() * Eigen::Quaterniond(mirrored), T_camera_tag.translation()};
 }
 
+bool is_well_explained(const Explanation& explanation) {
+  return explanation.correlation >= (explanation.is_cold ? kGoodColdCorrelation : kGoodCorrelation);
+}
+
 double longest_path_px(const Explanation& explanation) {
   double longest_px = 0.0;
   for (const TagEvidence& tag : explanation.fit.tags) longest_px = std::max(longest_px, tag.path_px);
@@ -142,24 +148,18 @@ void sort_by_score(std::vector<Explanation>& found) {
 std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
                                                 const std::vector<MotionHypothesis>& hypotheses) {
   std::vector<Explanation> found = expected(frame, hypotheses);
-  if (!frame.is_searched && needs_search(found)) return found;
   if (found.empty() || !is_settled(frame, found.front())) detected(frame, hypotheses, found);
   if (found.empty()) return found;
-  if (found.front().correlation < kGoodCorrelation) vary_velocity(frame, found);
+  if (!is_well_explained(found.front())) vary_velocity(frame, found);
   const bool is_recent = frame.interval_s && *frame.interval_s <= kMaxSecondCloudAge_s;
   for (std::size_t cloud = 0; cloud < (is_recent ? kMaxClouds : 1); ++cloud) {
-    if (found.front().correlation >= (cloud == 0 ? kGoodCorrelation : kPoorCorrelation)) break;
+    if (cloud == 0 ? is_well_explained(found.front()) : found.front().correlation >= kPoorCorrelation) break;
     search(frame, hypotheses, cloud, found);
   }
   mirror(frame, found);
   if (frame.interval_s && !found.front().is_cold) accelerate(frame, found.front());
   reverse(frame, found);
   return found;
-}
-
-bool BlurExplainer::needs_search(const std::vector<Explanation>& found) {
-  return found.empty() || found.front().correlation < TagEvidence::kExplained ||
-         !found.front().votes.contradicting.empty();
 }
 
 std::vector<Explanation> BlurExplainer::expected(const BlurFrame& frame,
@@ -192,18 +192,19 @@ std::vector<BlurExplainer::Start> BlurExplainer::starts_at(
   std::vector<Start> starts;
   const Pose pose = pose_from_camera(candidate.T_camera_map, world_.mode);
   for (const MotionHypothesis& hypothesis : hypotheses) {
-    if (const auto state = conditioned(hypothesis.belief, pose)) starts.push_back({*state, hypothesis, false});
+    if (const auto state = conditioned(hypothesis.belief, pose))
+      starts.push_back({*state, hypothesis, false});
   }
   if (!starts.empty()) return starts;
   // A detection that the motion so far did not expect pays as much as any surprise may cost.
   const double log_odds = hypotheses.empty() ? 0.0 : -kMaxStartPriorCost;
-  if (const auto cold = cold_belief(world_, candidate)) starts.push_back({cold->mean, {*cold, log_odds}, true});
+  if (const auto cold = cold_belief(world_, candidate))
+    starts.push_back({cold->mean, {*cold, log_odds}, true});
   return starts;
 }
 
 bool BlurExplainer::is_settled(const BlurFrame& frame, const Explanation& explanation) {
-  return explanation.correlation >= kGoodCorrelation &&
-         explanation.prior_cost <= kMaxExpectedPriorCost &&
+  return is_well_explained(explanation) && explanation.prior_cost <= kMaxExpectedPriorCost &&
          std::ranges::all_of(frame.observations, [&](const TagObservation& seen) {
            return std::ranges::count(explanation.votes.agreeing, seen.tag_index) > 0;
          });

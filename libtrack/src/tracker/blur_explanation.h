@@ -18,10 +18,10 @@ struct BlurFrame {
   PhotometricFrame photometric;
   std::vector<Detection> detections;
   std::vector<TagObservation> observations;  ///< Of them, those of mapped tags.
-  bool is_searched = false;  ///< Tags were looked for everywhere, not only where they are expected.
-  std::uint64_t index = 0;                   ///< In the recording: the key of its random numbers.
-  std::optional<double> interval_s;          ///< Since the frame before that was explained.
-  double sensitivity = 1.0;  ///< Light in the image for light in the scene: exposure times gain. > 0.
+  bool is_searched = false;          ///< Tags were looked for everywhere, not only where they are expected.
+  std::uint64_t index = 0;           ///< In the recording: the key of its random numbers.
+  std::optional<double> interval_s;  ///< Since the frame before that was explained.
+  double sensitivity = 1.0;          ///< Light in the image for light in the scene: exposure times gain. > 0.
 };
 
 /// A state that explains a frame, and why.
@@ -38,6 +38,8 @@ struct Explanation {
   /// Log-likelihood of the pixels and, within limits, of the prior.
   double score = 0.0;
   double sensitivity = 1.0;  ///< Of its frame.
+
+  bool is_explained() const { return correlation >= TagEvidence::kExplained; }
 };
 
 /// Finds the states that explain frames: from the motion so far, from detections, and from a cloud of
@@ -48,12 +50,8 @@ class BlurExplainer {
       : world_(world), options_(options) {}
 
   /// Best first; empty when there is neither a hypothesis nor a detection. hypotheses: of this frame's time,
-  /// the likeliest first. Of a frame that was not searched, only what follows from them, where that leaves
-  /// questions which a search may answer (needs_search).
+  /// the likeliest first.
   std::vector<Explanation> explain(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses);
-
-  /// The best explains too little, or tags were read that contradict it.
-  static bool needs_search(const std::vector<Explanation>& found);
 
  private:
   struct Start {
@@ -67,7 +65,8 @@ class BlurExplainer {
   /// Adds those that begin at the poses that detected corners allow.
   void detected(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses,
                 std::vector<Explanation>& found);
-  /// At a pose that corners allow, with the velocities that the hypotheses expect there; cold where none does.
+  /// At a pose that corners allow, with the velocities that the hypotheses expect there; cold where none
+  /// does.
   std::vector<Start> starts_at(const PoseCandidate& candidate,
                                const std::vector<MotionHypothesis>& hypotheses) const;
   /// The motion went on as expected, the tags look as they should, and every detection agrees: no other start

@@ -67,7 +67,8 @@ class BlurTracker::Implementation {
   }
 
   TrackResult track(const Frame& frame) {
-    if (lost_to_another_camera(frame, camera_)) return track(frame, nullptr, std::chrono::steady_clock::now());
+    if (lost_to_another_camera(frame, camera_))
+      return track(frame, nullptr, std::chrono::steady_clock::now());
     prepare();  // the tables are no part of a frame's latency
     return track(frame, nullptr, std::chrono::steady_clock::now());
   }
@@ -156,9 +157,9 @@ class BlurTracker::Implementation {
       const std::array whole = {ImageRegion{0, 0, image.width(), image.height()}};
       return see(detector_->detect_in(image, whole, kGlanceDecimate), blur_frame);
     }
-    see(detector_->detect_in(image,
-                             regions_.choose(*world_, expected.front().belief,
-                                             blur_frame.photometric.exposure_s, image.width(), image.height())),
+    see(detector_->detect_in(
+            image, regions_.choose(*world_, expected.front().belief, blur_frame.photometric.exposure_s,
+                                   image.width(), image.height())),
         blur_frame);
   }
 
@@ -178,8 +179,7 @@ class BlurTracker::Implementation {
                                         const std::vector<MotionHypothesis>& expected) {
     hidden_.mark(*world_, blur_frame.observations);
     std::vector<Explanation> found = explainer_->explain(blur_frame, expected);
-    if (!blur_frame.is_searched &&
-        (BlurExplainer::needs_search(found) || !is_convincing(found, blur_frame))) {
+    if (!blur_frame.is_searched && !(is_convincing(found, blur_frame) && found.front().is_explained())) {
       search(frame, blur_frame);
       hidden_.mark(*world_, blur_frame.observations);
       found = explainer_->explain(blur_frame, expected);

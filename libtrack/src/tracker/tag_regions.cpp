@@ -60,7 +60,8 @@ std::optional<Outline> outline(const CameraModel& model, const PhotometricTag& t
 }
 
 /// Largest standard deviation of the tag's centre in the image.
-double place_sigma_px(const PhotometricWorld& world, const PhotometricTag& tag, const MotionBelief& expected) {
+double place_sigma_px(const PhotometricWorld& world, const PhotometricTag& tag,
+                      const MotionBelief& expected) {
   const Eigen::Vector3d centre =
       camera_from_map(expected.mean.pose, world.mode) * tag.tag.T_map_tag.translation();
   Eigen::Matrix<double, 2, 3> by_point;

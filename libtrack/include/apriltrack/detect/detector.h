@@ -48,8 +48,8 @@ class Detector {
 
   /// The same, of what lies whole within one of the regions, which must lie inside the image: for tags about
   /// whose place one knows. Searched in linear light alone, in an image `decimate` times smaller (as
-  /// DetectorOptions'), corners as exact as ever: a fraction of the cost, but dark and blurred tags are missed
-  /// that detect() finds.
+  /// DetectorOptions'), corners as exact as ever: a fraction of the cost, but dark and blurred tags are
+  /// missed that detect() finds.
   std::vector<Detection> detect_in(const GrayView& image, std::span<const ImageRegion> regions,
                                    double decimate = 1.0);
 

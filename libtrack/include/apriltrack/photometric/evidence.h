@@ -29,7 +29,8 @@ struct TagEvidence {
 
   /// The correlation in an image without noise, nearly: of what the tag does not explain, only what
   /// neighbouring pixels share counts. In the dark a right state correlates no better than a wrong one in
-  /// the light, but what it leaves over is noise alone. 0 where there is nothing but noise, or no correlation.
+  /// the light, but what it leaves over is noise alone. 0 where there is nothing but noise, or no
+  /// correlation.
   double clean_correlation() const;
 };
 

@@ -27,8 +27,11 @@ struct MotionFit {
 
 struct MotionFitOptions {
   int coarsest_level = 2;
+  int finest_level = 0;
   int max_steps_per_level = 8;
-  int max_pixels_per_tag = 700;  ///< As EvidenceOptions'.
+  /// While the state moves, as EvidenceOptions'.
+  int max_pixels_per_tag = 350;
+  double extra_sigma_px = 0.0;  ///< Further blur of the tags' pictures, pixels of level 0: a wider basin.
 };
 
 /// Maximises the joint photometric likelihood of all visible tags over pose and velocity, coarse to fine,
@@ -36,8 +39,14 @@ struct MotionFitOptions {
 ///
 /// start: where the search begins; its acceleration is kept. prior: none when nothing is known; its mean's
 /// pose must be of the same mode.
+///
+/// At the end one step more, and the evidence, with the pixels that EvidenceOptions asks for.
 MotionFit fit_motion(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& start,
                      const std::optional<MotionBelief>& prior, const std::vector<CornerObservation>& corners,
                      const MotionFitOptions& options = {});
+
+/// The state alone, where the fit is but a step of a search.
+MotionState descend_motion(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& start,
+                           const std::optional<MotionBelief>& prior, const MotionFitOptions& options);
 
 }  // namespace apriltrack
