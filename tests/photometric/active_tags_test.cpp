@@ -48,6 +48,13 @@ struct Wall {
   PhotometricWorld world() const { return {camera, map, TrackMode::kJoint, kWidth, kHeight}; }
 };
 
+ActiveTags found(PhotometricWorld& world, const Wall& wall, int level, int max_pixels) {
+  ViewPath path(wall.state, wall.frame.exposure_s, world.mode);
+  ActiveTags active;
+  active.find(world, wall.frame, path, {.level = level, .max_pixels = max_pixels});
+  return active;
+}
+
 /// Level and pixels asked for of each tag: those of the fit and of the cloud.
 struct Asked {
   int level, max_pixels;
@@ -65,17 +72,17 @@ TEST(ActiveTags, AFewHaveAllThePixelsThatAreAskedFor) {
   }
   PhotometricWorld world = wall.world();
   for (const Asked& asked : kAsked) {
-    const std::vector<ActiveTag> active =
-        active_tags(world, wall.frame, wall.state, asked.level, asked.max_pixels);
-    ASSERT_EQ(active.size(), 9U);
-    for (const ActiveTag& tag : active) {
+    const ActiveTags active = found(world, wall, asked.level, asked.max_pixels);
+    ASSERT_EQ(active.tags().size(), 9U);
+    for (const ActiveTag& tag : active.tags()) {
       PhotometricTag& mapped = world.tags[static_cast<std::size_t>(tag.index)];
-      const TagPrediction prediction(world, mapped, wall.state, wall.frame.exposure_s, asked.level);
+      ViewPath path(wall.state, wall.frame.exposure_s, world.mode);
+      const TagPrediction prediction(world, mapped, path, asked.level);
       PredictedPixels predicted;
-      const TagPixels alone =
-          select_pixels(world, wall.frame.light, prediction,
-                        swept_pixels(world, wall.frame.light, prediction, mapped, asked.level), asked.level,
-                        asked.max_pixels, &predicted);
+      TagPixels alone;
+      select_pixels(world, wall.frame.light, prediction,
+                    swept_pixels(world, wall.frame.light, prediction, mapped, asked.level), asked.level,
+                    asked.max_pixels, &alone, &predicted);
       EXPECT_EQ(tag.pixels.stride, alone.stride);
       EXPECT_EQ(tag.pixels.area_px, alone.area_px);
       EXPECT_EQ(tag.pixels.count, alone.count);
@@ -96,10 +103,10 @@ TEST(ActiveTags, ManyShareThePixelsOfAFrame) {
     const std::size_t num_tags = wall.map.tags.size();
     const double share = std::max(64.0, 10'000.0 / static_cast<double>(num_tags));
     for (const int max_pixels : {700, 196}) {
-      const std::vector<ActiveTag> active = active_tags(world, wall.frame, wall.state, 0, max_pixels);
-      EXPECT_EQ(active.size(), num_tags);
+      const ActiveTags active = found(world, wall, 0, max_pixels);
+      EXPECT_EQ(active.tags().size(), num_tags);
       std::size_t num_pixels = 0;
-      for (const ActiveTag& tag : active) {
+      for (const ActiveTag& tag : active.tags()) {
         num_pixels += tag.pixels.count;
         EXPECT_GE(tag.pixels.count, 48U);
         // Thinned out evenly: what is left stands for all of the tag, which is 8 / 10 of its cell of the

@@ -24,7 +24,7 @@ class TagCost {
     const TagPrediction prediction = prediction_of(film_.truth);
     const auto swept = swept_pixels(world_, film_.frame.light, prediction, world_.tags[0], 0);
     PredictedPixels predicted;
-    pixels_ = select_pixels(world_, film_.frame.light, prediction, swept, 0, 700, &predicted);
+    select_pixels(world_, film_.frame.light, prediction, swept, 0, 700, &pixels_, &predicted);
     RandomStream random(1);
     for (std::size_t i = 0; i < pixels_.count; ++i) {
       const PixelPrediction seen = prediction.predict({pixels_.ray_x[i], pixels_.ray_y[i]});
@@ -50,13 +50,12 @@ class TagCost {
   }
 
   double cost(const Eigen::VectorXd& step, double scale) {
-    return measure_misfit(pixels_, predict(prediction_of(perturbed(step)), pixels_), scale).cost;
+    return misfit(prediction_of(perturbed(step)), scale).cost;
   }
 
   TagNormalEquations linearised(const Eigen::VectorXd& step, double scale) {
     const TagPrediction prediction = prediction_of(perturbed(step));
-    const TagColours colours = measure_misfit(pixels_, predict(prediction, pixels_), scale).colours;
-    return linearise(pixels_, prediction, colours, scale);
+    return linearise(pixels_, prediction, misfit(prediction, scale).colours, scale);
   }
 
  private:
@@ -73,7 +72,14 @@ class TagCost {
     return motion;
   }
   TagPrediction prediction_of(const MotionState& state) {
-    return {world_, world_.tags[0], state, TagFilm::kExposure_s, 0};
+    ViewPath path(state, TagFilm::kExposure_s, world_.mode);
+    return {world_, world_.tags[0], path, 0};
+  }
+  TagMisfit misfit(const TagPrediction& prediction, double scale) const {
+    PredictedPixels predicted;
+    predict(prediction, pixels_, &predicted);
+    std::vector<float> scratch;
+    return measure_misfit(pixels_, predicted, scale, &scratch);
   }
 
   TagFilm film_;
