@@ -119,10 +119,11 @@ void warn_of_contradictions(const TrackRecord& record, const std::string& method
   const auto [frames, without_pose, with_strays] = record.frames_with_several_tags();
   constexpr std::size_t kFew = 3;
   if (without_pose >= kFew && 5 * without_pose >= frames) {
-    warnings.add(
-        fmt::format("in {} of {} frames with several tags these do not agree on a pose: is this the map of "
-                    "this place, with the right tag sizes? Poses from single tags cannot tell",
-                    without_pose, frames));
+    warnings.add(fmt::format(
+        "in {} of {} frames with several tags these do not agree on a pose, and poses from single "
+        "tags cannot tell: is this the map of this place, with the right tag sizes? Is this the "
+        "right camera file?",
+        without_pose, frames));
   } else if (method != "paper" && with_strays >= kFew && 20 * with_strays >= frames) {
     warnings.add(fmt::format(
         "in {} of {} frames with several tags some of these are not where the pose puts them ({}), and "

@@ -95,10 +95,10 @@ TEST_F(SearchedPicture, GivesAFewStatesThatAreApart) {
 }
 
 TEST_F(SearchedPicture, LooksAtTheSeedsHoweverUnlikely) {
-  // Twenty standard deviations off, and few particles: only a seed can be there.
+  // Five standard deviations off, and few particles: only a seed can be there.
   Vector12d step = Vector12d::Zero(), sigma = Vector12d::Zero();
-  step.head<2>() << 40.0 * kMetresPerPixel, 0.0;
-  sigma.head<2>().setConstant(2.0 * kMetresPerPixel);
+  step.head<2>() << 60.0 * kMetresPerPixel, 0.0;
+  sigma.head<2>().setConstant(12.0 * kMetresPerPixel);
   const MotionBelief belief = belief_of(moved(picture_.truth, step), sigma);
   const std::vector<MotionState> without = search(belief, {}, {.num_particles = 16});
   const std::vector<MotionState> with = search(belief, {picture_.truth}, {.num_particles = 16});

@@ -56,7 +56,8 @@ class DetectedTags : public ::testing::TestWithParam<TrackMode> {
     state.velocity[0] = is_ego ? -speed_m_per_s : speed_m_per_s;
     return state;
   }
-  TagVotes votes(const std::vector<TagObservation>& observations, double path_px = 0.0) const {
+  TagVotes votes(std::vector<TagObservation> observations, double path_px = 0.0) const {
+    for (TagObservation& seen : observations) seen.tag_index = static_cast<int>(seen.tag - map_.tags.data());
     return count_votes(world_, observations, sliding(path_px), kExposure_s, kSharpSigma_px);
   }
 

@@ -25,7 +25,8 @@ TEST(BlurTracker, FollowsWhatTurnsAboutWhileItIsBlurred) {
         tracker.track(film.frames[i].frame(), i < kNumRead ? film.detections[i] : std::vector<Detection>());
     ASSERT_TRUE(result.pose) << "frame " << i;
     EXPECT_EQ(result.status, i < kNumRead ? TrackStatus::kDetected : TrackStatus::kTracked) << "frame " << i;
-    EXPECT_LT(film.corner_error_px(i, *result.pose), 2.0) << "frame " << i;
+    // The second frame has but a guess of the velocity to start from.
+    EXPECT_LT(film.corner_error_px(i, *result.pose), i <= kNumRead ? 3.0 : 1.5) << "frame " << i;
     most_blur_px = std::max(most_blur_px, film.blur_px[i]);
   }
   EXPECT_GT(most_blur_px, 25.0);

@@ -33,7 +33,7 @@ struct NormalEquations {
 struct Evaluated {
   struct Tag {
     TagPrediction prediction;
-    TagColours colours;
+    TagMisfit misfit;
   };
   MotionState state;
   double cost = 0.0;
@@ -71,24 +71,26 @@ class Fit {
     return state;
   }
 
-  /// With all pixels, one step that needs no trial: the state is nearly there. What explains nothing knows
-  /// nothing of the state: information is that of the tags explained.
+  /// With all pixels one step more. What explains nothing knows nothing of the state: information is that of
+  /// the tags explained.
   MotionFit summary(const MotionState& state) {
-    const EvidenceOptions evidence;
-    find(state, {.level = 0, .max_pixels = evidence.max_pixels_per_tag});
+    find(state, {.level = 0, .max_pixels = EvidenceOptions().max_pixels_per_tag});
     evaluate_found(state);
-    MotionFit result;
-    for (std::size_t i = 0; i < active_.tags().size(); ++i)
-      result.tags.push_back(evidence_of(active_.tags()[i], misfits_[i]));
-    const std::vector<TagEvidence> explained = explained_tags(result.tags);
-    const NormalEquations normal = equations([&](const ActiveTag& tag) {
-      return std::ranges::any_of(explained,
-                                 [&](const TagEvidence& one) { return one.tag_index == tag.index; });
-    });
-    result.information = normal.H;
-    result.state = state;
+    const NormalEquations normal = equations(kEveryTag);
     const Vector12d step = -normal.H.ldlt().solve(normal.g);
-    if (-normal.g.dot(step) < kMaxLastStep2) result.state = moved(state, step);
+    if (step.allFinite()) {
+      evaluate(moved(state, step), 0);
+      if (next_.cost < current_.cost) std::swap(current_, next_);
+    }
+    MotionFit result;
+    result.state = current_.state;
+    for (std::size_t i = 0; i < current_.tags.size(); ++i)
+      result.tags.push_back(evidence_of(active_.tags()[i], current_.tags[i].misfit));
+    const std::vector<TagEvidence> explained = explained_tags(result.tags);
+    result.information = equations([&](const ActiveTag& tag) {
+                           return std::ranges::any_of(
+                               explained, [&](const TagEvidence& one) { return one.tag_index == tag.index; });
+                         }).H;
     return result;
   }
 
@@ -113,8 +115,7 @@ class Fit {
   static constexpr double kNegligibleStep2 = 0.01;
   static constexpr double kNegligibleStep2Coarse = 0.25;
 
-  /// Squared standard deviations: what is farther is no matter of a few pixels more.
-  static constexpr double kMaxLastStep2 = 100.0;
+  static constexpr auto kEveryTag = [](const ActiveTag&) { return true; };
 
   void find(const MotionState& state, const ActiveTagsOptions& options) {
     ViewPath path(state, frame_.exposure_s, world_.mode);
@@ -166,14 +167,14 @@ class Fit {
                   Evaluated& evaluated) {
     if (misfit.colours.gain <= 0.0) evaluated.cost += static_cast<double>(tag.pixels.count);
     evaluated.cost += information_share(tag.pixels) * misfit.cost;
-    evaluated.tags.push_back({prediction, misfit.colours});
+    evaluated.tags.push_back({prediction, misfit});
   }
 
   /// Levenberg and Marquardt's steps from current_. Whether no step is left to make.
   bool descend(int level) {
     double damping = 1e-3;
     for (int step = 0; step < kStepsPerSelection; ++step) {
-      const NormalEquations normal = equations([](const ActiveTag&) { return true; });
+      const NormalEquations normal = equations(kEveryTag);
       bool is_better = false;
       for (int attempt = 0; attempt < 4 && !is_better; ++attempt) {
         Matrix12d damped = normal.H;
@@ -227,10 +228,10 @@ class Fit {
     const Evaluated& at = current_;
     NormalEquations left;
     for (std::size_t i = 0; i < at.tags.size(); ++i) {
-      const auto& [prediction, colours] = at.tags[i];
+      const auto& [prediction, misfit] = at.tags[i];
       const ActiveTag& tag = active_.tags()[i];
-      if (colours.gain <= 0.0 || !takes_part(tag)) continue;
-      const TagNormalEquations one = linearise(tag.pixels, prediction, colours, tag.scale);
+      if (misfit.colours.gain <= 0.0 || !takes_part(tag)) continue;
+      const TagNormalEquations one = linearise(tag.pixels, prediction, misfit.colours, tag.scale);
       left.H += information_share(tag.pixels) * one.H;
       left.g += information_share(tag.pixels) * one.g;
     }

@@ -9,8 +9,9 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kMinCosine = 0.14;      ///< 82 degrees: beyond, a tag is a line.
-constexpr double kInstantSpacing = 2.0;  ///< Pixels of the level.
+constexpr double kMinCosine = 0.14;  ///< 82 degrees: beyond, a tag is a line.
+/// Pixels of the level: finest where the answer is made.
+constexpr double kInstantSpacing = 1.2, kInstantSpacingCoarse = 2.0;
 
 bool faces_camera(const PhotometricTag& tag, const MapView& view, const Eigen::Vector3d& centre) {
   return centre.z() > tag.half_size_m() &&
@@ -67,7 +68,8 @@ TagPrediction::TagPrediction(PhotometricWorld& world, const PhotometricTag& tag,
   const Eigen::Vector2d streak = longest_streak(camera_from_plane_[0], camera_from_plane_[2], focal_px);
   path_px_ = streak.norm();
   const double level_pixel = 1 << level;
-  const std::span<const MapView> instants = path.instants(path_px_ / (kInstantSpacing * level_pixel));
+  const std::span<const MapView> instants =
+      path.instants(path_px_ / ((level == 0 ? kInstantSpacing : kInstantSpacingCoarse) * level_pixel));
   const double isotropic = world.psf_sigma_px * world.psf_sigma_px + level_pixel * level_pixel / 12.0 +
                            extra_sigma_px * extra_sigma_px;
   Eigen::Matrix2d blur_px2 = isotropic * Eigen::Matrix2d::Identity();

@@ -217,6 +217,7 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
   explanation.prior = start.prior;
   explanation.is_cold = start.is_cold;
   explanation.sensitivity = frame.sensitivity;
+  if (world_.mode == TrackMode::kJoint) explanation.R_light_map = explanation.fit.state.pose.rotation();
   explanation.votes = votes(frame, explanation.fit.state);
   refit_without_tags_read_as_others(frame, explanation);
   explanation.correlation = widespread_correlation(quorum(explanation.fit.tags, explanation.votes));

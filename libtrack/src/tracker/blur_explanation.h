@@ -38,6 +38,8 @@ struct Explanation {
   /// Log-likelihood of the pixels and, within limits, of the prior.
   double score = 0.0;
   double sensitivity = 1.0;  ///< Of its frame.
+  /// How the map is turned to what lights it, which stands still: with a body before a fixed camera it turns.
+  Eigen::Quaterniond R_light_map = Eigen::Quaterniond::Identity();
 
   bool is_explained() const { return correlation >= TagEvidence::kExplained; }
 };

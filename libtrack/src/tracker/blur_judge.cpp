@@ -67,8 +67,8 @@ int BlurJudge::num_supporting(const Explanation& explanation) const {
 
 void BlurJudge::claimed(const Explanation& explanation) {
   const std::vector<TagEvidence> tags = trusted_tags(explanation);
-  contrasts_.remember(tags);
-  radiances_.remember(per_gathered_light(tags, explanation.sensitivity));
+  contrasts_.remember(tags, explanation.R_light_map);
+  radiances_.remember(per_gathered_light(tags, explanation.sensitivity), explanation.R_light_map);
   is_confirmed_ = is_confirmed_ || !explanation.votes.agreeing.empty();
 }
 
@@ -76,8 +76,8 @@ std::vector<TagEvidence> BlurJudge::trusted_tags(const Explanation& explanation)
   std::vector<TagEvidence> tags = explanation.fit.tags;
   if (!explanation.votes.agreeing.empty()) return tags;
   std::vector<TagEvidence> by_radiance = per_gathered_light(tags, explanation.sensitivity);
-  contrasts_.doubt(tags);
-  radiances_.doubt(by_radiance);
+  contrasts_.doubt(tags, explanation.R_light_map);
+  radiances_.doubt(by_radiance, explanation.R_light_map);
   for (std::size_t i = 0; i < tags.size(); ++i)
     tags[i].correlation = std::max(tags[i].correlation, by_radiance[i].correlation);
   return tags;

@@ -95,6 +95,7 @@ class BlurTracker::Implementation {
     }
     const std::vector<Explanation> found = explanations(frame, blur_frame, expected);
     result.tags_detected = count_tags(blur_frame.observations);
+    regions_.were_read(blur_frame.observations);
     if (is_convincing(found, blur_frame)) {
       report_evidence(found, result);
       learn_hidden_tags(blur_frame, found.front(), result.second_pose.has_value());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <map>
 #include <vector>
 
@@ -11,12 +12,19 @@ namespace apriltrack {
 /// blurred tag seldom has the contrast of print.
 class ContrastMemory {
  public:
-  void remember(const std::vector<TagEvidence>& tags);
+  /// R_light_map: how the map is turned to what lights it; what turns to the light gets brighter.
+  void remember(const std::vector<TagEvidence>& tags,
+                const Eigen::Quaterniond& R_light_map = Eigen::Quaterniond::Identity());
   /// Takes the correlation of those whose contrast is not what it was: their evidence is none.
-  void doubt(std::vector<TagEvidence>& tags) const;
+  void doubt(std::vector<TagEvidence>& tags,
+             const Eigen::Quaterniond& R_light_map = Eigen::Quaterniond::Identity()) const;
 
  private:
-  std::map<int, double> contrasts_;  ///< By index of the tag: no more than the map has.
+  struct Seen {
+    double contrast;
+    Eigen::Quaterniond R_light_map;
+  };
+  std::map<int, Seen> seen_;  ///< By index of the tag: no more than the map has.
 };
 
 }  // namespace apriltrack

@@ -15,7 +15,7 @@ namespace apriltrack {
 namespace {
 
 /// Of the image's area: what all regions together may have, but for the first.
-constexpr double kMaxShare = 0.06;
+constexpr double kMaxShare = 0.08;
 /// Beyond, a code is not read (tests of the detector: two thirds of all tags at 1.3 cells).
 constexpr double kMaxPathInCells = 1.5;
 constexpr double kMinCell_px = 1.2;
@@ -92,11 +92,11 @@ double area_of(const ImageRegion& region) {
 
 std::vector<ImageRegion> TagRegions::choose(PhotometricWorld& world, const MotionBelief& expected,
                                             double exposure_s, int width, int height) {
-  last_look_.resize(world.tags.size(), 0);
   ++num_calls_;
   std::vector<Place> places = readable_places(world, expected, exposure_s, width, height);
   std::ranges::stable_sort(places, [&](const Place& a, const Place& b) {
-    return last_look_[a.tag_index] < last_look_[b.tag_index];
+    const Looked &at_a = looked_[a.tag_index], &at_b = looked_[b.tag_index];
+    return at_a.was_read != at_b.was_read ? at_a.was_read : at_a.last < at_b.last;
   });
   std::vector<ImageRegion> regions;
   double left = kMaxShare * width * height;
@@ -104,9 +104,14 @@ std::vector<ImageRegion> TagRegions::choose(PhotometricWorld& world, const Motio
     if (!regions.empty() && area_of(place.region) > left) continue;
     regions.push_back(place.region);
     left -= area_of(place.region);
-    last_look_[place.tag_index] = num_calls_;
+    looked_[place.tag_index].last = num_calls_;
   }
   return regions;
+}
+
+void TagRegions::were_read(const std::vector<TagObservation>& observations) {
+  for (const TagObservation& seen : observations)
+    looked_[static_cast<std::size_t>(seen.tag_index)].was_read = true;
 }
 
 std::vector<TagRegions::Place> TagRegions::readable_places(PhotometricWorld& world,

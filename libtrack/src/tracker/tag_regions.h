@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "apriltrack/image/image.h"
 #include "apriltrack/motion/motion_state.h"
 #include "apriltrack/photometric/photometric_world.h"
+#include "tag_observation.h"
 
 namespace apriltrack {
 
@@ -13,10 +15,14 @@ namespace apriltrack {
 /// than tracking them: about their places, as far as these are open, within a share of the image.
 class TagRegions {
  public:
-  /// Of tags that may be read: neither too small nor too blurred on the path expected. Those that were not
-  /// looked at for longest come first; one at least, where there is any. Every region lies in the image.
+  /// Of tags that may be read: neither too small nor too blurred on the path expected. First those that were
+  /// read before, for these are likely to be read again, then the others; of each, those that were not looked
+  /// at for longest. One at least, where there is any. Every region lies in the image.
   std::vector<ImageRegion> choose(PhotometricWorld& world, const MotionBelief& expected, double exposure_s,
                                   int width, int height);
+
+  /// After every frame: the tags that were read in it, by index.
+  void were_read(const std::vector<TagObservation>& observations);
 
  private:
   /// A readable tag's place.
@@ -27,8 +33,12 @@ class TagRegions {
   std::vector<Place> readable_places(PhotometricWorld& world, const MotionBelief& expected, double exposure_s,
                                      int width, int height) const;
 
+  struct Looked {
+    bool was_read = false;
+    std::uint64_t last = 0;  ///< The call that chose it last; 0: none.
+  };
   std::uint64_t num_calls_ = 0;
-  std::vector<std::uint64_t> last_look_;  ///< By tag: the call that chose it last; 0: none.
+  std::map<std::size_t, Looked> looked_;  ///< By tag: those that were chosen or read.
 };
 
 }  // namespace apriltrack
