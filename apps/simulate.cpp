@@ -15,7 +15,6 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
 #include "apriltrack/eval/trajectory.h"
-#include "apriltrack/image/exposure.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/sim/named_scenes.h"
 #include "apriltrack/sim/renderer.h"
@@ -24,61 +23,12 @@
 #include "command_help.h"
 #include "commands.h"
 #include "console.h"
-#include "option_checks.h"
+#include "simulate_options.h"
 
 namespace apriltrack::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kMaxFrames = 1'000'000;
-
-struct SimulateOptions {
-  std::string scene;
-  std::string output;
-  std::optional<long long> frames;
-  std::optional<double> rate_hz;
-  std::optional<double> exposure_s;
-  double speed = 1.0;
-  double noise = 1.0;
-  double flicker = 0.0;
-  std::uint64_t seed = 1;
-  int num_threads = 0;
-  bool is_forced = false;
-  Console console;
-};
-
-void check_range(const char* option, double value, double low, double high, const char* unit) {
-  if (value >= low && value <= high) return;  // false for NaN too
-  throw invalid_input(option, fmt::format("must lie in [{:g}, {:g}]{} (is {:g})", low, high, unit, value));
-}
-
-void check(const SimulateOptions& options) {
-  check_range("--speed", options.speed, 0.0, 100.0, "");
-  check_range("--noise", options.noise, 0.0, 100.0, "");
-  check_range("--flicker", options.flicker, 0.0, 0.9, "");
-  if (options.frames) check_range("--frames", static_cast<double>(*options.frames), 1, kMaxFrames, "");
-  if (options.rate_hz) check_range("--rate", *options.rate_hz, 0.01, 10000.0, " Hz");
-}
-
-Scene configured_scene(const SimulateOptions& options) {
-  check(options);
-  Scene scene = make_scene(options.scene, {.speed = options.speed});
-  if (options.frames) scene.num_frames = static_cast<std::size_t>(*options.frames);
-  if (options.rate_hz) scene.rate_hz = *options.rate_hz;
-  if (options.exposure_s) scene.exposure_s = *options.exposure_s;
-  const double interval_s = 1.0 / scene.rate_hz;
-  if (const auto fault = fault_of_exposure(scene.exposure_s)) throw invalid_input("--exposure", *fault);
-  if (scene.exposure_s > interval_s) {
-    throw invalid_input("--exposure",
-                        fmt::format("must be at most {:.6g} s, the frame interval at {:g} Hz (is {:g})",
-                                    interval_s, scene.rate_hz, scene.exposure_s));
-  }
-  scene.formation.noise = options.noise;
-  scene.flicker.depth = options.flicker;
-  scene.camera.exposure_s = scene.exposure_s;
-  return scene;
-}
 
 /// What stays of a frame once its picture is on the disk.
 struct WrittenFrame {
@@ -132,14 +82,17 @@ struct BlurFigures {
   std::size_t num_frames = 0;
   std::size_t num_with_tags = 0;
   std::size_t num_over_10_px = 0;
+  std::size_t num_black = 0;
   double max_px = 0.0;
 };
 
-BlurFigures blur_figures(const WrittenFrames& written) {
+BlurFigures blur_figures(const WrittenFrames& written, const Scene& scene) {
   BlurFigures figures;
-  for (const auto& frame : written) {
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    const std::optional<WrittenFrame>& frame = written[i];
     if (!frame) continue;
     ++figures.num_frames;
+    figures.num_black += scene.is_blacked_out(i) ? 1 : 0;
     if (!frame->blur_px) continue;
     ++figures.num_with_tags;
     figures.num_over_10_px += *frame->blur_px > 10.0 ? 1 : 0;
@@ -162,6 +115,7 @@ void report(const Scene& scene, const BlurFigures& figures, const SimulateOption
                                   {"max_blur_px", figures.max_px},
                                   {"rate_hz", scene.rate_hz},
                                   {"exposure_s", scene.exposure_s},
+                                  {"black_frames", figures.num_black},
                                   {"seed", options.seed},
                                   {"interrupted", figures.num_frames < scene.num_frames}};
   options.console.finish(
@@ -211,7 +165,7 @@ void simulate(const SimulateOptions& options) {
   const Renderer renderer(scene, {.seed = options.seed});
   const WrittenFrames written = render_frames(renderer, writer, options);
   write_truth(written, scene, writer);
-  const BlurFigures figures = blur_figures(written);
+  const BlurFigures figures = blur_figures(written, scene);
   if (figures.num_frames < scene.num_frames) {
     options.console.warning(fmt::format("interrupted: {} of {} frames are in {}, with their truth",
                                         figures.num_frames, scene.num_frames, options.output));
@@ -236,28 +190,7 @@ CommandHelp help() {
 void add_simulate_command(CLI::App& app) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App& command = add_command(app, "simulate", help());
-  command.add_option("--scene", options->scene, "What to film: see the list above")->required();
-  command.add_option("--output", options->output, "Folder to write; must be new or empty, unless --force")
-      ->required();
-  command.add_option("--frames", options->frames, "How many frames (default: the scene's own)");
-  command.add_option("--rate", options->rate_hz, "Frames per second (default: the scene's own)");
-  command.add_option("--exposure", options->exposure_s,
-                     "Seconds; at most the frame interval (default: the scene's own)");
-  command.add_option("--speed", options->speed, "Moves so many times faster along the same path")
-      ->capture_default_str();
-  command.add_option("--noise", options->noise, "Scales shot and read noise; 0 = none")
-      ->capture_default_str();
-  command.add_option("--flicker", options->flicker, "Depth of the lamps' 100 Hz flicker; fills frames.csv")
-      ->capture_default_str();
-  command.add_option("--seed", options->seed, "The same seed gives the same bytes")
-      ->check(seed())
-      ->capture_default_str();
-  command.add_option("--threads", options->num_threads, "0 = all cores; changes no byte")
-      ->check(threads())
-      ->capture_default_str();
-  command.add_flag("--force", options->is_forced,
-                   "Replace a recording that simulate made; one of your own is never touched");
-  options->console.add_options(command);
+  add_simulate_options(command, *options);
   command.callback([options] { simulate(*options); });
 }
 

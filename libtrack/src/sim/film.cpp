@@ -41,7 +41,8 @@ std::vector<std::size_t> drawing_order(const PreparedScene& prepared, double tim
   const Pose T_camera_world = prepared.scene->T_world_camera.at(time_s).inverse();
   std::vector<double> distance;
   for (const auto& body : prepared.bodies) {
-    const Eigen::Vector3d centre = T_camera_world * (body.body->T_world_body.at(time_s) * body.centre_body);
+    const Eigen::Vector3d centre =
+        T_camera_world * (prepared.scene->T_world_body(*body.body, time_s) * body.centre_body);
     distance.push_back(body.lies_on_walls ? 1e9 : centre.norm());
   }
   std::vector<std::size_t> order(prepared.bodies.size());
@@ -55,7 +56,7 @@ BodyInstant view_body(const PreparedScene& prepared, const PreparedScene::Prepar
                       const Pose& T_camera_world, double time_s) {
   BodyInstant view;
   view.is_fixed = body.is_fixed;
-  const Pose T_world_body = body.body->T_world_body.at(time_s);
+  const Pose T_world_body = prepared.scene->T_world_body(*body.body, time_s);
   for (const PreparedPanel& panel : body.panels) {
     const Pose T_world_panel = T_world_body * panel.panel->T_body_panel;
     const auto seen =

@@ -125,6 +125,7 @@ void ImageFormation::check() const {
   check_range("full_well", full_well, 1.0, 1e9);
   check_range("read_noise", read_noise, 0.0, 1e6);
   check_range("noise", noise, 0.0, 100.0);
+  check_range("amplification", amplification, 1e-3, 1e4);
 }
 
 Image<float> blur_by_lens(const Image<float>& light, double sigma_px) {
@@ -152,6 +153,7 @@ GrayImage develop(const Image<float>& sensor_light, const ResponseCurve& respons
   const Encoder encode(response);
   const float shot = static_cast<float>(formation.noise * formation.noise / formation.full_well);
   const float read = static_cast<float>(formation.noise * formation.read_noise / formation.full_well);
+  const float amplification = static_cast<float>(formation.amplification);
   GrayImage out(sensor_light.width(), sensor_light.height());
   for (int y = 0; y < out.height(); ++y) {
     RandomStream random(seed, frame_index, static_cast<std::uint64_t>(y));
@@ -159,7 +161,8 @@ GrayImage develop(const Image<float>& sensor_light, const ResponseCurve& respons
     std::uint8_t* codes = out.row(y);
     for (int x = 0; x < out.width(); ++x) {
       const float sigma = std::sqrt(shot * std::max(light[x], 0.0F) + read * read);
-      codes[x] = encode(sigma > 0.0F ? light[x] + sigma * static_cast<float>(random.normal()) : light[x]);
+      const float seen = sigma > 0.0F ? light[x] + sigma * static_cast<float>(random.normal()) : light[x];
+      codes[x] = encode(amplification * seen);
     }
   }
   return out;

@@ -24,7 +24,7 @@ Eigen::Vector3d hit_room(const Room& room, const Pose& T_world_camera, const Eig
 
 /// Points whose motion is followed: in the frame of the body that they belong to.
 struct Followed {
-  const Motion* T_world_body = nullptr;  ///< Null: the room.
+  const Body* body = nullptr;  ///< Null: the room.
   std::vector<Eigen::Vector3d> points;
 };
 
@@ -41,7 +41,7 @@ Followed points_of_room(const PreparedScene& prepared, double middle_s) {
 }
 
 Followed points_of_body(const PreparedScene::PreparedBody& body) {
-  Followed followed{.T_world_body = &body.body->T_world_body, .points = {}};
+  Followed followed{.body = body.body, .points = {}};
   for (const PreparedPanel& panel : body.panels) {
     const Eigen::Vector2d& half = panel.panel->half_size_m;
     for (const double x : {-half.x(), half.x()}) {
@@ -87,7 +87,7 @@ double longest_path_px(const PreparedScene& prepared, const Followed& followed, 
   for (int step = 0; step <= kPathSteps; ++step) {
     const double t = middle_s + exposure_s * (static_cast<double>(step) / kPathSteps - 0.5);
     Pose T_camera_points = scene.T_world_camera.at(t).inverse();
-    if (followed.T_world_body != nullptr) T_camera_points = T_camera_points * followed.T_world_body->at(t);
+    if (followed.body != nullptr) T_camera_points = T_camera_points * scene.T_world_body(*followed.body, t);
     for (std::size_t i = 0; i < paths.size(); ++i) {
       const Eigen::Vector3d point = T_camera_points * followed.points[i];
       const std::optional<Eigen::Vector2d> pixel = pixel_near_view(point, lens, view);

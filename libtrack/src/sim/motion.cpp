@@ -48,9 +48,10 @@ Pose Motion::at(double time_s) const {
 }
 
 bool Motion::is_fixed() const {
-  return std::all_of(position_m.begin(), position_m.end(),
-                     [](const Channel& c) { return c.is_constant(); }) &&
-         yaw_rad.is_constant() && pitch_rad.is_constant() && roll_rad.is_constant();
+  const bool is_constant =
+      std::all_of(position_m.begin(), position_m.end(), [](const Channel& c) { return c.is_constant(); }) &&
+      yaw_rad.is_constant() && pitch_rad.is_constant() && roll_rad.is_constant();
+  return is_constant || speed == 0.0;
 }
 
 Pose camera_looking_along_x() {

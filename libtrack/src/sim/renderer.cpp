@@ -17,6 +17,8 @@ void check_scene(const Scene& scene, const RenderOptions& options) {
   APRILTRACK_CHECK(scene.exposure_s >= 0.0, "exposure_s must be 0 or more");
   APRILTRACK_CHECK(scene.rate_hz > 0.0, "rate_hz must be > 0");
   APRILTRACK_CHECK(scene.truth_body < scene.bodies.size(), "truth_body must name one of the scene's bodies");
+  APRILTRACK_CHECK(!scene.bodies[scene.truth_body].moves_with_camera,
+                   "the truth body must not move with the camera: its pose would tell nothing");
   APRILTRACK_CHECK(options.instants_per_px > 0.0 && options.min_instants >= 1 &&
                        options.instants_factor >= 1 && options.max_instants >= options.min_instants,
                    "render options: numbers of instants must be 1 or more");
@@ -111,8 +113,11 @@ RenderedFrame Renderer::render(std::size_t index) const {
   for (int i = 0; i < instants.count; ++i)
     frame.light += scene.flicker.light(instants.at(i)) / instants.count;
 
-  Image<float> light = blur_by_lens(film(state_->prepared, instants), scene.formation.lens_blur_sigma_px);
-  expose_sensor(light, scene.formation);
+  Image<float> light(scene.camera.width, scene.camera.height, 0.0F);
+  if (!scene.is_blacked_out(index)) {
+    light = blur_by_lens(film(state_->prepared, instants), scene.formation.lens_blur_sigma_px);
+    expose_sensor(light, scene.formation);
+  }
   frame.pixels = develop(light, scene.camera.response, scene.formation, state_->options.seed, index);
   return frame;
 }

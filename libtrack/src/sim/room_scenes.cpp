@@ -1,5 +1,8 @@
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "room_painter.h"
 #include "scenes.h"
@@ -11,7 +14,6 @@ using std::numbers::pi;
 
 const Eigen::Vector3d kMinCorner(-2.5, -2.0, 0.0);
 const Eigen::Vector3d kMaxCorner(2.5, 2.0, 2.6);
-constexpr double kTagSize_m = 0.16;
 constexpr double kOffWall_m = 0.003;  // the thickness of the board that the tag is glued on
 
 struct Hung {
@@ -38,6 +40,25 @@ const std::array<Hung, 14> kTags = {{
     {{-1, 0, 0}, 1.36, 1.47, -10.0},
 }};
 
+/// All on the wall x = 2.5; one of them is the lone tag.
+const std::array<Hung, 14> kWallTags = {{
+    {{1, 0, 0}, -1.16, 0.88, 4.0},
+    {{1, 0, 0}, -0.58, 0.93, -7.0},
+    {{1, 0, 0}, 0.03, 0.86, 11.0},
+    {{1, 0, 0}, 0.62, 0.95, -3.0},
+    {{1, 0, 0}, 1.14, 0.87, 6.0},
+    {{1, 0, 0}, -0.87, 1.41, -9.0},
+    {{1, 0, 0}, -0.05, 1.45, 8.0},
+    {{1, 0, 0}, 0.33, 1.38, 2.0},
+    {{1, 0, 0}, 0.91, 1.44, -5.0},
+    {{1, 0, 0}, -1.13, 1.94, 10.0},
+    {{1, 0, 0}, -0.61, 1.88, -2.0},
+    {{1, 0, 0}, 0.01, 1.97, 5.0},
+    {{1, 0, 0}, 0.57, 1.9, -12.0},
+    {{1, 0, 0}, 1.17, 1.93, 3.0},
+}};
+constexpr std::size_t kMiddleTag = 6;
+
 Pose hang(const Hung& hung) {
   const Eigen::Vector3d down = -Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d right = down.cross(hung.into_wall);
@@ -51,13 +72,13 @@ Pose hang(const Hung& hung) {
               Eigen::Vector3d::Zero());
 }
 
-TagMap room_map() {
+TagMap hung_map(std::span<const Hung> hung, double size_m) {
   TagMap map;
-  for (std::size_t i = 0; i < kTags.size(); ++i) {
+  for (std::size_t i = 0; i < hung.size(); ++i) {
     MapTag tag;
     tag.key = {map.default_family, static_cast<int>(i)};
-    tag.size_m = kTagSize_m;
-    tag.T_map_tag = hang(kTags[i]);
+    tag.size_m = size_m;
+    tag.T_map_tag = hang(hung[i]);
     map.tags.push_back(tag);
   }
   return map;
@@ -81,6 +102,32 @@ Motion slow_round(double period_s) {
       .offset = 0.9, .rate_per_s = 2.0 * pi / period_s, .waves = {turns(0.08, 3, 0.5)}, .bursts = {}};
   motion.pitch_rad.waves = {turns(0.06, 4, 0.3), turns(0.02, 9, 1.1)};
   motion.roll_rad.waves = {turns(0.07, 3, 2.2), turns(0.02, 8, 0.9)};
+  return motion;
+}
+
+/// Looking at the wall x = 2.5 from so far, as a hand holds it that is jolted at times.
+Motion held_before_wall(double distance_m) {
+  const auto held = [](double offset, std::vector<Wave> waves, std::vector<Burst> bursts) {
+    return Channel{
+        .offset = offset, .rate_per_s = 0.0, .waves = std::move(waves), .bursts = std::move(bursts)};
+  };
+  Motion motion;
+  motion.T_end = camera_looking_along_x();
+  motion.position_m = {
+      held(kMaxCorner.x() - distance_m, {{0.05, 0.41, 0.3}, {0.02, 1.3, 1.0}}, {{0.06, 5.1, 0.18, 2.4, 0.2}}),
+      held(0.05, {{0.06, 0.53, 1.1}, {0.02, 1.7, 0.4}},
+           {{0.12, 2.6, 0.16, 2.8, 0.5}, {0.12, 6.9, 0.17, 2.5, 1.7}}),
+      held(1.42, {{0.04, 0.47, 2.0}, {0.015, 1.5, 0.1}}, {{0.1, 4.0, 0.16, 2.6, 0.9}})};
+  motion.yaw_rad = held(0.02, {{0.03, 0.6, 0.2}, {0.02, 2.1, 1.3}},
+                        {{0.24, 1.2, 0.16, 2.7, 0.3},
+                         {0.26, 3.3, 0.16, 3.0, 1.2},
+                         {0.22, 5.9, 0.18, 2.5, 2.4},
+                         {0.25, 8.2, 0.16, 2.8, 0.9}});
+  motion.pitch_rad =
+      held(0.01, {{0.03, 0.5, 1.0}, {0.015, 1.9, 0.6}},
+           {{0.17, 2.0, 0.16, 2.8, 0.8}, {0.18, 4.6, 0.16, 2.6, 0.1}, {0.17, 7.4, 0.16, 2.7, 1.5}});
+  motion.roll_rad =
+      held(0.03, {{0.05, 0.44, 0.7}}, {{0.22, 3.9, 0.16, 2.2, 1.4}, {0.2, 7.0, 0.16, 2.4, 0.2}});
   return motion;
 }
 
@@ -112,13 +159,9 @@ Motion violent_round(double period_s) {
   return motion;
 }
 
-}  // namespace
-
-Scene make_room_scene(const SceneOptions& options, bool is_gentle) {
-  constexpr double kGentlePeriod_s = 20.0;
-  constexpr double kViolentPeriod_s = 12.0;
+/// The room with its camera; the motion is the caller's.
+Scene room_with(const TagMap& map, const SceneOptions& options) {
   Scene scene;
-  scene.name = is_gentle ? "room-gentle" : "room";
   scene.camera.model =
       CameraModel(Pinhole{520.6, 519.4, 322.4, 237.3}, RadtanDistortion({-0.28, 0.09, 0.0005, -0.0003}));
   scene.camera.width = 640;
@@ -127,15 +170,52 @@ Scene make_room_scene(const SceneOptions& options, bool is_gentle) {
   scene.room =
       paint_room({.min_corner = kMinCorner, .max_corner = kMaxCorner, .texel_m = options.texel_m, .seed = 4},
                  scene.lighting);
-  scene.map = room_map();
+  scene.map = map;
   Body tags{.name = "world", .T_world_body = {}, .panels = {}};
   add_tags(tags, scene.map);
   scene.bodies.push_back(tags);
+  return scene;
+}
+
+constexpr double kTagSize_m = 0.16;
+constexpr double kGentlePeriod_s = 20.0;
+constexpr double kViolentPeriod_s = 12.0;
+
+}  // namespace
+
+Scene make_room_scene(const SceneOptions& options, bool is_gentle) {
+  Scene scene = room_with(hung_map(kTags, kTagSize_m), options);
+  scene.name = is_gentle ? "room-gentle" : "room";
   scene.T_world_camera = is_gentle ? slow_round(kGentlePeriod_s) : violent_round(kViolentPeriod_s);
   scene.T_world_camera.speed = options.speed;
   scene.rate_hz = is_gentle ? 15.0 : 30.0;
   scene.exposure_s = is_gentle ? 0.006 : 0.016;
   scene.num_frames = is_gentle ? 300 : 360;
+  return scene;
+}
+
+Scene make_small_tags_scene(const SceneOptions& options) {
+  constexpr double kSmall_m = 0.096;
+  Scene scene = room_with(hung_map(kTags, kSmall_m), options);
+  scene.name = "room-small";
+  scene.T_world_camera = violent_round(kViolentPeriod_s);
+  for (Wave& wave : scene.T_world_camera.position_m[0].waves) wave.amplitude *= 0.1;  // near the middle
+  for (Wave& wave : scene.T_world_camera.position_m[1].waves) wave.amplitude *= 0.1;
+  scene.T_world_camera.speed = options.speed;
+  scene.exposure_s = 0.008;
+  scene.num_frames = 360;
+  return scene;
+}
+
+Scene make_wall_scene(const SceneOptions& options, bool is_lone_tag) {
+  Scene scene = is_lone_tag
+                    ? room_with(hung_map(std::span(kWallTags).subspan(kMiddleTag, 1), kTagSize_m), options)
+                    : room_with(hung_map(kWallTags, kTagSize_m), options);
+  scene.name = is_lone_tag ? "wall-one" : "wall";
+  scene.T_world_camera = held_before_wall(is_lone_tag ? 1.7 : 3.2);
+  scene.exposure_s = 0.02;
+  scene.T_world_camera.speed = options.speed;
+  scene.num_frames = 264;
   return scene;
 }
 

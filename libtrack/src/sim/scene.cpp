@@ -1,5 +1,6 @@
 #include "apriltrack/sim/scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -23,6 +24,17 @@ double Flicker::light(double time_s) const {
 
 Timestamp Scene::timestamp(std::size_t index) const {
   return advance(Timestamp{start_ns}, static_cast<double>(index) / rate_hz);
+}
+
+bool Scene::is_blacked_out(std::size_t index) const {
+  return std::ranges::any_of(blackouts, [index](const FrameSpan& dark) {
+    return index >= dark.first && index - dark.first < dark.count;
+  });
+}
+
+Pose Scene::T_world_body(const Body& body, double time_s) const {
+  const Pose T_parent_body = body.T_world_body.at(time_s);
+  return body.moves_with_camera ? T_world_camera.at(time_s) * T_parent_body : T_parent_body;
 }
 
 Pose Scene::T_camera_map(double time_s) const {

@@ -10,11 +10,12 @@ namespace apriltrack {
 /// From the light on the lens to the bytes of the file.
 struct ImageFormation {
   double lens_blur_sigma_px = 0.5;  ///< Gaussian; 0 = none.
-  double vignetting = 0.24;   ///< Light lost in the farthest corner; falls with the square of the radius.
-  double sensor_gain = 0.85;  ///< Image light, 1 = full scale, of a surface of radiance 1.
-  double full_well = 9000.0;  ///< Electrons at full scale: shot noise.
-  double read_noise = 9.0;    ///< Electrons.
-  double noise = 1.0;         ///< Scales both kinds of noise; 0 = off.
+  double vignetting = 0.24;    ///< Light lost in the farthest corner; falls with the square of the radius.
+  double sensor_gain = 0.85;   ///< Image light, 1 = full scale, of a surface of radiance 1.
+  double full_well = 9000.0;   ///< Electrons at full scale: shot noise.
+  double read_noise = 9.0;     ///< Electrons.
+  double noise = 1.0;          ///< Scales both kinds of noise; 0 = off.
+  double amplification = 1.0;  ///< Of the electrons, their noise included, before full scale clips them.
 
   /// Throws MisuseError that names the field, its value and its range.
   void check() const;

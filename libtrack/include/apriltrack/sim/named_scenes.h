@@ -12,7 +12,7 @@ struct SceneName {
   std::string_view summary;
 };
 
-/// "room", "room-gentle", "bundle", "single".
+/// "room", "room-gentle", "room-small", "wall", "wall-one", "bundle", "single".
 std::span<const SceneName> named_scenes();
 
 struct SceneOptions {

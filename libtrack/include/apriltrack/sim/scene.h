@@ -45,6 +45,7 @@ struct Panel {
 struct Body {
   std::string name;
   Motion T_world_body;
+  bool moves_with_camera = false;  ///< T_world_body is T_camera_body then: a hand before the lens.
   std::vector<Panel> panels;
 };
 
@@ -78,6 +79,12 @@ struct Flicker {
   double light(double time_s) const;
 };
 
+/// Frames first, ..., first + count - 1 of a recording.
+struct FrameSpan {
+  std::size_t first = 0;
+  std::size_t count = 0;
+};
+
 /// Whether truth is the camera in the world, or a body before the camera.
 enum class TruthKind { kEgo, kJoint };
 
@@ -95,6 +102,7 @@ struct Scene {
   std::size_t truth_body = 0;  ///< The body that carries the map's tags.
   TagMap map;                  ///< In the frame of the truth body.
   ImageFormation formation;
+  std::vector<FrameSpan> blackouts;  ///< No light reaches the sensor, and no one tells the camera.
 
   double rate_hz = 30.0;
   double exposure_s = 0.016;
@@ -103,6 +111,8 @@ struct Scene {
 
   /// Middle of the exposure of frame `index`.
   Timestamp timestamp(std::size_t index) const;
+  bool is_blacked_out(std::size_t index) const;
+  Pose T_world_body(const Body& body, double time_s) const;
   /// Ego: T_map_camera; joint: T_camera_body. Exact at any instant.
   Pose truth_pose(Timestamp time) const;
   /// Ego: the inverse of the truth; joint: the truth itself.

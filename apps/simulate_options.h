@@ -1,0 +1,40 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apriltrack/sim/scene.h"
+#include "console.h"
+
+namespace apriltrack::app {
+
+struct SimulateOptions {
+  std::string scene;
+  std::string output;
+  std::optional<long long> frames;
+  std::optional<double> rate_hz;
+  std::optional<double> exposure_s;
+  double speed = 1.0;
+  double noise = 1.0;
+  double flicker = 0.0;
+  double light = 1.0;
+  double gain = 1.0;
+  double occlude = 0.0;
+  std::vector<std::string> blackouts;
+  std::optional<std::uint64_t> take;
+  std::uint64_t seed = 1;
+  int num_threads = 0;
+  bool is_forced = false;
+  Console console;
+};
+
+void add_simulate_options(CLI::App& command, SimulateOptions& options);
+
+/// The named scene as the options change it. Throws Error(kInvalidInput) that names the option, its value and
+/// its range.
+Scene configured_scene(const SimulateOptions& options);
+
+}  // namespace apriltrack::app
