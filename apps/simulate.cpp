@@ -180,7 +180,12 @@ CommandHelp help() {
     details += fmt::format("  {:<12} {}\n", scene.name, scene.summary);
   details +=
       "\nThe folder gets frames/, camera.yaml, map.yaml and truth.tum (the pose at the middle of each "
-      "exposure).";
+      "exposure).\n\nHarder film, with every scene and together:\n"
+      "  --light 0.05                            few photons\n"
+      "  --occlude 0.35                          a hand before the lens\n"
+      "  --blackout 90:9 --blackout 180:45       black frames\n"
+      "  --flicker 0.5                           lamps on alternating current\n"
+      "  --speed 0                               a camera that stands still";
   return {"Renders a recording with true motion blur and exact truth.",
           "apriltrack simulate --scene room --output room --seed 7", details};
 }
