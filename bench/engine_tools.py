@@ -1,6 +1,8 @@
 """What bench/engine is made of: recordings to judge on, the independent scorer's frames, and verdicts."""
 import contextlib
 import csv
+import importlib.machinery
+import importlib.util
 import io
 import json
 import math
@@ -12,13 +14,29 @@ import sys
 
 CLAIMED = ("detected", "tracked")
 GOOD_PX, SILENT_PX = 5.0, 10.0
+BINS = ((0, 5), (5, 20), (20, 40), (40, math.inf))
+QUICK_FRAMES = 40
+
+
+def load(name):
+    """A script of this folder as a module."""
+    loader = importlib.machinery.SourceFileLoader(name, str(pathlib.Path(__file__).resolve().parent / name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
+    loader.exec_module(module)
+    return module
+
+
+trackers = load("trackers")
+recordings = trackers.recordings
 
 
 class Verdicts:
-    """Targets beside figures; the figures that silent failures point at are kept with their frames."""
+    """Targets beside figures; and the frames that an engineer will want to look at."""
+
+    MANY = 12  # time stamps of one recording that are listed
 
     def __init__(self):
-        self.rows, self.silent = [], []
+        self.rows, self.silent, self.far = [], [], []
 
     def add(self, part, what, target, figure, is_met):
         word = {True: "met", False: "**missed**", None: "not judged"}[is_met]
@@ -35,6 +53,15 @@ class Verdicts:
         self.add(part, f"{run.name}: silent failures", "0", str(len(bad)), not bad)
         self.silent += [{"part": part, "recording": run.name, "timestamp_ns": f["t"], "frame": f["index"],
                          "status": f["status"], "blur px": f"{f['blur']:.1f}", "error px": f"{f['err']:.1f}"} for f in bad]
+        far = [f for f in run.frames if f["err"] is None or f["err"] >= GOOD_PX]
+        if far:
+            statuses = sorted({f["status"] for f in far})
+            counts = ", ".join(f"{sum(f['status'] == s for f in far)} {s}" for s in statuses)
+            listed = " ".join(str(f["t"]) for f in far[:self.MANY]) + (" ..." if len(far) > self.MANY else "")
+            self.far.append({"part": part, "recording": run.name, "frames": counts, "timestamp_ns": listed})
+
+
+VERDICTS = Verdicts()
 
 
 class Run:
@@ -149,6 +176,23 @@ def linked(b, folder, name, num_frames=None):
     return copy
 
 
+def photoreal(b, name):
+    """The whole recording, or its beginning where it is to be quick."""
+    folder = b.data / name
+    if not b.args.quick:
+        return folder
+    short = b.out / f"{name}_short"
+    return short if short.exists() else linked(b, folder, short.name, QUICK_FRAMES)
+
+
+def simulated_frames(b, full):
+    return ["--frames", str(QUICK_FRAMES if b.args.quick else full)]
+
+
+def seeds(b):
+    return range(1, (1 if b.args.quick else b.args.seeds) + 1)
+
+
 def tum_time(line):
     seconds, _, rest = line.split()[0].partition(".")
     return int(seconds) * 10**9 + int((rest + "0" * 9)[:9])
@@ -225,8 +269,3 @@ def with_swapped_tags(tags, first, second):
 def percentile(values, share):
     ordered = sorted(values)
     return ordered[min(len(ordered) - 1, round(share * (len(ordered) - 1)))] if ordered else math.nan
-
-
-def machine_path(b, name):
-    """A bench program, built beside the program under test."""
-    return pathlib.Path(b.program).parent / name

@@ -1,0 +1,143 @@
+"""The parts of bench/engine that measure time and memory: latency, growth, endurance."""
+import csv
+import math
+import os
+import statistics
+import subprocess
+
+import engine_tools as tools
+from engine_tools import VERDICTS, photoreal, recordings, simulated_frames
+
+
+def peak_mb(b, *words):
+    """Peak resident memory of one run, as the kernel counts it (ru_maxrss)."""
+    words = [str(w) for w in words]
+    print(f"    {b.shown(words)}  # memory", flush=True)
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as child:
+        _, status, usage = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode:
+        raise SystemExit(f"failed ({child.returncode}): {' '.join(words)}")
+    return usage.ru_maxrss / 1024
+
+
+def timed(b, folder, map_file=None):
+    """Latencies per frame in ms on one thread: the whole, the search for tags alone, and the whole without it. The search is
+    what `--method pnp` takes from images beyond what it takes from the same corners in a file, frame by frame."""
+    map_file = map_file or folder / "map.yaml"
+
+    def log(*words):
+        b.apriltrack("track", *words, "--map", map_file, "--threads", 1, "--output", b.out / "time.tum", "--frames-csv",
+                     b.out / "time.csv")
+        return list(csv.DictReader(open(b.out / "time.csv")))
+
+    whole = log(folder, "--method", "blur")
+    images = log(folder, "--method", "pnp")
+    b.apriltrack("detect", folder, "--output", b.out / "time_corners.csv")
+    corners = log("--detections", b.out / "time_corners.csv", "--camera", folder / "camera.yaml", "--method", "pnp")
+    solved = {row["timestamp_ns"]: float(row["latency_ms"]) for row in corners}
+    search = {row["timestamp_ns"]: float(row["latency_ms"]) - solved.get(row["timestamp_ns"], 0.0) for row in images}
+    total = [float(row["latency_ms"]) for row in whole]
+    return {"whole": total, "search": list(search.values()),
+            "without search": [float(row["latency_ms"]) - search[row["timestamp_ns"]] for row in whole]}
+
+
+def latency_row(name, times):
+    row = {"recording": name, "frames": len(times["whole"])}
+    for what, values in times.items():
+        row[f"{what}: median / p99 ms"] = f"{statistics.median(values):.2f} / {tools.percentile(values, 0.99):.2f}"
+    return row
+
+
+def latency(b):
+    print("\n## Latency on one thread, 640 x 480, maps of 14 tags; memory\n")
+    folders = [("wall (14 tags in view)", tools.simulate(b, "wall_timed", "wall", *simulated_frames(b, 264))),
+               ("room_blur (1 to 5 in view)", photoreal(b, "room_blur"))]
+    rows = []
+    for name, folder in folders:
+        times = timed(b, folder)
+        rows.append(latency_row(name, times))
+        part = times["without search"]
+        VERDICTS.at_most("latency", f"{name}: median ms, search for tags left out", 5, statistics.median(part), 2)
+        VERDICTS.at_most("latency", f"{name}: p99 ms, search for tags left out", 20, tools.percentile(part, 0.99), 2)
+        VERDICTS.add("latency", f"{name}: median / p99 ms, search for tags included", "-",
+                     f"{statistics.median(times['whole']):.2f} / {tools.percentile(times['whole'], 0.99):.2f}", None)
+    recordings.table(rows)
+    base = peak_mb(b, b.program, "--version")
+    folder = folders[0][1]
+    track = peak_mb(b, b.program, "track", folder, "--threads", 1, "--quiet", "--output", b.out / "memory.tum")
+    detect = peak_mb(b, b.program, "detect", folder, "--threads", 1, "--quiet", "--output", b.out / "memory.csv")
+    recordings.table([{"run": name, "peak MB": f"{mb:.1f}", "beyond --version": f"{mb - base:.1f}"}
+                      for name, mb in (("--version", base), ("detect, wall", detect), ("track, wall", track))])
+    VERDICTS.add("latency", "track, wall: peak memory beyond --version, MB", "-", f"{track - base:.1f}", None)
+
+
+GROWN_FAMILIES = (("tag36h11", 587), ("tagStandard52h13", 48714))  # of other families, 10,000 ids are not to be had
+GROWN_TAGS = 10_000
+
+
+def grown_map(b, tags, count, family_ids, name):
+    """The room's own tags, and others in the same places of other rooms, 20 m apart, row by row."""
+    rooms = math.ceil(math.sqrt(count / len(tags))) + 1
+    origin = [(20.0 * x, 20.0 * y) for x in range(rooms) for y in range(rooms)][1:]
+    own = list(tags.values())
+    more = dict(tags)
+    for key in family_ids:
+        if len(more) == count:
+            break
+        k = len(more) - len(tags)
+        size, p, q = own[k % len(own)]
+        x, y = origin[k // len(own)]
+        more[key] = (size, [p[0] + x, p[1] + y, p[2]], q)
+    assert len(more) == count
+    return tools.write_map(b.out / name, more)
+
+
+TOO_SLOW = 3.0  # times the small map's: then a few frames tell enough
+
+
+def growth(b):
+    print(f"\n## Growth: maps of 14 to {GROWN_TAGS} tags, the same 14 in view\n")
+    wall = tools.simulate(b, "wall_timed", "wall", *simulated_frames(b, 264))
+    few, folder = tools.linked(b, wall, "wall_probe", 3), tools.linked(b, wall, "wall_grown", 6 if b.args.quick else 60)
+    tags = tools.read_map(b, folder / "map.yaml")
+    ids = [(family, i) for family, count in GROWN_FAMILIES for i in range(count) if (family, i) not in tags]
+    last = ids[-1:]  # of the second family
+    maps = {"14 tags": grown_map(b, tags, len(tags), [], "grown_14.yaml"),
+            "15 tags, both families": grown_map(b, tags, len(tags) + 1, last, "grown_15.yaml"),
+            "587 tags, one family": grown_map(b, tags, 587, ids, "grown_587.yaml"),
+            f"{GROWN_TAGS} tags, both families": grown_map(b, tags, GROWN_TAGS, ids, "grown.yaml")}
+    print("\nA second family makes the search for tags slower, whatever the map's size: so one of the small maps has both.\n")
+    rows, medians = [], {}
+    for name, path in maps.items():
+        times = timed(b, few, path)
+        if not medians or statistics.median(times["whole"]) < TOO_SLOW * medians["14 tags"]["whole"]:
+            times = timed(b, folder, path)
+        rows.append(latency_row(f"wall, map of {name}", times))
+        medians[name] = {what: statistics.median(values) for what, values in times.items()}
+    recordings.table(rows)
+    grown = list(maps)[-1]
+    for what in ("without search", "whole"):
+        for small in list(maps)[:2]:
+            ratio = medians[grown][what] / medians[small][what]
+            name = f"wall, {what}: map of {grown} over map of {small}"
+            if small == "14 tags":
+                VERDICTS.at_most("growth", name, 1.05, ratio)
+            else:
+                VERDICTS.add("growth", name, "-", f"{ratio:.3f}", None)
+
+
+def endurance(b):
+    frames = 400 if b.args.quick else b.args.frames
+    print(f"\n## Endurance: a clip of 60 s shown again and again, {frames} frames\n")
+    clip = tools.simulate(b, "endurance", "room", "--frames", "60" if b.args.quick else "1800")
+    out = b.run(b.program.parent / "bench_endurance", clip, "--frames", frames)[1]
+    print("\n" + "".join(f"    {line}\n" for line in out.splitlines()))
+    blocks = []
+    for line in out.splitlines():
+        words = line.split()
+        if words[0] == "frames":
+            blocks.append(dict(zip(words[0:8:2], map(float, words[1:8:2]))))
+    first, last = blocks[1], blocks[-1]  # the first block warms up
+    VERDICTS.at_most("endurance", "resident memory, last tenth over second tenth", 1.02, last["resident_mb"] / first["resident_mb"])
+    VERDICTS.at_most("endurance", "median latency, last tenth over second tenth", 1.10, last["median_ms"] / first["median_ms"])
