@@ -4,12 +4,16 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
+#include <functional>
 #include <numbers>
+#include <numeric>
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
+#include "patch_columns.h"
+#include "patch_placement.h"
 #include "tag_prediction.h"
 #include "view_cone.h"
 
@@ -21,8 +25,10 @@ constexpr std::size_t kMaxPerTask = 32;
 constexpr std::size_t kMaxPerBatch = 1024;
 /// A batch's predictions, of 1 kB each, are held at once.
 constexpr std::size_t kMaxPredictions = 2048;
-constexpr double kLeastPresence = 0.5;  // of the printed cells in a sample's light
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+/// Samples whose template is held at once: rays, light and presence stay in the innermost cache.
+constexpr std::size_t kMaxPredicted = 8 * kPatchBlock;
+/// Samples that are summed in single precision.
+constexpr std::size_t kMaxSummed = 64 * kPatchBlock;
 
 void require(bool holds, const char* field, double value, const char* range) {
   if (!holds) throw invalid_input(field, fmt::format("must lie in {} (is {})", range, value));
@@ -63,30 +69,68 @@ double log_likelihood(const JointLikelihoodOptions& options, const TagScore& sco
          profile_log_likelihood(0.0, num_samples, options.kappa);
 }
 
-/// What the pattern looks like along the hypothesis' path, at the samples of `grid`.
-void sample_pattern(const TagPrediction& prediction, const Eigen::Matrix3d& camera_from_plane,
-                    const PatchGrid& grid, std::span<double> samples) {
-  std::size_t index = 0;
-  for (int row = 0; row < grid.size; ++row) {
-    for (int column = 0; column < grid.size; ++column, ++index) {
-      samples[index] = kNaN;
-      const Eigen::Vector3d point_camera =
-          camera_from_plane * Eigen::Vector3d(grid.coordinate(column), grid.coordinate(row), 1.0);
-      if (!(point_camera.z() > 0.0)) continue;
-      const Eigen::Vector2f ray = (point_camera.head<2>() / point_camera.z()).cast<float>();
-      const PixelPrediction seen = prediction.predict(ray);
-      // Beyond its cells a tag is printed on white paper.
-      if (seen.presence >= kLeastPresence) samples[index] = seen.light + (1.0 - seen.presence);
-    }
+/// A patch against a reference.
+PatchSums sums_of(const PairedRows& image, const LensFactors& lens, const PatchPlacement& placement,
+                  const PatchColumns& columns) {
+  PatchSums sums;
+  for (std::size_t first = 0; first < columns.size(); first += kMaxSummed) {
+    const std::size_t count = std::min(kMaxSummed, columns.size() - first);
+    // Of all the template: where it is read at all, every part of it is seen.
+    const bool is_first = first == 0;
+    const TemplateColumns expected = {columns.light.data() + first, nullptr, 0.0,
+                                      is_first ? columns.sum_squares : 0.0};
+    sums.add(sum_patch(image, lens, placement, columns.samples(first, count), expected));
   }
+  return sums;
+}
+
+/// A patch against the tag's pattern along the hypothesis' path.
+PatchSums sums_of(const PairedRows& image, const LensFactors& lens, const PatchPlacement& placement,
+                  const PatchColumns& columns, const TagPrediction& prediction,
+                  const std::array<float, 9>& camera_from_plane) {
+  std::array<float, kMaxPredicted> ray_x, ray_y, light, presence;
+  PatchSums sums;
+  for (std::size_t first = 0; first < columns.size(); first += kMaxPredicted) {
+    const std::size_t count = std::min(kMaxPredicted, columns.size() - first);
+    const SampleColumns samples = columns.samples(first, count);
+    cast_patch(camera_from_plane, samples, ray_x.data(), ray_y.data());
+    predict_pixels(prediction.texel_path(), {ray_x.data(), ray_y.data(), count}, light.data(),
+                   presence.data());
+    sums.add(sum_patch(image, lens, placement, samples, {light.data(), presence.data()}));
+  }
+  return sums;
 }
 
 }  // namespace
 
-struct JointLikelihood::PatchPair {
-  explicit PatchPair(std::size_t num_samples) : seen(num_samples), expected(num_samples) {}
-  std::vector<double> seen;
-  std::vector<double> expected;
+/// What a hypothesis makes of a tag before its samples are looked at.
+struct PatchInView {
+  PlacedPatch placed;
+  std::array<float, 9> camera_from_plane{};
+  double num_independent = 0.0;
+  bool is_in_view = false;
+};
+
+struct JointLikelihood::Workspace {
+  LensFactors lens;
+  RowPairs rows;
+  std::vector<std::size_t> cells, coarse_cells;
+  PatchColumns grid, coarse_grid;  ///< Of patterns.
+  std::vector<PatchColumns> references, coarse_references;
+  std::vector<std::size_t> selection;      ///< Hypotheses to evaluate.
+  std::vector<PatchInView> views;          ///< Of a batch, hypothesis by hypothesis.
+  std::vector<TagPrediction> predictions;  ///< Likewise, with patterns.
+};
+
+/// Hypotheses that are evaluated together.
+struct JointLikelihood::Batch {
+  const PhotometricFrame& frame;
+  std::span<const MotionState> hypotheses;  ///< All of them,
+  std::span<const std::size_t> selection;   ///< and which are of this batch.
+  bool is_coarse = false;
+  PairedRows image;
+
+  const MotionState& hypothesis(std::size_t position) const { return hypotheses[selection[position]]; }
 };
 
 void JointLikelihoodOptions::check() const {
@@ -94,21 +138,39 @@ void JointLikelihoodOptions::check() const {
   require(gamma > 0.0 && std::isfinite(gamma), "gamma", gamma, "(0, inf)");
   require(min_correlation > 0.0 && min_correlation < 1.0, "min_correlation", min_correlation, "(0, 1)");
   require(kappa > 0.0 && kappa < 1.0, "kappa", kappa, "(0, 1)");
+  require(max_light > 0.0, "max_light", max_light, "(0, inf]");
+  require(coarse_sigmas >= 0.0 && std::isfinite(coarse_sigmas), "coarse_sigmas", coarse_sigmas, "[0, inf)");
 }
 
 JointLikelihood::JointLikelihood(const Camera& camera, const TagMap& map, TrackMode mode,
                                  const JointLikelihoodOptions& options)
-    : model_(camera.model), mode_(mode), options_(options), references_(map.tags.size()) {
-  options.check();
+    : model_(camera.model),
+      mode_(mode),
+      options_((options.check(), options)),
+      references_(map.tags.size()),
+      work_(std::make_unique<Workspace>()) {
   for (const MapTag& tag : map.tags) tags_.push_back({tag.size_m, tag.T_map_tag});
   // Patches are projected into the image: no pixel needs a ray, so that the world has no picture.
   if (options.tag_template == TagTemplate::kPattern) world_.emplace(camera, map, mode, 0, 0);
+  work_->lens = lens_factors(model_);
+  work_->cells = all_cells(options.grid);
+  work_->coarse_cells = stratified_cells(options.grid);
+  fill_columns(options.grid, work_->cells, {}, &work_->grid);
+  fill_columns(options.grid, work_->coarse_cells, {}, &work_->coarse_grid);
+  work_->references.resize(num_tags());
+  work_->coarse_references.resize(num_tags());
 }
+
+JointLikelihood::~JointLikelihood() = default;
+JointLikelihood::JointLikelihood(JointLikelihood&&) noexcept = default;
+JointLikelihood& JointLikelihood::operator=(JointLikelihood&&) noexcept = default;
 
 void JointLikelihood::set_reference(std::size_t index, std::span<const double> samples) {
   APRILTRACK_CHECK(index < num_tags(), "no such tag");
   APRILTRACK_CHECK(samples.size() == options_.grid.num_samples(), "samples must be as many as the grid's");
   references_[index].assign(samples.begin(), samples.end());
+  fill_columns(options_.grid, work_->cells, samples, &work_->references[index]);
+  fill_columns(options_.grid, work_->coarse_cells, samples, &work_->coarse_references[index]);
 }
 
 void JointLikelihood::clear_reference(std::size_t index) {
@@ -124,84 +186,163 @@ void JointLikelihood::evaluate(const PhotometricFrame& frame, std::span<const Mo
                                const ParallelFor& parallel, JointScores* scores) {
   APRILTRACK_CHECK(!frame.light.empty() && !frame.light[0].is_empty(),
                    "a frame has a level of light at least");
+  APRILTRACK_CHECK(frame.light[0].width() > 1 && frame.light[0].height() > 1,
+                   "a frame has two rows and columns at least");
   max_view_angle_rad_ = max_view_angle_rad(model_, frame.light[0].width(), frame.light[0].height());
   if (world_) world_->max_view_angle_rad = max_view_angle_rad_;
   scores->num_tags = num_tags();
   scores->log_likelihoods.resize(hypotheses.size());
   scores->tags.resize(hypotheses.size() * num_tags());
+  work_->rows.start(frame.light[0].view());
+  work_->selection.resize(hypotheses.size());
+  std::iota(work_->selection.begin(), work_->selection.end(), std::size_t{0});
+  if (options_.coarse_sigmas > 0.0) {
+    score(frame, hypotheses, true, parallel, scores);
+    select_promising(*scores);
+  }
+  score(frame, hypotheses, false, parallel, scores);
+}
+
+/// The hypotheses selected.
+void JointLikelihood::score(const PhotometricFrame& frame, std::span<const MotionState> hypotheses,
+                            bool is_coarse, const ParallelFor& parallel, JointScores* scores) {
   const std::size_t per_batch =
       std::clamp(kMaxPredictions / std::max<std::size_t>(1, num_tags()), std::size_t{1}, kMaxPerBatch);
   // The fewer hypotheses in a batch, the more tags each has: as much work for a thread.
   const std::size_t per_task = std::max<std::size_t>(1, kMaxPerTask * per_batch / kMaxPerBatch);
-  for (std::size_t begin = 0; begin < hypotheses.size(); begin += per_batch) {
-    const std::span batch = hypotheses.subspan(begin, std::min(per_batch, hypotheses.size() - begin));
-    const std::vector<TagPrediction> predictions = predict_tags(frame, batch);
-    parallel((batch.size() + per_task - 1) / per_task, [&](std::size_t task) {
-      const std::size_t first = task * per_task;
-      const std::size_t count = std::min(per_task, batch.size() - first);
-      const std::span<const TagPrediction> theirs =
-          predictions.empty() ? std::span<const TagPrediction>()
-                              : std::span(predictions).subspan(first * num_tags(), count * num_tags());
-      score_range(frame, batch.subspan(first, count), theirs, begin + first, scores);
-    });
+  const std::span<const std::size_t> selection = work_->selection;
+  for (std::size_t begin = 0; begin < selection.size(); begin += per_batch) {
+    Batch batch{frame,
+                hypotheses,
+                selection.subspan(begin, std::min(per_batch, selection.size() - begin)),
+                is_coarse,
+                {}};
+    const std::size_t size = batch.selection.size(), num_tasks = (size + per_task - 1) / per_task;
+    const auto for_each = [&](const auto& act) {
+      const auto task = [&](std::size_t index) {
+        const std::size_t last = std::min(size, (index + 1) * per_task);
+        for (std::size_t position = index * per_task; position < last; ++position) act(position);
+      };
+      parallel(num_tasks, std::ref(task));  // by reference: a copy of it would take memory
+    };
+    work_->views.resize(size * num_tags());
+    for_each([&](std::size_t position) { place(batch, position); });
+    predict(batch);
+    make_rows(batch);
+    batch.image = work_->rows.rows(options_.max_light);
+    for_each([&](std::size_t position) { score_hypothesis(batch, position, scores); });
+  }
+}
+
+/// Of what the coarse scores say, those that may yet be the best.
+void JointLikelihood::select_promising(const JointScores& scores) {
+  struct Coarse {
+    double mean = 0.0, variance = 0.0;
+  };
+  const auto coarse_of = [&](std::size_t hypothesis) {
+    Coarse coarse;
+    for (std::size_t k = 0; k < num_tags(); ++k) {
+      const TagScore& tag = scores.tag(hypothesis, k);
+      if (!(tag.seen_share > 0.0)) continue;
+      const double c = tag.correlation;
+      coarse.mean += std::min(c, c * tag.seen_share);  // (12)
+      const double num_seen = tag.seen_share * static_cast<double>(work_->coarse_cells.size());
+      coarse.variance += tag.seen_share * tag.seen_share * (1.0 - c * c) * (1.0 - c * c) / num_seen;
+    }
+    return coarse;
+  };
+  Coarse best{.mean = -std::numeric_limits<double>::infinity()};
+  for (const std::size_t hypothesis : work_->selection) {
+    const Coarse coarse = coarse_of(hypothesis);
+    if (coarse.mean > best.mean) best = coarse;
+  }
+  std::erase_if(work_->selection, [&](std::size_t hypothesis) {
+    const Coarse coarse = coarse_of(hypothesis);
+    return coarse.mean + options_.coarse_sigmas * std::sqrt(coarse.variance + best.variance) < best.mean;
+  });
+}
+
+/// Writes the views of the batch's hypothesis at `position`.
+void JointLikelihood::place(const Batch& batch, std::size_t position) {
+  const Pose T_camera_map = camera_from_map(batch.hypothesis(position).pose, mode_);
+  for (std::size_t k = 0; k < num_tags(); ++k) {
+    PatchInView& view = work_->views[position * num_tags() + k];
+    view = {};
+    if (!takes_part(k)) continue;
+    const Eigen::Matrix3d M = camera_from_tag_plane(T_camera_map * tags_[k].T_map_tag, tags_[k].size_m);
+    view.num_independent = num_independent(model_, M, options_.grid);
+    view.is_in_view = M.determinant() > 0.0 && !is_out_of_view(M, options_.grid, max_view_angle_rad_);
+    if (!view.is_in_view) continue;
+    view.placed = place_patch(batch.frame.light[0].view(), model_, M, options_.grid);
+    view.camera_from_plane = by_rows(M);
   }
 }
 
 /// Serially, for the textures are shared and made when first asked for. None without patterns.
-std::vector<TagPrediction> JointLikelihood::predict_tags(const PhotometricFrame& frame,
-                                                         std::span<const MotionState> hypotheses) {
-  std::vector<TagPrediction> predictions;
-  if (!world_) return predictions;
-  predictions.reserve(hypotheses.size() * num_tags());
-  for (const MotionState& state : hypotheses) {
-    ViewPath path(state, frame.exposure_s, mode_);
-    for (const PhotometricTag& tag : world_->tags) predictions.emplace_back(*world_, tag, path, 0);
-  }
-  return predictions;
-}
-
-void JointLikelihood::score_range(const PhotometricFrame& frame, std::span<const MotionState> hypotheses,
-                                  std::span<const TagPrediction> predictions, std::size_t first,
-                                  JointScores* scores) const {
-  PatchPair patches(options_.grid.num_samples());
-  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
-    const Pose T_camera_map = camera_from_map(hypotheses[i].pose, mode_);
-    double sum = 0.0;
-    int num_used = 0;
+void JointLikelihood::predict(const Batch& batch) {
+  work_->predictions.clear();
+  if (!world_) return;
+  work_->predictions.reserve(batch.selection.size() * num_tags());
+  for (std::size_t position = 0; position < batch.selection.size(); ++position) {
+    ViewPath path(batch.hypothesis(position), batch.frame.exposure_s, mode_);
     for (std::size_t k = 0; k < num_tags(); ++k) {
-      TagScore& score = scores->tags[(first + i) * num_tags() + k];
-      score = {};
-      if (!takes_part(k)) continue;
-      const TagPrediction* prediction = predictions.empty() ? nullptr : &predictions[i * num_tags() + k];
-      score = score_tag(frame, k, T_camera_map, prediction, patches);
-      sum += score.log_likelihood;
-      ++num_used;
+      const TagPrediction& prediction =
+          work_->predictions.emplace_back(*world_, world_->tags[k], path, 0);
+      PatchInView& view = work_->views[position * num_tags() + k];
+      view.is_in_view = view.is_in_view && prediction.is_visible();
     }
-    const bool is_mean = options_.average_over_tags && num_used > 0;
-    scores->log_likelihoods[first + i] = is_mean ? sum / num_used : sum;  // (16), (17)
   }
 }
 
-TagScore JointLikelihood::score_tag(const PhotometricFrame& frame, std::size_t index,
-                                    const Pose& T_camera_map, const TagPrediction* prediction,
-                                    PatchPair& patches) const {
-  TagScore score;
-  const Tag& tag = tags_[index];
-  const Eigen::Matrix3d M = camera_from_tag_plane(T_camera_map * tag.T_map_tag, tag.size_m);
-  const bool is_hidden = (prediction != nullptr && !prediction->is_visible()) ||
-                         is_out_of_view(M, options_.grid, max_view_angle_rad_);
-  const int num_seen =
-      is_hidden ? 0 : sample_patch(frame.light[0].view(), model_, M, options_.grid, patches.seen);
-  if (num_seen >= PatchMatch::kMinSamples) {
-    if (prediction != nullptr) sample_pattern(*prediction, M, options_.grid, patches.expected);
-    const PatchMatch match =
-        correlate(patches.seen, prediction != nullptr ? std::span<const double>(patches.expected)
-                                                      : std::span<const double>(references_[index]));
-    score.correlation = match.correlation;
-    score.seen_share =
-        static_cast<double>(match.num_samples) / static_cast<double>(options_.grid.num_samples());
+/// Those of the image that the batch's patches lie on.
+void JointLikelihood::make_rows(const Batch& batch) {
+  int first = batch.frame.light[0].height(), last = -1;
+  for (const PatchInView& view : work_->views) {
+    if (!view.is_in_view || view.placed.last_row < view.placed.first_row) continue;
+    first = std::min(first, view.placed.first_row);
+    last = std::max(last, view.placed.last_row);
   }
-  score.log_likelihood = log_likelihood(options_, score, num_independent(model_, M, options_.grid));
+  work_->rows.make(first, last);
+}
+
+void JointLikelihood::score_hypothesis(const Batch& batch, std::size_t position, JointScores* scores) const {
+  const std::size_t hypothesis = batch.selection[position];
+  double sum = 0.0;
+  int num_used = 0;
+  for (std::size_t k = 0; k < num_tags(); ++k) {
+    TagScore& score = scores->tags[hypothesis * num_tags() + k];
+    score = {};
+    if (!takes_part(k)) continue;
+    score = score_tag(batch, position, k);
+    sum += score.log_likelihood;
+    ++num_used;
+  }
+  const bool is_mean = options_.average_over_tags && num_used > 0;
+  scores->log_likelihoods[hypothesis] = is_mean ? sum / num_used : sum;  // (16), (17)
+}
+
+TagScore JointLikelihood::score_tag(const Batch& batch, std::size_t position, std::size_t index) const {
+  TagScore score;
+  const std::size_t at = position * num_tags() + index;
+  const PatchInView& view = work_->views[at];
+  if (view.is_in_view) {
+    const PatchPlacement& placement = view.placed.placement;
+    PatchMatch match;
+    if (world_) {
+      const PatchColumns& columns = batch.is_coarse ? work_->coarse_grid : work_->grid;
+      match = match_of(sums_of(batch.image, work_->lens, placement, columns, work_->predictions[at],
+                               view.camera_from_plane));
+    } else {
+      const auto& references = batch.is_coarse ? work_->coarse_references : work_->references;
+      match = match_of(sums_of(batch.image, work_->lens, placement, references[index]));
+    }
+    const std::size_t num_cells = batch.is_coarse ? work_->coarse_cells.size() : work_->cells.size();
+    score.correlation = match.correlation;
+    // Too few to tell anything are none.
+    if (match.num_samples >= PatchMatch::kMinSamples)
+      score.seen_share = static_cast<double>(match.num_samples) / static_cast<double>(num_cells);
+  }
+  score.log_likelihood = log_likelihood(options_, score, view.num_independent);
   return score;
 }
 

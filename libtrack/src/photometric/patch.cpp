@@ -14,9 +14,10 @@ namespace apriltrack {
 namespace {
 
 constexpr double kOutside = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 /// sample_bilinear, with NaN for "not seen".
-double bilinear_or_nan(const ImageView<const float>& image, double x, double y) {
+double bilinear_or_nan(const ImageView<const float>& image, double x, double y, double max_light) {
   if (!(x >= 0.0 && y >= 0.0 && x <= image.width() - 1.0 && y <= image.height() - 1.0)) return kOutside;
   const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
   // On the last row or column the neighbour beyond has no weight.
@@ -24,6 +25,8 @@ double bilinear_or_nan(const ImageView<const float>& image, double x, double y) 
   const float* top = image.row(y0);
   const float* bottom = image.row(std::min(y0 + 1, image.height() - 1));
   const double fx = x - x0, fy = y - y0;
+  const float brightest = std::max({top[x0], top[x1], bottom[x0], bottom[x1]});
+  if (static_cast<double>(brightest) > max_light) return kOutside;
   return (1.0 - fy) * ((1.0 - fx) * top[x0] + fx * top[x1]) +
          fy * ((1.0 - fx) * bottom[x0] + fx * bottom[x1]);
 }
@@ -31,14 +34,14 @@ double bilinear_or_nan(const ImageView<const float>& image, double x, double y) 
 /// project: pixel of matrix * (u, v, 1), NaN where there is none.
 template <class Project>
 int sample_grid(const ImageView<const float>& image, const Eigen::Matrix3d& matrix, const PatchGrid& grid,
-                std::span<double> samples, const Project& project) {
+                std::span<double> samples, double max_light, const Project& project) {
   int num_seen = 0;
   std::size_t index = 0;
   for (int row = 0; row < grid.size; ++row) {
     const Eigen::Vector3d row_start = matrix.col(1) * grid.coordinate(row) + matrix.col(2);
     for (int column = 0; column < grid.size; ++column, ++index) {
       const Eigen::Vector2d pixel = project(row_start + matrix.col(0) * grid.coordinate(column));
-      samples[index] = bilinear_or_nan(image, pixel.x(), pixel.y());
+      samples[index] = bilinear_or_nan(image, pixel.x(), pixel.y(), max_light);
       num_seen += std::isnan(samples[index]) ? 0 : 1;
     }
   }
@@ -64,13 +67,14 @@ Eigen::Matrix3d camera_from_tag_plane(const Pose& T_camera_tag, double tag_size_
 }
 
 std::optional<double> sample_bilinear(const ImageView<const float>& image, const Eigen::Vector2d& pixel) {
-  const double value = bilinear_or_nan(image, pixel.x(), pixel.y());
+  const double value = bilinear_or_nan(image, pixel.x(), pixel.y(), kNoLimit);
   if (std::isnan(value)) return std::nullopt;
   return value;
 }
 
 int sample_patch(const ImageView<const float>& image, const CameraModel& model,
-                 const Eigen::Matrix3d& camera_from_plane, const PatchGrid& grid, std::span<double> samples) {
+                 const Eigen::Matrix3d& camera_from_plane, const PatchGrid& grid, std::span<double> samples,
+                 double max_light) {
   APRILTRACK_CHECK(samples.size() == grid.num_samples(), "samples must be as many as the grid's");
   // The determinant is that of the plane's normal and centre: negative when the camera sees its back.
   if (!(camera_from_plane.determinant() > 0.0)) {
@@ -83,13 +87,14 @@ int sample_patch(const ImageView<const float>& image, const CameraModel& model,
     const Pinhole& pinhole = model.pinhole();
     Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
     K << pinhole.fx, 0.0, pinhole.cx, 0.0, pinhole.fy, pinhole.cy, 0.0, 0.0, 1.0;
-    return sample_grid(image, K * camera_from_plane, grid, samples, [&](const Eigen::Vector3d& pixel) {
-      return pixel.z() > 0.0 ? Eigen::Vector2d(pixel.head<2>() / pixel.z()) : nowhere;
-    });
+    return sample_grid(image, K * camera_from_plane, grid, samples, max_light,
+                       [&](const Eigen::Vector3d& pixel) {
+                         return pixel.z() > 0.0 ? Eigen::Vector2d(pixel.head<2>() / pixel.z()) : nowhere;
+                       });
   }
-  return sample_grid(image, camera_from_plane, grid, samples, [&](const Eigen::Vector3d& point_camera) {
-    return model.project(point_camera).value_or(nowhere);
-  });
+  return sample_grid(
+      image, camera_from_plane, grid, samples, max_light,
+      [&](const Eigen::Vector3d& point_camera) { return model.project(point_camera).value_or(nowhere); });
 }
 
 PatchMatch correlate(std::span<const double> patch, std::span<const double> reference) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,8 +15,6 @@
 #include "apriltrack/tags/tag_map.h"
 
 namespace apriltrack {
-
-class TagPrediction;
 
 /// How a tag's correlation c becomes a log-likelihood (docs/algorithms/paper_filter.md, section 3).
 enum class PatchError {
@@ -43,6 +43,14 @@ struct JointLikelihoodOptions {
   double kappa = kUnexplainedVariance;
   /// Mean over the tags instead of the sum: the author's program. Evidence then does not grow with the tags.
   bool average_over_tags = false;
+  /// What lies beside a pixel brighter than this is not seen: a saturated pixel does not tell its light. In
+  /// the frame's units; the blur tracker's limit for light in [0, 1] is 0.985.
+  double max_light = std::numeric_limits<double>::infinity();
+  /// If positive, 64 samples of each patch are looked at first, and only hypotheses whose correlation there
+  /// lies within so many standard deviations of the best one's are evaluated further. The others keep the
+  /// score of those samples: their log-likelihoods are as they should be but for its noise, a standard
+  /// deviation of (1 - c^2) / 8 in c of one tag. 0: every hypothesis in full.
+  double coarse_sigmas = 0.0;
 
   /// Throws Error(kInvalidInput) that names the field, its value and its range.
   void check() const;
@@ -73,12 +81,19 @@ struct JointScores {
 /// all, 0. So what is not seen is worth what an unrelated picture is, never more, and leaving the image is
 /// not rewarded.
 ///
+/// Computed by kernels in single precision for the instruction set at hand; sample_patch and correlate, and
+/// TagPrediction for patterns, define what they compute, to 1e-4 in c (docs/algorithms/paper_filter.md,
+/// section 7).
+///
 /// One frame at a time; give each thread its own.
 class JointLikelihood {
  public:
   /// Throws Error(kInvalidInput) for options out of range and, with kPattern, for unknown families or ids.
   JointLikelihood(const Camera& camera, const TagMap& map, TrackMode mode,
                   const JointLikelihoodOptions& options = {});
+  ~JointLikelihood();
+  JointLikelihood(JointLikelihood&&) noexcept;
+  JointLikelihood& operator=(JointLikelihood&&) noexcept;
 
   std::size_t num_tags() const { return tags_.size(); }
   const JointLikelihoodOptions& options() const { return options_; }
@@ -93,22 +108,26 @@ class JointLikelihood {
 
   /// frame: level 0 of its light and, with kPattern, its exposure. hypotheses: T_world_camera (ego) or
   /// T_camera_body (joint) at mid-exposure; velocities matter with kPattern only. scores: overwritten, its
-  /// memory reused. Same numbers with any `parallel`.
+  /// memory reused. Same numbers with any `parallel`. No memory is asked for when a call before this one had
+  /// as many hypotheses and as large an image, but for patterns never seen that blurred.
   void evaluate(const PhotometricFrame& frame, std::span<const MotionState> hypotheses,
                 const ParallelFor& parallel, JointScores* scores);
 
  private:
-  struct PatchPair;
   struct Tag {
     double size_m = 0.0;
     Pose T_map_tag;
   };
-  std::vector<TagPrediction> predict_tags(const PhotometricFrame& frame,
-                                          std::span<const MotionState> hypotheses);
-  TagScore score_tag(const PhotometricFrame& frame, std::size_t index, const Pose& T_camera_map,
-                     const TagPrediction* prediction, PatchPair& patches) const;
-  void score_range(const PhotometricFrame& frame, std::span<const MotionState> hypotheses,
-                   std::span<const TagPrediction> predictions, std::size_t first, JointScores* scores) const;
+  struct Workspace;
+  struct Batch;
+  void score(const PhotometricFrame& frame, std::span<const MotionState> hypotheses, bool is_coarse,
+             const ParallelFor& parallel, JointScores* scores);
+  void select_promising(const JointScores& scores);
+  void place(const Batch& batch, std::size_t position);
+  void predict(const Batch& batch);
+  void make_rows(const Batch& batch);
+  void score_hypothesis(const Batch& batch, std::size_t position, JointScores* scores) const;
+  TagScore score_tag(const Batch& batch, std::size_t position, std::size_t index) const;
 
   CameraModel model_;
   TrackMode mode_;
@@ -117,6 +136,7 @@ class JointLikelihood {
   std::vector<Tag> tags_;
   std::vector<std::vector<double>> references_;
   std::optional<PhotometricWorld> world_;  ///< The tags' pictures; kPattern only.
+  std::unique_ptr<Workspace> work_;
 };
 
 }  // namespace apriltrack

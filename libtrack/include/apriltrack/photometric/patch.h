@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -39,12 +40,13 @@ std::optional<double> sample_bilinear(const ImageView<const float>& image, const
 ///
 /// camera_from_plane: (u, v, 1) to the camera frame, up to a positive factor: of camera_from_tag_plane, or
 /// any homography from the plane to rays. samples: grid.num_samples() values; NaN where nothing is seen:
-/// outside the image, behind the camera or beyond the lens model, and everywhere when the tag is turned away.
-/// Returns how many are seen.
+/// outside the image, behind the camera, beyond the lens model or beside a pixel brighter than max_light, and
+/// everywhere when the tag is turned away. Returns how many are seen.
 ///
-/// This and `correlate` define what faster kernels have to compute.
+/// This and `correlate` define what the kernels of JointLikelihood compute.
 int sample_patch(const ImageView<const float>& image, const CameraModel& model,
-                 const Eigen::Matrix3d& camera_from_plane, const PatchGrid& grid, std::span<double> samples);
+                 const Eigen::Matrix3d& camera_from_plane, const PatchGrid& grid, std::span<double> samples,
+                 double max_light = std::numeric_limits<double>::infinity());
 
 struct PatchMatch {
   /// Correlation coefficient (zero-mean, normalised) over the samples that both patches have; 0 when there
