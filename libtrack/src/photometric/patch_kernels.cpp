@@ -84,10 +84,19 @@ HWY_INLINE V row_of(const float* matrix, V u, V v) {
   return hn::MulAdd(all(matrix[0]), u, hn::MulAdd(all(matrix[1]), v, all(matrix[2])));
 }
 
+/// A matrix that stays in registers where there are enough.
+struct SpreadMatrix {
+  V a, b, c, d, e, f, g, h, i;
+};
+HWY_INLINE SpreadMatrix spread(const float* H) {
+  return {all(H[0]), all(H[1]), all(H[2]), all(H[3]), all(H[4]), all(H[5]), all(H[6]), all(H[7]), all(H[8])};
+}
+
 template <LensKind kLens>
-HWY_INLINE Pixel project(const LensFactors& lens, const PatchPlacement& at, V u, V v) {
-  const float* H = at.from_plane.data();
-  const V X = row_of(H, u, v), Y = row_of(H + 3, u, v), Z = row_of(H + 6, u, v);
+HWY_INLINE Pixel project(const LensFactors& lens, const PatchPlacement& at, const SpreadMatrix& H, V u, V v) {
+  const V X = hn::MulAdd(H.a, u, hn::MulAdd(H.b, v, H.c));
+  const V Y = hn::MulAdd(H.d, u, hn::MulAdd(H.e, v, H.f));
+  const V Z = hn::MulAdd(H.g, u, hn::MulAdd(H.h, v, H.i));
   if constexpr (kLens == LensKind::kRadtan) return project_radtan(lens, at, X, Y, Z);
   if constexpr (kLens == LensKind::kEquidistant) return project_equidistant(lens, at, X, Y, Z);
   const V inverse = hn::Div(all(1.0F), Z);
@@ -105,6 +114,10 @@ struct Block {
   alignas(64) float quads[4 * kPatchBlock];
 };
 
+struct LaneSums {
+  V count, a, b, aa, bb, ab;
+};
+
 template <LensKind kLens, bool kIsMasked>
 class PatchSummation {
  public:
@@ -114,30 +127,38 @@ class PatchSummation {
 
   HWY_INLINE PatchSums run() {
     const std::size_t num_blocks = samples_.count / kPatchBlock;
-    Block blocks[3];
+    Block blocks[4];  // the fourth only so that their number is a power of two
+    const SpreadMatrix H = spread(at_.from_plane.data());
+    const V zero = hn::Zero(d);
+    LaneSums sums = {zero, zero, zero, zero, zero, zero};
+    const auto locate_block = [&](std::size_t j) HWY_ATTR { locate(j * kPatchBlock, H, blocks[j % 4]); };
+    const auto fetch_block = [&](std::size_t j) HWY_ATTR { fetch(blocks[j % 4]); };
+    const auto add_block = [&](std::size_t j) HWY_ATTR { add(j * kPatchBlock, blocks[j % 4], sums); };
     for (std::size_t j = 0; j < num_blocks + 2; ++j) {
-      if (j < num_blocks) locate(j * kPatchBlock, blocks[j % 3]);
-      if (j >= 1 && j <= num_blocks) fetch(blocks[(j - 1) % 3]);
-      if (j >= 2) add((j - 2) * kPatchBlock, blocks[(j - 2) % 3]);
+      if (j < num_blocks) locate_block(j);
+      if (j >= 1 && j <= num_blocks) fetch_block(j - 1);
+      if (j >= 2) add_block(j - 2);
     }
     if constexpr (!kIsMasked) {
       return {static_cast<double>(samples_.count),
-              total(a_),
+              total(sums.a),
               expected_.sum,
-              total(aa_),
+              total(sums.aa),
               expected_.sum_squares,
-              total(ab_)};
+              total(sums.ab)};
     }
-    return {total(count_), total(a_), total(b_), total(aa_), total(bb_), total(ab_)};
+    return {total(sums.count), total(sums.a), total(sums.b), total(sums.aa), total(sums.bb), total(sums.ab)};
   }
 
  private:
   /// Where the samples are in the image.
-  HWY_INLINE void locate(std::size_t first, Block& block) const {
+  HWY_INLINE void locate(std::size_t first, const SpreadMatrix& H, Block& block) const {
     const V last_left = all(static_cast<float>(image_.width - 2 - at_.base_x));
     const V last_top = all(static_cast<float>(image_.height - 2 - at_.base_y));
+    const V stride = all(static_cast<float>(image_.stride));
+    const bool is_small = static_cast<std::int64_t>(image_.stride) * image_.height < (1 << 24);
     for (std::size_t i = 0; i < kPatchBlock; i += hn::Lanes(d)) {
-      Pixel pixel = project<kLens>(lens_, at_, hn::LoadU(d, samples_.u + first + i),
+      Pixel pixel = project<kLens>(lens_, at_, H, hn::LoadU(d, samples_.u + first + i),
                                    hn::LoadU(d, samples_.v + first + i));
       if constexpr (kIsMasked) {
         const V one = all(1.0F);
@@ -158,8 +179,10 @@ class PatchSummation {
       }
       hn::Store(hn::Sub(pixel.x, left), d, block.fx + i);
       hn::Store(hn::Sub(pixel.y, top), d, block.fy + i);
-      const auto pair =
-          hn::Add(hn::Mul(hn::ConvertTo(ints, top), hn::Set(ints, image_.width)), hn::ConvertTo(ints, left));
+      // One conversion where the number fits a float's 24 bits.
+      const auto pair = is_small ? hn::ConvertTo(ints, hn::MulAdd(top, stride, left))
+                                 : hn::Add(hn::Mul(hn::ConvertTo(ints, top), hn::Set(ints, image_.stride)),
+                                           hn::ConvertTo(ints, left));
       hn::Store(pair, ints, block.pair + i);
     }
   }
@@ -169,7 +192,7 @@ class PatchSummation {
   HWY_INLINE void fetch(Block& block) const {
     const std::size_t lanes = hn::Lanes(d);
     const float* base =
-        image_.pairs + 2 * (static_cast<std::ptrdiff_t>(at_.base_y) * image_.width + at_.base_x);
+        image_.pairs + 2 * (static_cast<std::ptrdiff_t>(at_.base_y) * image_.stride + at_.base_x);
     HWY_UNROLL(32)
     for (std::size_t i = 0; i < kPatchBlock; ++i) {
       const std::size_t lane = i % lanes;
@@ -200,7 +223,7 @@ class PatchSummation {
 #endif
   }
 
-  HWY_INLINE void add(std::size_t first, const Block& block) {
+  HWY_INLINE void add(std::size_t first, const Block& block, LaneSums& sums) const {
     for (std::size_t i = 0; i < kPatchBlock; i += hn::Lanes(d)) {
       const Corners at = corners(block.quads + 4 * i);
       const V fx = hn::Load(d, block.fx + i), fy = hn::Load(d, block.fy + i);
@@ -220,13 +243,13 @@ class PatchSummation {
         }
         a = hn::IfThenElseZero(is_known, a);
         b = hn::IfThenElseZero(is_known, b);
-        count_ = hn::Add(count_, hn::IfThenElseZero(is_known, all(1.0F)));
-        b_ = hn::Add(b_, b);
-        bb_ = hn::MulAdd(b, b, bb_);
+        sums.count = hn::Add(sums.count, hn::IfThenElseZero(is_known, all(1.0F)));
+        sums.b = hn::Add(sums.b, b);
+        sums.bb = hn::MulAdd(b, b, sums.bb);
       }
-      a_ = hn::Add(a_, a);
-      aa_ = hn::MulAdd(a, a, aa_);
-      ab_ = hn::MulAdd(a, b, ab_);
+      sums.a = hn::Add(sums.a, a);
+      sums.aa = hn::MulAdd(a, a, sums.aa);
+      sums.ab = hn::MulAdd(a, b, sums.ab);
     }
   }
 
@@ -236,13 +259,11 @@ class PatchSummation {
 
   static constexpr float kMiddle = 0.5F;  ///< Taken off patterns, for the sums' sake.
 
-  const PairedRows& image_;
+  const PairedRows image_;  // copies: what is written elsewhere then cannot change them
   const LensFactors& lens_;
-  const PatchPlacement& at_;
-  const SampleColumns& samples_;
-  const TemplateColumns& expected_;
-  V count_ = hn::Zero(d), a_ = hn::Zero(d), b_ = hn::Zero(d);
-  V aa_ = hn::Zero(d), bb_ = hn::Zero(d), ab_ = hn::Zero(d);
+  const PatchPlacement at_;
+  const SampleColumns samples_;
+  const TemplateColumns expected_;
 };
 
 PatchSums SumPatch(const PairedRows& image, const LensFactors& lens, const PatchPlacement& placement,

@@ -19,6 +19,7 @@ inline constexpr std::size_t kPatchBlock = 2 * kPixelBlock;
 /// 1)), so that the four pixels around any place are 16 bytes that follow each other.
 struct PairedRows {
   const float* pairs = nullptr;
+  int stride = 0;             ///< Pairs from one row to the next.
   int width = 0, height = 0;  ///< At least 2.
   float max_light = 0.0F;     ///< Places beside a brighter pixel are not seen; infinity: no such limit.
 };

@@ -67,7 +67,10 @@ void place_pinhole(const ImageView<const float>& image, const Pinhole& pinhole,
 
 void RowPairs::start(const ImageView<const float>& image) {
   image_ = image;
-  pairs_.resize(2 * static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height()));
+  // An odd number of cache lines: pixels below each other then fall into different sets of the cache.
+  constexpr int kPairsPerLine = 8;
+  stride_ = ((image.width() + kPairsPerLine - 1) / kPairsPerLine | 1) * kPairsPerLine;
+  pairs_.resize(2 * static_cast<std::size_t>(stride_) * static_cast<std::size_t>(image.height()));
   begin_ = end_ = 0;
 }
 
@@ -80,7 +83,7 @@ void RowPairs::make(int first, int last) {
     if (y >= begin_ && y < end_) continue;
     const float* upper = image_.row(y);
     const float* lower = image_.row(y + 1);
-    float* pair = pairs_.data() + 2 * static_cast<std::ptrdiff_t>(y) * image_.width();
+    float* pair = pairs_.data() + 2 * static_cast<std::ptrdiff_t>(y) * stride_;
     for (int x = 0; x < image_.width(); ++x) {
       pair[2 * x] = upper[x];
       pair[2 * x + 1] = lower[x];
@@ -93,7 +96,8 @@ void RowPairs::make(int first, int last) {
 PairedRows RowPairs::rows(double max_light) const {
   // What is not a float's is no limit.
   const double largest = static_cast<double>(std::numeric_limits<float>::max());
-  return {pairs_.data(), image_.width(), image_.height(), static_cast<float>(std::min(max_light, largest))};
+  return {pairs_.data(), stride_, image_.width(), image_.height(),
+          static_cast<float>(std::min(max_light, largest))};
 }
 
 std::array<float, 9> by_rows(const Eigen::Matrix3d& matrix) {
