@@ -1,7 +1,7 @@
 #include "patch_kernels.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
+#include <hwy/highway.h>
 
 #include <algorithm>
 #include <array>
@@ -30,7 +30,9 @@ constexpr int kPatchImageWidth = 320, kPatchImageHeight = 240;
 std::vector<std::int64_t> all_instruction_sets() {
   hwy::SetSupportedTargetsForTest(0);
   std::vector<std::int64_t> sets;
-  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) sets.push_back(left & -left);
+  // The kernels are not built for others, and fall back on those without SIMD.
+  for (std::int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1)
+    sets.push_back(left & -left);
   return sets;
 }
 
@@ -103,7 +105,7 @@ TEST_P(PatchKernels, CorrelateAsTheDefinitionDoes) {
   int num_other_counts = 0, num_compared = 0;
   double worst = 0.0;
   for (std::size_t lens = 0; lens < lenses().size(); ++lens) {
-    for (int trial = 0; trial < 1500; ++trial) {
+    for (int trial = 0; trial < 900; ++trial) {
       const PatchGrid grid{.size = trial % 3 == 0 ? 32 : 5 + trial % 29,
                            .half_extent = 1.0 + 0.2 * (trial % 2)};
       const Image<float>& image = trial % 2 == 0 ? pictures_[0] : pictures_[1];
@@ -141,13 +143,13 @@ TEST_P(PatchKernels, CorrelateAsTheDefinitionDoes) {
   }
   RecordProperty("worst", std::to_string(worst));
   EXPECT_LT(worst, 2e-4);
-  EXPECT_GT(num_compared, 3000);
+  EXPECT_GT(num_compared, 1800);
   EXPECT_LT(num_other_counts, num_compared / 200);
-  EXPECT_GT(num_whole, 300);
-  EXPECT_GT(num_cut, 300);
-  EXPECT_GT(num_gone, 300);
-  EXPECT_GT(num_saturated, 100);
-  EXPECT_GT(num_unknown, 100);
+  EXPECT_GT(num_whole, 150);
+  EXPECT_GT(num_cut, 150);
+  EXPECT_GT(num_gone, 150);
+  EXPECT_GT(num_saturated, 60);
+  EXPECT_GT(num_unknown, 60);
 }
 
 /// A sample's place is read from the light of a ramp: it is alone in its block, the others being nowhere.
