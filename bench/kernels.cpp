@@ -115,7 +115,8 @@ struct Setting {
   /// The first hypothesis' view of the tag on a grey ground, with noise.
   void film(RandomStream& random) {
     PhotometricWorld world(camera, map, TrackMode::kJoint, kWidth, kHeight);
-    const TagPrediction truth(world, world.tags[0], hypotheses[0], frame.exposure_s, 0);
+    ViewPath path(hypotheses[0], frame.exposure_s, world.mode);
+    const TagPrediction truth(world, world.tags[0], path, 0);
     Image<float> light(kWidth, kHeight);
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
@@ -197,8 +198,10 @@ void bench_patches(double tag_px, bool has_pattern, int repetitions) {
   const std::size_t count = has_pattern ? kNumWithPattern : kNumHypotheses;
   PhotometricWorld world(setting.camera, setting.map, TrackMode::kJoint, kWidth, kHeight);
   std::vector<TagPrediction> predictions;
-  for (std::size_t i = 0; has_pattern && i < count; ++i)
-    predictions.emplace_back(world, world.tags[0], setting.hypotheses[i], setting.frame.exposure_s, 0);
+  for (std::size_t i = 0; has_pattern && i < count; ++i) {
+    ViewPath path(setting.hypotheses[i], setting.frame.exposure_s, world.mode);
+    predictions.emplace_back(world, world.tags[0], path, 0);
+  }
   const auto prediction = [&](std::size_t i) { return has_pattern ? &predictions[i] : nullptr; };
   RowPairs pairs;
   pairs.start(setting.frame.light[0].view());
@@ -339,7 +342,8 @@ void bench_pixels(int repetitions) {
   constexpr std::size_t kNumPixels = 4096;
   const Setting setting(120.0);
   PhotometricWorld world(setting.camera, setting.map, TrackMode::kJoint, kWidth, kHeight);
-  const TagPrediction prediction(world, world.tags[0], setting.hypotheses[0], setting.frame.exposure_s, 0);
+  ViewPath path(setting.hypotheses[0], setting.frame.exposure_s, world.mode);
+  const TagPrediction prediction(world, world.tags[0], path, 0);
   RandomStream random(3);
   std::vector<float> x(kNumPixels), y(kNumPixels), image(kNumPixels, 0.4F), inverse_sigma(kNumPixels, 1.0F);
   for (float* ray : {x.data(), y.data()})

@@ -215,7 +215,8 @@ TEST_P(PatchKernels, WholePatchesThroughPatternsAgreeWithTheDefinition) {
       const MotionState state = moved(film.truth, step);
       JointScores scores;
       likelihood.evaluate(film.frame, std::vector{state}, parallel_for(1), &scores);
-      const TagPrediction prediction(world, world.tags[0], state, film.frame.exposure_s, 0);
+      ViewPath path(state, film.frame.exposure_s, world.mode);
+      const TagPrediction prediction(world, world.tags[0], path, 0);
       if (!prediction.is_visible()) continue;
       const Eigen::Matrix3d M = camera_from_tag_plane(state.pose, test::TagFilm::kSize_m);
       std::vector<double> seen(grid.num_samples()), expected(grid.num_samples(), kNoLight);

@@ -52,7 +52,8 @@ TEST(TagPrediction, ExplainsARenderedPictureOnEveryLevel) {
     std::vector<float> scratch;
     const TagMisfit misfit = measure_misfit(pixels, predicted, 0.0, &scratch);
     EXPECT_GT(misfit.correlation, 0.996) << "level " << level;
-    EXPECT_LT(misfit.residual_scale, 0.02 * misfit.colours.gain) << "level " << level;
+    // Where only the way is sought, instants are farther apart.
+    EXPECT_LT(misfit.residual_scale, (level == 0 ? 0.02 : 0.03) * misfit.colours.gain) << "level " << level;
   }
 }
 

@@ -286,8 +286,7 @@ void JointLikelihood::predict(const Batch& batch) {
   for (std::size_t position = 0; position < batch.selection.size(); ++position) {
     ViewPath path(batch.hypothesis(position), batch.frame.exposure_s, mode_);
     for (std::size_t k = 0; k < num_tags(); ++k) {
-      const TagPrediction& prediction =
-          work_->predictions.emplace_back(*world_, world_->tags[k], path, 0);
+      const TagPrediction& prediction = work_->predictions.emplace_back(*world_, world_->tags[k], path, 0);
       PatchInView& view = work_->views[position * num_tags() + k];
       view.is_in_view = view.is_in_view && prediction.is_visible();
     }

@@ -43,6 +43,7 @@ PhotometricWorld::PhotometricWorld(const Camera& camera, const TagMap& map, Trac
 
 PhotometricWorld::~PhotometricWorld() = default;
 PhotometricWorld::PhotometricWorld(PhotometricWorld&&) noexcept = default;
+PhotometricWorld& PhotometricWorld::operator=(PhotometricWorld&&) noexcept = default;
 
 void PhotometricWorld::fit_size(int width, int height) {
   rays = PixelRays(model, width, height, kNumLevels);

@@ -9,8 +9,8 @@ namespace {
 /// by 1.22 in 99.5 % of a room's blurred views, by 1.32 at most.
 constexpr double kMaxFactor = 1.4;
 /// More for what has turned since: of a matt surface at the angle a to the light, d log(cos a) = -tan(a) da,
-/// and two is the tangent of 63 degrees.
-constexpr double kLogPerRadian = 2.0;
+/// and one is the tangent of 45 degrees.
+constexpr double kLogPerRadian = 1.0;
 /// Tags that are not well explained say little of their contrast.
 constexpr double kMinTrustedCorrelation = 0.9;
 

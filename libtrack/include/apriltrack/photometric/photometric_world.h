@@ -38,6 +38,7 @@ struct PhotometricWorld {
   PhotometricWorld(const Camera& camera, const TagMap& map, TrackMode mode, int width, int height);
   ~PhotometricWorld();
   PhotometricWorld(PhotometricWorld&&) noexcept;
+  PhotometricWorld& operator=(PhotometricWorld&&) noexcept;
 
   /// For images of another size, or where none was known before.
   void fit_size(int width, int height);
