@@ -115,8 +115,9 @@ TEST(PoseCandidate, FitsToATagMoreOrLessAreOneExplanation) {
   int same = 0;
   for (int i = 0; i < 100; ++i) {
     const TagMap map = test::room();
-    const auto observations = observe_mapped_tags(
-        map, camera.model, test::with_noise(test::seen(camera, map, Pose()), random, 0.5).detections);
+    const auto observations =
+        observe_mapped_tags(map, TagIndex(map), camera.model,
+                            test::with_noise(test::seen(camera, map, Pose()), random, 0.5).detections);
     std::vector<const TagObservation*> all;
     for (const TagObservation& observation : observations) all.push_back(&observation);
     const RobustKernel kernel{RobustKernel::Shape::kHuber, 1.5};

@@ -137,7 +137,7 @@ TEST(MapUncertainty, IsWhatMapsDrawnFromItDoToLeastSquares) {
   double nees = 0.0, error_px2 = 0.0, expected_px2 = 0.0;
   for (int i = 0; i < kMaps; ++i) {
     const TagMap map = drawn(truth, random);
-    const auto observations = observe_mapped_tags(map, camera.model, frame.detections);
+    const auto observations = observe_mapped_tags(map, TagIndex(map), camera.model, frame.detections);
     std::vector<const TagObservation*> all;
     for (const TagObservation& observation : observations) all.push_back(&observation);
     const Pose estimate = adjust_pose(camera.model, all, least_squares, T_camera_map);

@@ -25,8 +25,8 @@ TEST(PoseAdjustment, InformationIsThatOfTheNumericJacobian) {
   RandomStream random(311);
   for (int i = 0; i < 10; ++i) {
     const Pose T_camera_map = test::random_T_map_camera(random).inverse();
-    const auto observations =
-        observe_mapped_tags(map, camera.model, test::seen(camera, map, T_camera_map).detections);
+    const auto observations = observe_mapped_tags(map, TagIndex(map), camera.model,
+                                                  test::seen(camera, map, T_camera_map).detections);
     ASSERT_EQ(observations.size(), 7U);
     const Eigen::MatrixXd jacobian = test::numeric_jacobian(
         [&](const Eigen::VectorXd& xi) {
@@ -47,7 +47,7 @@ TEST(PoseAdjustment, ConvergesFromFarOff) {
   const Camera camera = test::camera_with(RadtanDistortion({-0.28, 0.09, 5e-4, -3e-4}));
   const TagMap map = test::room();
   const auto observations =
-      observe_mapped_tags(map, camera.model, test::seen(camera, map, Pose()).detections);
+      observe_mapped_tags(map, TagIndex(map), camera.model, test::seen(camera, map, Pose()).detections);
   const Pose start = Pose::exp((Vector6d() << 0.1, -0.1, 0.2, 0.05, 0.1, -0.1).finished());
   const Pose found =
       adjust_pose(camera.model, pointers(observations), {RobustKernel::Shape::kHuber, 1.0}, start);
@@ -68,7 +68,7 @@ TEST(PoseAdjustment, ATagSeenFromBehindFitsNoPose) {
   const Camera camera = test::camera_with(NoDistortion{});
   const TagMap map = test::only(test::room(), {0});
   const auto observations =
-      observe_mapped_tags(map, camera.model, test::seen(camera, map, Pose()).detections);
+      observe_mapped_tags(map, TagIndex(map), camera.model, test::seen(camera, map, Pose()).detections);
   ASSERT_EQ(observations.size(), 1U);
   const Pose T_front_back(rotation_exp({0.0, std::numbers::pi, 0.0}),
                           {0.0, 0.0, 4.4});  // half a turn about the tag
@@ -81,7 +81,7 @@ TEST(CornerNoise, BlurIsThePathDuringTheExposure) {
   const Camera camera = test::camera_with(NoDistortion{});
   const TagMap map = test::only(test::room(), {0});
   const auto observations =
-      observe_mapped_tags(map, camera.model, test::seen(camera, map, Pose()).detections);
+      observe_mapped_tags(map, TagIndex(map), camera.model, test::seen(camera, map, Pose()).detections);
   PoseCandidate candidate;
   candidate.inliers = pointers(observations);
   const Pose before(Eigen::Quaterniond::Identity(), {0.1, 0.0, 0.0});
@@ -93,7 +93,8 @@ TEST(CornerNoise, BlurIsThePathDuringTheExposure) {
 TEST(CornerNoise, GrowsWithBlurAndCorrectedBitsAndIsNeverBelowThatOfSharpCorners) {
   const Camera camera = test::camera_with(NoDistortion{});
   const TagMap map = test::only(test::room(), {0});
-  auto observations = observe_mapped_tags(map, camera.model, test::seen(camera, map, Pose()).detections);
+  auto observations =
+      observe_mapped_tags(map, TagIndex(map), camera.model, test::seen(camera, map, Pose()).detections);
   PoseCandidate candidate;
   candidate.inliers = pointers(observations);
   const double sharp_px = expected_corner_sigma_px(0.1, 0.0, candidate);

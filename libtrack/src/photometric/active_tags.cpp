@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "photometric_scratch.h"
+
 namespace apriltrack {
 namespace {
 
@@ -43,13 +45,15 @@ void ActiveTags::find(PhotometricWorld& world, const PhotometricFrame& frame, Vi
 void ActiveTags::find_in_image(PhotometricWorld& world, const PhotometricFrame& frame, ViewPath& path,
                                const ActiveTagsOptions& options) {
   in_image_.clear();
-  for (std::size_t k = 0; k < world.tags.size(); ++k) {
+  for (const std::uint32_t k : world.scratch->nearby.of_path(path, world.max_view_angle_rad)) {
     const PhotometricTag& tag = world.tags[k];
-    if (tag.is_hidden && !options.with_hidden) continue;
-    const TagPrediction prediction(world, tag, path, options.level, options.extra_sigma_px);
-    if (!prediction.is_visible()) continue;
-    const Eigen::AlignedBox2i swept = swept_pixels(world, frame.light, prediction, tag, options.level);
-    if (!swept.isEmpty()) in_image_.push_back({static_cast<int>(k), prediction, swept});
+    if ((tag.is_hidden && !options.with_hidden) || !is_front_in_sight(tag, path.middle())) continue;
+    const TagSight sight(world, tag, path);
+    if (!sight.is_visible()) continue;
+    const Eigen::AlignedBox2i swept = swept_pixels(world, frame.light, sight, tag, options.level);
+    if (swept.isEmpty()) continue;
+    const TagPrediction prediction(world, tag, sight, path, options.level, options.extra_sigma_px);
+    in_image_.push_back({static_cast<int>(k), prediction, swept});
   }
 }
 

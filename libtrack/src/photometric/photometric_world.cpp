@@ -10,6 +10,9 @@
 namespace apriltrack {
 namespace {
 
+/// Of a cell in the middle of the image: its contrast is a thousandth by then, under lens and pixel.
+constexpr double kLeastCell_px = 0.5;
+
 std::vector<TagPattern> patterns_of(const TagMap& map) {
   std::vector<TagPattern> patterns;
   for (const MapTag& tag : map.tags) {
@@ -30,15 +33,18 @@ PhotometricWorld::PhotometricWorld(const Camera& camera, const TagMap& map, Trac
     : model(camera.model),
       mode(track_mode),
       rays(camera.model, 0, 0, kNumLevels),
-      textures(patterns_of(map)),
-      scratch(std::make_unique<PhotometricScratch>()) {
+      index(map),
+      textures(patterns_of(map)) {
   if (width > 0 && height > 0) fit_size(width, height);
   for (std::size_t i = 0; i < map.tags.size(); ++i) {
     const MapTag& tag = map.tags[i];
-    tags.push_back({tag, i, textures.pattern(i).half_extent(),
-                    camera_from_tag_plane(tag.T_map_tag, tag.size_m),
-                    tag.T_map_tag.rotation() * Eigen::Vector3d::UnitZ()});
+    const TagPattern& pattern = textures.pattern(i);
+    const double cell_m = 0.5 * tag.size_m * pattern.cell_size();
+    tags.push_back({tag, i, pattern.half_extent(), camera_from_tag_plane(tag.T_map_tag, tag.size_m),
+                    tag.T_map_tag.rotation() * Eigen::Vector3d::UnitZ(),
+                    focal_px() * cell_m / kLeastCell_px});
   }
+  scratch = std::make_unique<PhotometricScratch>(tags);
 }
 
 PhotometricWorld::~PhotometricWorld() = default;
@@ -48,6 +54,19 @@ PhotometricWorld& PhotometricWorld::operator=(PhotometricWorld&&) noexcept = def
 void PhotometricWorld::fit_size(int width, int height) {
   rays = PixelRays(model, width, height, kNumLevels);
   max_view_angle_rad = apriltrack::max_view_angle_rad(model, width, height);
+}
+
+std::vector<std::size_t> PhotometricWorld::tags_in_sight(const MotionState& state) {
+  const ViewPath path(state, 0.0, mode);
+  const MapView& view = path.middle();
+  std::vector<std::size_t> in_sight;
+  for (const std::uint32_t k : scratch->nearby.of_path(path, max_view_angle_rad)) {
+    const PhotometricTag& tag = tags[k];
+    const Eigen::Vector3d centre = view.of_plane(tag.map_from_plane).col(2);
+    if (is_front_in_sight(tag, view) && may_be_in_view(centre, tag.radius_m(), max_view_angle_rad))
+      in_sight.push_back(k);
+  }
+  return in_sight;
 }
 
 }  // namespace apriltrack

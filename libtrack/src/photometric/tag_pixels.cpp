@@ -12,10 +12,9 @@ constexpr float kBackgroundSigma = 6.0F;
 constexpr float kSaturatedLight = 0.985F;
 
 /// The pixels of level 0 that the printed square passes; empty when a corner cannot be projected.
-Eigen::AlignedBox2d swept_box(const CameraModel& model, const TagPrediction& prediction,
-                              const PhotometricTag& tag) {
+Eigen::AlignedBox2d swept_box(const CameraModel& model, const TagSight& sight, const PhotometricTag& tag) {
   Eigen::AlignedBox2d box;
-  for (const Eigen::Matrix3d& camera_from_plane : prediction.camera_from_plane()) {
+  for (const Eigen::Matrix3d& camera_from_plane : sight.camera_from_plane()) {
     for (const double u : {-tag.half_extent, tag.half_extent}) {
       for (const double v : {-tag.half_extent, tag.half_extent}) {
         const auto pixel = model.project(camera_from_plane * Eigen::Vector3d(u, v, 1.0));
@@ -88,9 +87,9 @@ void keep_covered(TagPixels& pixels, PredictedPixels& predicted) {
 }  // namespace
 
 Eigen::AlignedBox2i swept_pixels(const PhotometricWorld& world, const LightPyramid& light,
-                                 const TagPrediction& prediction, const PhotometricTag& tag, int level) {
+                                 const TagSight& sight, const PhotometricTag& tag, int level) {
   const Image<float>& image = light[static_cast<std::size_t>(level)];
-  const Eigen::AlignedBox2d box = swept_box(world.model, prediction, tag);
+  const Eigen::AlignedBox2d box = swept_box(world.model, sight, tag);
   if (box.isEmpty()) return {};
   // Clamped before it is an integer: what is nearly behind the camera may lie anywhere.
   const auto clamped = [&](double pixel, int size) {

@@ -39,7 +39,7 @@ void predict(const TagPrediction& prediction, const TagPixels& pixels, Predicted
 /// The pixels of a level's image, first and last, that the printed square may pass during the exposure; empty
 /// where there are none, or a corner cannot be projected.
 Eigen::AlignedBox2i swept_pixels(const PhotometricWorld& world, const LightPyramid& light,
-                                 const TagPrediction& prediction, const PhotometricTag& tag, int level);
+                                 const TagSight& sight, const PhotometricTag& tag, int level);
 
 /// Pixels of which the tag covers at least a quarter during the exposure, thinned out evenly to about
 /// max_pixels: twice as many where it fills its box. Saturated pixels are left out: what light they stand for

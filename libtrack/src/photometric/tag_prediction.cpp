@@ -51,9 +51,7 @@ Eigen::Matrix2d in_plane(const Eigen::Matrix2d& blur_px2, const Eigen::Matrix3d&
 
 }  // namespace
 
-TagPrediction::TagPrediction(PhotometricWorld& world, const PhotometricTag& tag, ViewPath& path, int level,
-                             double extra_sigma_px) {
-  const double focal_px = world.focal_px();
+TagSight::TagSight(const PhotometricWorld& world, const PhotometricTag& tag, const ViewPath& path) {
   bool may_be_seen = false;
   const std::array views = {&path.opening(), &path.middle(), &path.closing()};
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -62,10 +60,19 @@ TagPrediction::TagPrediction(PhotometricWorld& world, const PhotometricTag& tag,
     if (!faces_camera(tag, *views[i], centre)) return;
     may_be_seen = may_be_seen || may_be_in_view(centre, tag.radius_m(), world.max_view_angle_rad);
   }
-  if (!may_be_seen) return;
-  is_visible_ = true;
+  is_visible_ = may_be_seen;
+}
 
-  const Eigen::Vector2d streak = longest_streak(camera_from_plane_[0], camera_from_plane_[2], focal_px);
+TagPrediction::TagPrediction(PhotometricWorld& world, const PhotometricTag& tag, ViewPath& path, int level,
+                             double extra_sigma_px)
+    : TagPrediction(world, tag, TagSight(world, tag, path), path, level, extra_sigma_px) {}
+
+TagPrediction::TagPrediction(PhotometricWorld& world, const PhotometricTag& tag, const TagSight& sight,
+                             ViewPath& path, int level, double extra_sigma_px)
+    : TagSight(sight) {
+  if (!is_visible()) return;
+  const double focal_px = world.focal_px();
+  const Eigen::Vector2d streak = longest_streak(camera_from_plane()[0], camera_from_plane()[2], focal_px);
   path_px_ = streak.norm();
   const double level_pixel = 1 << level;
   const std::span<const MapView> instants =
@@ -75,7 +82,7 @@ TagPrediction::TagPrediction(PhotometricWorld& world, const PhotometricTag& tag,
   Eigen::Matrix2d blur_px2 = isotropic * Eigen::Matrix2d::Identity();
   const auto count = static_cast<double>(instants.size());
   blur_px2 += streak * streak.transpose() / (12.0 * count * count);
-  const Eigen::Matrix2d blur = in_plane(blur_px2, camera_from_plane_[1], focal_px);
+  const Eigen::Matrix2d blur = in_plane(blur_px2, camera_from_plane()[1], focal_px);
   texture_ = world.textures.blurred(tag.index, std::sqrt(blur(0, 0)), std::sqrt(blur(1, 1)));
   set_instants(tag, instants);
 }

@@ -24,13 +24,6 @@ double corner_sigma_px(const PhotometricWorld& world, const Eigen::Vector3d& poi
   return std::hypot(kSharpFactor * sharp_sigma_px, kSigmaPerBlur * (*last - *first).norm());
 }
 
-/// Of the map; every mapped tag has one.
-int index_of(const PhotometricWorld& world, const TagKey& key) {
-  const auto found =
-      std::ranges::find_if(world.tags, [&](const PhotometricTag& tag) { return tag.tag.key == key; });
-  return static_cast<int>(found - world.tags.begin());
-}
-
 /// In the tag's plane, in half tag sizes; nullopt where the ray does not meet it.
 std::optional<Eigen::Vector2d> on_plane(const CameraModel& model, const Eigen::Vector2d& pixel,
                                         const Pose& T_camera_tag, double half_size_m) {
@@ -115,12 +108,16 @@ void discredit_tags_read_as_others(const PhotometricWorld& world, const std::vec
                                    std::vector<TagEvidence>& tags) {
   const Pose view = camera_from_map(state.pose, world.mode);
   const auto agrees = [&](int index) { return std::ranges::count(votes.agreeing, index) > 0; };
+  const auto is_of_agreeing_tag = [&](const Detection& detection) {
+    const auto index = world.index.find(detection.tag);
+    return index && agrees(static_cast<int>(*index));
+  };
   for (TagEvidence& evidence : tags) {
     if (agrees(evidence.tag_index)) continue;
     const PhotometricTag& tag = world.tags[static_cast<std::size_t>(evidence.tag_index)];
     const bool is_another = std::ranges::any_of(detections, [&](const Detection& detection) {
       return detection.tag != tag.tag.key && detection.hamming.value_or(0) == 0 &&
-             !agrees(index_of(world, detection.tag)) &&
+             !is_of_agreeing_tag(detection) &&
              takes_place_of(world.model, detection, view * tag.tag.T_map_tag, tag.half_size_m());
     });
     if (is_another) evidence.correlation = 0.0;

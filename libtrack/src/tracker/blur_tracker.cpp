@@ -149,7 +149,7 @@ class BlurTracker::Implementation {
 
   void see(std::vector<Detection> detections, BlurFrame& blur_frame) const {
     blur_frame.detections = std::move(detections);
-    blur_frame.observations = observe_mapped_tags(map_, camera_.model, blur_frame.detections);
+    blur_frame.observations = observe_mapped_tags(map_, world_->index, camera_.model, blur_frame.detections);
   }
 
   /// As far as is needed: where the motion went on as expected, at the places of tags; at times at the whole
@@ -190,7 +190,7 @@ class BlurTracker::Implementation {
       found = explainer_->explain(blur_frame, expected);
     }
     if (hidden_.is_empty() || is_convincing(found, blur_frame)) return found;
-    for (PhotometricTag& tag : world_->tags) tag.is_hidden = false;
+    hidden_.unmark(*world_);
     std::vector<Explanation> with_hidden = explainer_->explain(blur_frame, expected);
     return is_convincing(with_hidden, blur_frame) ? with_hidden : found;
   }

@@ -4,27 +4,35 @@
 
 namespace apriltrack {
 
-void HiddenTags::mark(PhotometricWorld& world, const std::vector<TagObservation>& observations) const {
-  for (PhotometricTag& tag : world.tags) {
-    const bool is_read = std::ranges::any_of(
-        observations, [&](const TagObservation& seen) { return seen.tag->key == tag.tag.key; });
-    const auto found = frames_unseen_.find(static_cast<int>(tag.index));
-    tag.is_hidden = !is_read && found != frames_unseen_.end() && found->second >= kMinFramesUnseen;
-  }
+void HiddenTags::mark(PhotometricWorld& world, const std::vector<TagObservation>& observations) {
+  unmark(world);
+  const auto tag_at = [&](int index) -> PhotometricTag& {
+    return world.tags[static_cast<std::size_t>(index)];
+  };
+  for (const int index : hidden_) tag_at(index).is_hidden = true;
+  for (const TagObservation& seen : observations) tag_at(seen.tag_index).is_hidden = false;
+  marked_.assign(hidden_.begin(), hidden_.end());
+}
+
+void HiddenTags::unmark(PhotometricWorld& world) {
+  for (const int index : marked_) world.tags[static_cast<std::size_t>(index)].is_hidden = false;
+  marked_.clear();
 }
 
 void HiddenTags::learn(const std::vector<TagEvidence>& tags, const TagVotes& votes, bool is_sure) {
   for (const TagEvidence& tag : tags) {
     if (tag.is_explained() || std::ranges::count(votes.agreeing, tag.tag_index) > 0) {
       frames_unseen_.erase(tag.tag_index);
-    } else if (is_sure) {
-      ++frames_unseen_[tag.tag_index];
+      hidden_.erase(tag.tag_index);
+    } else if (is_sure && ++frames_unseen_[tag.tag_index] >= kMinFramesUnseen) {
+      hidden_.insert(tag.tag_index);
     }
   }
 }
 
-bool HiddenTags::is_empty() const {
-  return std::ranges::none_of(frames_unseen_, [](const auto& tag) { return tag.second >= kMinFramesUnseen; });
+void HiddenTags::forget() {
+  frames_unseen_.clear();
+  hidden_.clear();
 }
 
 }  // namespace apriltrack

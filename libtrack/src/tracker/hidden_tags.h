@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <vector>
 
 #include "apriltrack/photometric/evidence.h"
@@ -18,17 +19,22 @@ class HiddenTags {
   static constexpr int kMinFramesUnseen = 3;
 
   /// Before a frame: marks them in the world, but for those that the frame reads.
-  void mark(PhotometricWorld& world, const std::vector<TagObservation>& observations) const;
+  void mark(PhotometricWorld& world, const std::vector<TagObservation>& observations);
+  /// Takes the marks off.
+  void unmark(PhotometricWorld& world);
 
   /// After a frame that is explained, by the evidence of all tags. is_sure: the pose was expected, rests on
   /// tags that were read and has no rival: only then does it tell that something is hidden.
   void learn(const std::vector<TagEvidence>& tags, const TagVotes& votes, bool is_sure);
 
-  bool is_empty() const;
-  void forget() { frames_unseen_.clear(); }
+  bool is_empty() const { return hidden_.empty(); }
+  /// Marks stay until the next frame's.
+  void forget();
 
  private:
   std::map<int, int> frames_unseen_;  ///< By index of the tag, since it was seen last.
+  std::set<int> hidden_;              ///< Those of them that enough frames missed.
+  std::vector<int> marked_;           ///< In the world.
 };
 
 }  // namespace apriltrack

@@ -45,6 +45,7 @@ class Localizer::Implementation {
   Implementation(const Camera& camera, const TagMap& map, const LocalizerOptions& options)
       : camera_(camera),
         map_(map),
+        index_(map),
         options_(options),
         detector_options_((options.check(), detector_options_for(camera, map, options.detector))) {}
 
@@ -74,7 +75,7 @@ class Localizer::Implementation {
     result.timestamp = time;
     const double exposure_s =
         known_exposure_s(exposure_of_frame_s, camera_.exposure_s).value_or(kUnknownExposure_s);
-    const auto observations = observe_mapped_tags(map_, camera_.model, detections);
+    const auto observations = observe_mapped_tags(map_, index_, camera_.model, detections);
     result.tags_detected = count_tags(observations);
     if (observations.empty()) {
       result.reason = detections.empty() ? "no tag seen" : "no tag of the map seen";
@@ -197,6 +198,7 @@ class Localizer::Implementation {
 
   Camera camera_;
   TagMap map_;
+  TagIndex index_;  ///< Of the map's tags.
   LocalizerOptions options_;
   DetectorOptions detector_options_;
   std::optional<Detector> detector_;  ///< Made by prepare(): detections from a file need none.

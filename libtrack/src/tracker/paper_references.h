@@ -23,7 +23,7 @@ class PaperReferences {
   /// likelihood: of the map's tags, outlives this.
   PaperReferences(const CameraModel& model, const TagMap& map, const PatchGrid& grid,
                   JointLikelihood& likelihood)
-      : model_(model), map_(map), grid_(grid), likelihood_(likelihood) {}
+      : model_(model), map_(map), index_(map), grid_(grid), likelihood_(likelihood) {}
 
   /// The patch of every tag seen is its reference from now on, this frame included. A tag that the frame
   /// shows twice is left out: any copy may be the false one.
@@ -37,6 +37,7 @@ class PaperReferences {
  private:
   const CameraModel& model_;
   const TagMap& map_;
+  TagIndex index_;  ///< Of the map's tags.
   PatchGrid grid_;
   JointLikelihood& likelihood_;
   std::vector<bool> is_detected_;  ///< In this frame, by tag of the map.

@@ -4,16 +4,18 @@
 
 namespace apriltrack {
 
-std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const CameraModel& model,
+std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const TagIndex& index,
+                                                const CameraModel& model,
                                                 const std::vector<Detection>& detections) {
   std::vector<TagObservation> observations;
   for (const Detection& detection : detections) {
-    const MapTag* tag = map.find(detection.tag);
-    if (tag == nullptr) continue;
+    const auto position = index.find(detection.tag);
+    if (!position) continue;
+    const MapTag* tag = &map.tags[*position];
     const auto rays = corner_rays(model, detection.corners_px);
     if (!rays) continue;
     TagObservation observation{.tag = tag,
-                               .tag_index = static_cast<int>(tag - map.tags.data()),
+                               .tag_index = static_cast<int>(*position),
                                .corners_map = corners_in_map(*tag),
                                .corners_px = detection.corners_px,
                                .planar_poses = solve_planar_pnp(*rays, tag->size_m),

@@ -6,6 +6,7 @@
 #include "apriltrack/camera/camera_model.h"
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/geometry/planar_pnp.h"
+#include "apriltrack/tags/tag_index.h"
 #include "apriltrack/tags/tag_map.h"
 
 namespace apriltrack {
@@ -22,8 +23,9 @@ struct TagObservation {
 };
 
 /// Leaves out tags that the map does not have, and corners that no ray of the lens model reaches. The
-/// observations point into `map`, which must outlive them.
-std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const CameraModel& model,
+/// observations point into `map`, which must outlive them. index: the map's.
+std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const TagIndex& index,
+                                                const CameraModel& model,
                                                 const std::vector<Detection>& detections);
 
 /// How many different tags there are; copies of one count once.

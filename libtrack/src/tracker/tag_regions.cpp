@@ -119,7 +119,7 @@ std::vector<TagRegions::Place> TagRegions::readable_places(PhotometricWorld& wor
                                                            int width, int height) const {
   std::vector<Place> places;
   const Eigen::AlignedBox2d image(Eigen::Vector2d(0, 0), Eigen::Vector2d(width - 1, height - 1));
-  for (std::size_t i = 0; i < world.tags.size(); ++i) {
+  for (const std::size_t i : world.tags_in_sight(expected.mean)) {
     const PhotometricTag& tag = world.tags[i];
     const auto seen = outline(world.model, tag, expected.mean, exposure_s, world.mode);
     if (!seen || !image.intersects(seen->box_px)) continue;

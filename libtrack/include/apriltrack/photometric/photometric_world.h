@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "apriltrack/camera/camera.h"
+#include "apriltrack/motion/motion_state.h"
 #include "apriltrack/motion/track_mode.h"
 #include "apriltrack/photometric/light.h"
 #include "apriltrack/photometric/pattern_textures.h"
+#include "apriltrack/tags/tag_index.h"
 #include "apriltrack/tags/tag_map.h"
 
 namespace apriltrack {
@@ -20,6 +22,9 @@ struct PhotometricTag {
   double half_extent = 0.0;  ///< Of its printed cells, in half tag sizes.
   Eigen::Matrix3d map_from_plane = Eigen::Matrix3d::Zero();  ///< (u, v, 1), in half tag sizes, to the map.
   Eigen::Vector3d normal_map = Eigen::Vector3d::Zero();      ///< Points into the tag.
+
+  /// Farther off, nothing tells it from any other dark spot: its cells are less than half a pixel wide.
+  double sight_m = 0.0;
 
   /// Known to be behind something: takes no part in fits and scores until it is seen again.
   bool is_hidden = false;
@@ -48,12 +53,17 @@ struct PhotometricWorld {
   CameraModel model;
   TrackMode mode;
   PixelRays rays;
-  std::vector<PhotometricTag> tags;              ///< In the order of the map.
+  std::vector<PhotometricTag> tags;              ///< In the order of the map; their places stay.
+  TagIndex index;                                ///< Of the tags.
   PatternTextures textures;                      ///< Of the tags, by index.
   double psf_sigma_px = 0.5;                     ///< Blur of the lens.
   double max_view_angle_rad = std::numbers::pi;  ///< Off the optical axis, of the farthest pixel.
 
   std::unique_ptr<PhotometricScratch> scratch;  ///< Memory to use again.
+
+  /// Indices, ascending, of the tags that the state's pose may show: near enough, their front to the camera,
+  /// and a part of them perhaps in the image. Costs what lies around the pose, not what the map holds.
+  std::vector<std::size_t> tags_in_sight(const MotionState& state);
 
   double focal_px() const { return 0.5 * (model.pinhole().fx + model.pinhole().fy); }
 };
