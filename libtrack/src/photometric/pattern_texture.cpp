@@ -21,8 +21,7 @@ double normal_cdf(double x) {
 }
 
 std::uint16_t rounded(double share) {
-  return static_cast<std::uint16_t>(
-      std::lround(static_cast<double>(Texel::kOne) * std::clamp(share, 0.0, 1.0)));
+  return static_cast<std::uint16_t>(static_cast<double>(Texel::kOne) * std::clamp(share, 0.0, 1.0) + 0.5);
 }
 
 /// The texels along one axis of the plane.
@@ -46,9 +45,14 @@ TexelAxis texel_axis(const TagPattern& pattern, double sigma) {
   axis.cell_shares.resize(axis.count, num_cells);
   for (int i = 0; i < axis.count; ++i) {
     const double centre = (i - half) * texel;
+    const auto share_up_to = [&](int k) {
+      return normal_cdf(((k - 0.5 * num_cells) * cell - centre) / kernel);
+    };
+    double below = share_up_to(0);
     for (int k = 0; k < num_cells; ++k) {
-      const double low = ((k - 0.5 * num_cells) * cell - centre) / kernel;
-      axis.cell_shares(i, k) = normal_cdf(low + cell / kernel) - normal_cdf(low);
+      const double up_to_here = share_up_to(k + 1);
+      axis.cell_shares(i, k) = up_to_here - below;
+      below = up_to_here;
     }
   }
   return axis;

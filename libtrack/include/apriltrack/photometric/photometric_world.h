@@ -23,7 +23,7 @@ struct PhotometricTag {
   Eigen::Matrix3d map_from_plane = Eigen::Matrix3d::Zero();  ///< (u, v, 1), in half tag sizes, to the map.
   Eigen::Vector3d normal_map = Eigen::Vector3d::Zero();      ///< Points into the tag.
 
-  /// Farther off, nothing tells it from any other dark spot: its cells are less than half a pixel wide.
+  /// Farther off, nothing tells it from any other dark spot: its cells are too small.
   double sight_m = 0.0;
 
   /// Known to be behind something: takes no part in fits and scores until it is seen again.
