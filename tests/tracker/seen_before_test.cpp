@@ -76,8 +76,7 @@ class TagsBehindThings : public ::testing::Test {
   /// Which are, by index, in a frame that reads these.
   std::vector<bool> hidden(const std::vector<int>& indices_read = {}) {
     std::vector<TagObservation> observations;
-    for (const int index : indices_read)
-      observations.emplace_back().tag = &world_.tags[static_cast<std::size_t>(index)].tag;
+    for (const int index : indices_read) observations.emplace_back().tag_index = index;
     hidden_.mark(world_, observations);
     std::vector<bool> result;
     for (const PhotometricTag& tag : world_.tags) result.push_back(tag.is_hidden);
