@@ -18,8 +18,8 @@ namespace apriltrack {
 class PatternTextures {
  public:
   /// By family, the sharpest texture takes 0.6 to 1.4 MB, one blurred by a quarter of a cell 25 to 50 kB, by
-  /// three cells 160 to 220 kB, for it reaches far beyond the tag: room for fifty tags at their worst.
-  static constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
+  /// three cells 160 to 220 kB, for it reaches far beyond the tag: room for thirty tags at their worst.
+  static constexpr std::size_t kMaxBytes = std::size_t{40} << 20;
 
   explicit PatternTextures(std::vector<TagPattern> patterns, std::size_t max_bytes = kMaxBytes);
 
