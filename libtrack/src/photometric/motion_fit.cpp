@@ -14,15 +14,8 @@
 namespace apriltrack {
 namespace {
 
-/// Neighbouring pixels err together (demosaicing, compression, the model): so many count as one.
-constexpr double kCorrelatedPixels = 4.0;
 /// Of detected corners, in standard deviations: a false detection must not hold the fit.
 constexpr GemanMcClure kCornerError(3.0);
-
-/// How much of the information of independent pixels these carry.
-double information_share(const TagPixels& pixels) {
-  return std::min(1.0, pixels.stride * pixels.stride / kCorrelatedPixels);
-}
 
 struct NormalEquations {
   Matrix12d H = Matrix12d::Zero();
@@ -166,7 +159,7 @@ class Fit {
   static void add(const ActiveTag& tag, const TagPrediction& prediction, const TagMisfit& misfit,
                   Evaluated& evaluated) {
     if (misfit.colours.gain <= 0.0) evaluated.cost += static_cast<double>(tag.pixels.count);
-    evaluated.cost += information_share(tag.pixels) * misfit.cost;
+    evaluated.cost += tag.pixels.information_share() * misfit.cost;
     evaluated.tags.push_back({prediction, misfit});
   }
 
@@ -232,8 +225,8 @@ class Fit {
       const ActiveTag& tag = active_.tags()[i];
       if (misfit.colours.gain <= 0.0 || !takes_part(tag)) continue;
       const TagNormalEquations one = linearise(tag.pixels, prediction, misfit.colours, tag.scale);
-      left.H += information_share(tag.pixels) * one.H;
-      left.g += information_share(tag.pixels) * one.g;
+      left.H += tag.pixels.information_share() * one.H;
+      left.g += tag.pixels.information_share() * one.g;
     }
     add_corners(at.state, left);
     Matrix12d A = Matrix12d::Zero();

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -23,6 +24,10 @@ struct TagPixels {
   std::size_t count = 0;
   double area_px = 0.0;  ///< Of level 0 that they stand for.
   int stride = 1;        ///< Every stride-th row and column.
+
+  /// How much of the information of independent pixels these carry: neighbours err together (demosaicing,
+  /// compression, the model), so that four count as one.
+  double information_share() const { return std::min(1.0, 0.25 * stride * stride); }
 
   RayColumns rays() const { return {ray_x.data(), ray_y.data(), ray_x.size()}; }
   /// The columns that are chosen; inverse_sigma follows.

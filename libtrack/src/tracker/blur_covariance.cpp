@@ -1,23 +1,20 @@
 #include "blur_covariance.h"
 
 #include <Eigen/Cholesky>
-#include <cmath>
 #include <vector>
 
 #include "apriltrack/camera/pixel_jacobian.h"
 #include "map_uncertainty.h"
 #include "pose_adjustment.h"
+#include "shared_error.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr double kSharedSigma_px = 0.03;
-constexpr double kSharedSigmaPerBlur = 0.01;
-
 /// J' J / sigma^2 of a tag's corners, J by the right perturbation of the pose.
 Matrix6d shared_information(const PhotometricWorld& world, const MotionFit& fit,
                             const TagEvidence& evidence) {
-  const double sigma_px = std::hypot(kSharedSigma_px, kSharedSigmaPerBlur * evidence.path_px);
+  const double sigma_px = shared_sigma_px(evidence.path_px);
   const Pose view = camera_from_map(fit.state.pose, world.mode);
   const Matrix6d left_by_right = view_by_pose(fit.state.pose, world.mode);
   Matrix6d information = Matrix6d::Zero();

@@ -17,7 +17,8 @@ namespace apriltrack {
 struct BlurFrame {
   PhotometricFrame photometric;
   std::vector<Detection> detections;
-  std::vector<TagObservation> observations;  ///< Of them, those of mapped tags.
+  std::vector<TagObservation> read;          ///< Of them, those of mapped tags;
+  std::vector<TagObservation> observations;  ///< of these, those that take part.
   bool is_searched = false;          ///< Tags were looked for everywhere, not only where they are expected.
   std::uint64_t index = 0;           ///< In the recording: the key of its random numbers.
   std::optional<double> interval_s;  ///< Since the frame before that was explained.

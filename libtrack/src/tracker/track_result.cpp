@@ -21,4 +21,21 @@ std::string to_string(TrackStatus status) {
   return {};
 }
 
+std::string to_string(TagState state) {
+  switch (state) {
+    case TagState::kUsed:
+      return "used";
+    case TagState::kOccluded:
+      return "occluded";
+    case TagState::kHidden:
+      return "hidden";
+    case TagState::kElsewhere:
+      return "elsewhere";
+    case TagState::kSuspect:
+      return "suspect";
+  }
+  APRILTRACK_CHECK(false, "not a TagState");
+  return {};
+}
+
 }  // namespace apriltrack

@@ -23,6 +23,30 @@ enum class TrackStatus {
 /// The word used in files and messages: "detected", "tracked", ...
 std::string to_string(TrackStatus status);
 
+/// What a tag of the map, in view, says of the pose.
+enum class TagState {
+  kUsed,       ///< It is seen where it should be: the pose rests on it, among others.
+  kOccluded,   ///< It is not, or not enough of it: something is before it.
+  kHidden,     ///< Not for some time: a wall, a door. It takes no part until it is seen.
+  kElsewhere,  ///< It was read, once and without a corrected bit, but not where the pose puts it.
+  kSuspect,    ///< Others showed that it is not where the map has it. It takes no part until it fits again.
+};
+
+/// The word used in messages: "used", "occluded", ...
+std::string to_string(TagState state);
+
+/// One tag's evidence in one frame.
+struct TagReport {
+  TagKey tag;
+  TagState state = TagState::kUsed;
+  /// With its picture in the map, at the pose: 1 is all of what is seen, noise aside.
+  double correlation = 0.0;
+  /// What its corners would move by, were it free of the map, root mean square; large where it hardly tells.
+  /// None where it is not seen well enough, or the tracker does not tell.
+  std::optional<double> shift_px;
+  bool is_read = false;  ///< Its code was decoded in this frame.
+};
+
 /// What one frame says of the pose.
 struct TrackResult {
   Timestamp timestamp;
@@ -36,8 +60,12 @@ struct TrackResult {
   std::vector<Detection> detections;
   int tags_detected = 0;  ///< Mapped tags among them.
   int tags_tracked = 0;   ///< Mapped tags whose evidence the pose rests on.
-  /// Mapped tags read in this frame, once and without a corrected bit, that are not where the pose puts them:
-  /// moved since the map was made, or the camera file is of another camera. Empty without evidence.
+  /// Of the mapped tags that are in the image at this pose, and show enough of themselves to be judged, in
+  /// the order of the map. Of the blur tracker, in frames that are `detected` or `tracked`.
+  std::vector<TagReport> tags;
+  /// Mapped tags that are not where the pose puts them: read elsewhere, once and without a corrected bit, or
+  /// suspect and in the image. Moved since the map was made, or the camera file is of another camera. Empty
+  /// without evidence.
   std::vector<TagKey> contradicting_tags;
   /// Another pose that explains the frame (the mirrored tilt of a lone tag; the reverse of a blurred path),
   /// where it cannot be ruled out.
