@@ -122,7 +122,7 @@ TrackRecord::SeveralTags TrackRecord::frames_with_several_tags() const {
   SeveralTags result;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const FrameLogRow& row = rows_[i];
-    if (row.tags_detected < 2) continue;
+    if (row.tags_detected < 2 && !has_strays_[i]) continue;  // a suspect need not be read
     ++result.frames;
     if (!row.pose || row.status == to_string(TrackStatus::kPredicted))
       ++result.without_pose;

@@ -37,10 +37,11 @@ class TrackRecord {
     std::size_t without_pose = 0;
     std::size_t with_strays = 0;
   };
-  /// Frames in which two mapped tags or more were detected; those of them that gave no pose, at best a
-  /// predicted one; and those in which a tag that was read is not where the pose puts it.
+  /// Frames in which two mapped tags or more were detected, or one is suspect; those of them that gave no
+  /// pose, at best a predicted one; and those in which a tag that was read is not where the pose puts it, or
+  /// one in view is suspect.
   SeveralTags frames_with_several_tags() const;
-  /// Tags that were read and not where the pose puts them, with the number of frames.
+  /// Tags that were read and not where the pose puts them, or suspect, with the number of frames.
   const std::map<TagKey, int>& strays() const { return strays_; }
 
   const Trajectory& trajectory() const { return trajectory_; }

@@ -70,6 +70,20 @@ std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const Photometr
   return evidence;
 }
 
+double identity_log_odds(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& state,
+                         int tag_index) {
+  PhotometricTag& tag = world.tags[static_cast<std::size_t>(tag_index)];
+  const auto log_likelihood_as = [&](std::size_t pattern) {
+    const std::size_t own = std::exchange(tag.index, pattern);
+    std::vector<TagEvidence> tags = weigh_evidence(world, frame, state, {.with_hidden = true});
+    tag.index = own;
+    std::erase_if(tags, [&](const TagEvidence& one) { return one.tag_index != tag_index; });
+    return log_likelihood(tags);
+  };
+  const auto own = static_cast<std::size_t>(tag_index);
+  return log_likelihood_as(own) - log_likelihood_as(world.tags.size() + own);
+}
+
 double log_likelihood(const std::vector<TagEvidence>& tags) {
   double sum = 0.0;
   for (const TagEvidence& tag : tags)

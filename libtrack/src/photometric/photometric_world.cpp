@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+
 #include "apriltrack/base/error.h"
 #include "apriltrack/photometric/patch.h"
 #include "photometric_scratch.h"
@@ -14,6 +19,26 @@ namespace {
 /// contrast; codes are read from 1.2 px on.
 constexpr double kLeastCell_px = 0.7;
 
+/// What the tags of a family have in common: the mean of many.
+TagPattern mean_pattern(const TagFamily& family) {
+  constexpr int kMany = 300;
+  const int step = std::max(1, family.num_codes() / kMany);
+  const TagPattern first = family.pattern(0);
+  Image<float> sum(first.cells().width(), first.cells().height());
+  int count = 0;
+  for (int id = 0; id < family.num_codes(); id += step) {
+    const TagPattern pattern = family.pattern(id);
+    for (int y = 0; y < sum.height(); ++y) {
+      for (int x = 0; x < sum.width(); ++x) sum(x, y) += pattern.cells()(x, y);
+    }
+    ++count;
+  }
+  for (int y = 0; y < sum.height(); ++y) {
+    for (int x = 0; x < sum.width(); ++x) sum(x, y) /= static_cast<float>(count);
+  }
+  return {std::move(sum), first.width_at_border()};
+}
+
 std::vector<TagPattern> patterns_of(const TagMap& map) {
   std::vector<TagPattern> patterns;
   for (const MapTag& tag : map.tags) {
@@ -23,6 +48,12 @@ std::vector<TagPattern> patterns_of(const TagMap& map) {
                                              family.num_codes() - 1));
     }
     patterns.push_back(family.pattern(tag.key.id));
+  }
+  std::map<std::string, TagPattern> means;
+  for (const MapTag& tag : map.tags) {
+    if (!means.contains(tag.key.family))
+      means.emplace(tag.key.family, mean_pattern(TagFamily::get(tag.key.family)));
+    patterns.push_back(means.at(tag.key.family));
   }
   return patterns;
 }

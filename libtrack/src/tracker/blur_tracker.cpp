@@ -43,6 +43,10 @@ constexpr int kMostLeftOut = 3;
 constexpr double kDoubtAlike = 0.5;
 /// Standard deviations that a tag that never fitted another may be off the motion that others showed.
 constexpr double kMaxSigmasOfUnknown = 6.0;
+/// Standard deviations of a tag's place, in its sizes, from which on its neighbour may be taken for it.
+constexpr double kMinSpreadOfMistakes = 0.3;
+/// Nats, of each tag: right ones reached 24 and more in a page full of tags, another's 7.
+constexpr double kMinIdentityLogOdds = 20.0;
 constexpr double kWeightOfMotion = 0.5;  // as a witness against a tag
 
 }  // namespace
@@ -111,7 +115,8 @@ class BlurTracker::Implementation {
     const std::vector<Explanation> found = consistent_explanations(frame, blur_frame, expected);
     result.tags_detected = count_tags(blur_frame.read);
     regions_.were_read(blur_frame.read);
-    if (is_convincing(found, blur_frame) && !is_torn_ && !jumps_alone(found.front(), expected)) {
+    if (is_convincing(found, blur_frame) && !is_torn_ && !jumps_alone(found.front(), expected) &&
+        !may_be_mistaken(blur_frame, found.front())) {
       report_evidence(found, result);
       report_tags(blur_frame, found.front(), result);
       learn_trust(found.front());
@@ -312,6 +317,17 @@ class BlurTracker::Implementation {
     return !is_expected;
   }
 
+  /// Where the motion leaves open which of several tags it is, and none was read: whether the pictures of the
+  /// tags that speak for the state are any better than what all tags have in common.
+  bool may_be_mistaken(const BlurFrame& frame, const Explanation& best) {
+    if (!best.votes.agreeing.empty() || best.prior_spread < kMinSpreadOfMistakes) return false;
+    const std::vector<int> supporting = supporting_tags(best);
+    double sum = 0.0;
+    for (const int tag : supporting)
+      sum += identity_log_odds(*world_, frame.photometric, best.fit.state, tag);
+    return sum < kMinIdentityLogOdds * static_cast<double>(supporting.size());
+  }
+
   void learn_trust(const Explanation& best) {
     witnesses_ = supporting_tags(best);
     std::vector<int> right;
@@ -371,8 +387,9 @@ class BlurTracker::Implementation {
 
   static std::string why_lost(const BlurFrame& frame, const std::vector<Explanation>& found) {
     if (frame.detections.empty()) return "no tag seen, and no recent pose to look from";
-    if (frame.observations.empty() && !frame.read.empty())
-      return "the tags seen are not where the map has them, as others showed";
+    if (frame.observations.empty() && count_tags(frame.read) == 1)
+      return "the tag seen is not where the map has it, as others showed";
+    if (frame.observations.empty() && !frame.read.empty()) return "the tags seen do not agree on a pose";
     if (frame.observations.empty()) return "no tag of the map seen, and no recent pose to look from";
     if (found.empty()) return "the corners seen fit no pose";
     const TagVotes& votes = found.front().votes;

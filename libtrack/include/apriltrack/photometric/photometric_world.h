@@ -53,9 +53,10 @@ struct PhotometricWorld {
   CameraModel model;
   TrackMode mode;
   PixelRays rays;
-  std::vector<PhotometricTag> tags;              ///< In the order of the map; their places stay.
-  TagIndex index;                                ///< Of the tags.
-  PatternTextures textures;                      ///< Of the tags, by index.
+  std::vector<PhotometricTag> tags;  ///< In the order of the map; their places stay.
+  TagIndex index;                    ///< Of the tags.
+  /// Of the tags, by index; then, in the same order, what the tags of each one's family have in common.
+  PatternTextures textures;
   double psf_sigma_px = 0.5;                     ///< Blur of the lens.
   double max_view_angle_rad = std::numbers::pi;  ///< Off the optical axis, of the farthest pixel.
 
