@@ -24,7 +24,7 @@ class RowPairs {
  private:
   ImageView<const float> image_;
   std::vector<float> pairs_;
-  int stride_ = 0;  ///< Pairs.
+  int stride_ = 0;           ///< Pairs.
   int begin_ = 0, end_ = 0;  ///< Rows made.
 };
 

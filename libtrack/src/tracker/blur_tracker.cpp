@@ -470,7 +470,7 @@ class BlurTracker::Implementation {
   HiddenTags hidden_;
   TagTrust trust_;
   std::set<int> left_out_;  ///< Of this frame, beside suspects.
-  std::set<int> doubted_;  ///< Suspect or left out, as marked in the world.
+  std::set<int> doubted_;   ///< Suspect or left out, as marked in the world.
   bool is_torn_ = false;    ///< This frame's tags do not fit one pose, and nothing tells which is wrong.
   std::vector<TagEquations> tags_;              ///< Of this frame's best state;
   std::vector<TagStrain> strains_;              ///< likewise,
