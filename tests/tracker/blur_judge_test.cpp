@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -98,12 +99,17 @@ TEST(BlurJudge, AFollowedStateRestsOnFortySamplesOfTheTagsThatAreExplained) {
 TEST(BlurJudge, WithoutADetectionAStateLiesWithinNineStandardDeviationsOfTheMotion) {
   for (const bool is_followed : {true, false}) {
     const BlurJudge judge = is_followed ? confirmed_judge() : BlurJudge();
-    const auto is_convincing = [&](double sigmas) {
-      return judge.is_convincing(explanation_of({evidence_of(0, 0.97)}, {}, 0.5 * sigmas * sigmas),
-                                 kNextFrame_s);
+    const auto is_convincing = [&](const std::vector<TagEvidence>& tags, double sigmas) {
+      return judge.is_convincing(explanation_of(tags, {}, 0.5 * sigmas * sigmas), kNextFrame_s);
     };
-    EXPECT_TRUE(is_convincing(9.0));
-    EXPECT_FALSE(is_convincing(9.01));
+    const std::vector<TagEvidence> alone = {evidence_of(0, 0.97)},
+                                   two = {evidence_of(0, 0.97), evidence_of(1, 0.97)};
+    EXPECT_TRUE(is_convincing(two, 9.0));
+    EXPECT_FALSE(is_convincing(two, 9.01));
+    // A cost of 14: one in 200 of what goes on as expected costs more.
+    const double of_alone = is_followed ? 9.0 : std::sqrt(28.0) - 1e-6;
+    EXPECT_TRUE(is_convincing(alone, of_alone));
+    EXPECT_FALSE(is_convincing(alone, of_alone + 0.01));
   }
 }
 
