@@ -23,6 +23,10 @@ int pixels_per_tag(int max_pixels, std::size_t num_tags) {
   return std::min(max_pixels, std::max(kLeastPixelsPerTag, share));
 }
 
+bool is_chosen(const PhotometricTag& tag, TagChoice choice) {
+  return choice == TagChoice::kAll || tag.is_hidden == (choice == TagChoice::kHidden);
+}
+
 }  // namespace
 
 void ActiveTags::find(PhotometricWorld& world, const PhotometricFrame& frame, ViewPath& path,
@@ -47,7 +51,7 @@ void ActiveTags::find_in_image(PhotometricWorld& world, const PhotometricFrame& 
   in_image_.clear();
   for (const std::uint32_t k : world.scratch->nearby.of_path(path, world.max_view_angle_rad)) {
     const PhotometricTag& tag = world.tags[k];
-    if ((tag.is_hidden && !options.with_hidden) || !is_front_in_sight(tag, path.middle())) continue;
+    if (!is_chosen(tag, options.tags) || !is_front_in_sight(tag, path.middle())) continue;
     const TagSight sight(world, tag, path);
     if (!sight.is_visible()) continue;
     const Eigen::AlignedBox2i swept = swept_pixels(world, frame.light, sight, tag, options.level);

@@ -30,7 +30,7 @@ struct ActiveTagsOptions {
   /// 2).
   int max_pixels = 700;
   double extra_sigma_px = 0.0;  ///< Further blur of the tags' pictures, pixels of level 0.
-  bool with_hidden = false;     ///< Tags known to be hidden too.
+  TagChoice tags = TagChoice::kShown;
 };
 
 /// The tags that a state shows. Uses its memory again: found once, it allocates nothing for as many.

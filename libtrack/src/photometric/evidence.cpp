@@ -54,9 +54,8 @@ std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const Photometr
                                         const MotionState& state, const EvidenceOptions& options) {
   PhotometricScratch& scratch = *world.scratch;
   ViewPath path(state, frame.exposure_s, world.mode);
-  scratch.active.find(
-      world, frame, path,
-      {options.level, options.max_pixels_per_tag, options.extra_sigma_px, options.with_hidden});
+  scratch.active.find(world, frame, path,
+                      {options.level, options.max_pixels_per_tag, options.extra_sigma_px, options.tags});
   std::vector<TagEvidence> evidence;
   evidence.reserve(scratch.active.tags().size());
   for (const ActiveTag& tag : scratch.active.tags()) {
@@ -75,7 +74,7 @@ double identity_log_odds(PhotometricWorld& world, const PhotometricFrame& frame,
   PhotometricTag& tag = world.tags[static_cast<std::size_t>(tag_index)];
   const auto log_likelihood_as = [&](std::size_t pattern) {
     const std::size_t own = std::exchange(tag.index, pattern);
-    std::vector<TagEvidence> tags = weigh_evidence(world, frame, state, {.with_hidden = true});
+    std::vector<TagEvidence> tags = weigh_evidence(world, frame, state, {.tags = TagChoice::kAll});
     tag.index = own;
     std::erase_if(tags, [&](const TagEvidence& one) { return one.tag_index != tag_index; });
     return log_likelihood(tags);

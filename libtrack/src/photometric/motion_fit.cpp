@@ -20,6 +20,12 @@ constexpr GemanMcClure kCornerError(3.0);
 struct NormalEquations {
   Matrix12d H = Matrix12d::Zero();
   Vector12d g = Vector12d::Zero();
+
+  NormalEquations& operator+=(const NormalEquations& other) {
+    H += other.H;
+    g += other.g;
+    return *this;
+  }
 };
 
 /// A state with what it makes of the active tags.
@@ -69,7 +75,7 @@ class Fit {
   MotionFit summary(const MotionState& state) {
     find(state, {.level = 0, .max_pixels = EvidenceOptions().max_pixels_per_tag});
     evaluate_found(state);
-    const NormalEquations normal = equations(kEveryTag);
+    const NormalEquations normal = equations();
     const Vector12d step = -normal.H.ldlt().solve(normal.g);
     if (step.allFinite()) {
       evaluate(moved(state, step), 0);
@@ -77,13 +83,12 @@ class Fit {
     }
     MotionFit result;
     result.state = current_.state;
-    for (std::size_t i = 0; i < current_.tags.size(); ++i)
+    for (std::size_t i = 0; i < current_.tags.size(); ++i) {
+      const NormalEquations own = equations_of_tag(i);
       result.tags.push_back(evidence_of(active_.tags()[i], current_.tags[i].misfit));
-    const std::vector<TagEvidence> explained = explained_tags(result.tags);
-    result.information = equations([&](const ActiveTag& tag) {
-                           return std::ranges::any_of(
-                               explained, [&](const TagEvidence& one) { return one.tag_index == tag.index; });
-                         }).H;
+      result.equations.push_back({result.tags.back(), own.H, own.g});
+    }
+    result.information = by_state(sum_of_explained(result.equations)).H;
     return result;
   }
 
@@ -107,8 +112,6 @@ class Fit {
   /// Squared standard deviations that the step ahead would still move the state: nobody sees them.
   static constexpr double kNegligibleStep2 = 0.01;
   static constexpr double kNegligibleStep2Coarse = 0.25;
-
-  static constexpr auto kEveryTag = [](const ActiveTag&) { return true; };
 
   void find(const MotionState& state, const ActiveTagsOptions& options) {
     ViewPath path(state, frame_.exposure_s, world_.mode);
@@ -167,7 +170,7 @@ class Fit {
   bool descend(int level) {
     double damping = 1e-3;
     for (int step = 0; step < kStepsPerSelection; ++step) {
-      const NormalEquations normal = equations(kEveryTag);
+      const NormalEquations normal = equations();
       bool is_better = false;
       for (int attempt = 0; attempt < 4 && !is_better; ++attempt) {
         Matrix12d damped = normal.H;
@@ -215,31 +218,47 @@ class Fit {
     return sum;
   }
 
-  /// At current_.
-  template <typename TakesPart>
-  NormalEquations equations(const TakesPart& takes_part) const {
-    const Evaluated& at = current_;
-    NormalEquations left;
-    for (std::size_t i = 0; i < at.tags.size(); ++i) {
-      const auto& [prediction, misfit] = at.tags[i];
-      const ActiveTag& tag = active_.tags()[i];
-      if (misfit.colours.gain <= 0.0 || !takes_part(tag)) continue;
-      const TagNormalEquations one = linearise(tag.pixels, prediction, misfit.colours, tag.scale);
-      left.H += tag.pixels.information_share() * one.H;
-      left.g += tag.pixels.information_share() * one.g;
-    }
-    add_corners(at.state, left);
-    Matrix12d A = Matrix12d::Zero();
-    A.block<6, 6>(0, 0) = A.block<6, 6>(6, 6) = view_by_pose(at.state.pose, world_.mode);
-    NormalEquations right{A.transpose() * left.H * A, A.transpose() * left.g};
-    if (prior_) {
-      right.H += prior_information_;
-      right.g += prior_information_ * difference(prior_->mean, at.state);
-    }
-    return right;
+  /// At current_, of everything.
+  NormalEquations equations() const {
+    NormalEquations of_tags;
+    for (std::size_t i = 0; i < current_.tags.size(); ++i) of_tags += equations_of_tag(i);
+    return by_state(of_tags);
   }
 
-  void add_corners(const MotionState& state, NormalEquations& left) const {
+  /// By the left perturbation of the view, and by its rate.
+  NormalEquations equations_of_tag(std::size_t i) const {
+    const auto& [prediction, misfit] = current_.tags[i];
+    const ActiveTag& tag = active_.tags()[i];
+    if (misfit.colours.gain <= 0.0) return {};
+    const TagNormalEquations one = linearise(tag.pixels, prediction, misfit.colours, tag.scale);
+    return {tag.pixels.information_share() * one.H, tag.pixels.information_share() * one.g};
+  }
+
+  /// As explained_tags() chooses.
+  static NormalEquations sum_of_explained(const std::vector<TagEquations>& tags) {
+    const bool is_any = std::ranges::any_of(tags, &TagEvidence::is_explained, &TagEquations::evidence);
+    NormalEquations sum;
+    for (const TagEquations& tag : tags) {
+      if (tag.evidence.is_explained() || !is_any) sum += {tag.H, tag.g};
+    }
+    return sum;
+  }
+
+  /// Those of the tags, with the corners, by the state, with the prior.
+  NormalEquations by_state(NormalEquations of_tags) const {
+    const MotionState& state = current_.state;
+    add_corners(state, of_tags);
+    Matrix12d A = Matrix12d::Zero();
+    A.block<6, 6>(0, 0) = A.block<6, 6>(6, 6) = view_by_pose(state.pose, world_.mode);
+    NormalEquations result{A.transpose() * of_tags.H * A, A.transpose() * of_tags.g};
+    if (prior_) {
+      result.H += prior_information_;
+      result.g += prior_information_ * difference(prior_->mean, state);
+    }
+    return result;
+  }
+
+  void add_corners(const MotionState& state, NormalEquations& of_tags) const {
     const Pose view = camera_from_map(state.pose, world_.mode);
     for (const CornerObservation& corner : corners_) {
       Eigen::Matrix<double, 2, 3> by_point;
@@ -249,8 +268,8 @@ class Fit {
       const Eigen::Matrix<double, 2, 6> J = pixel_jacobian(by_point, point) / corner.sigma_px;
       const Eigen::Vector2d r = (*pixel - corner.pixel) / corner.sigma_px;
       const double w = kCornerError.weight(r.squaredNorm());
-      left.H.block<6, 6>(0, 0) += w * J.transpose() * J;
-      left.g.head<6>() += w * J.transpose() * r;
+      of_tags.H.block<6, 6>(0, 0) += w * J.transpose() * J;
+      of_tags.g.head<6>() += w * J.transpose() * r;
     }
   }
 

@@ -5,10 +5,11 @@
 namespace apriltrack {
 
 std::vector<TagEquations> equations_by_tag(PhotometricWorld& world, const PhotometricFrame& frame,
-                                           const MotionState& state) {
+                                           const MotionState& state, const EvidenceOptions& options) {
   PhotometricScratch& scratch = *world.scratch;
   ViewPath path(state, frame.exposure_s, world.mode);
-  scratch.active.find(world, frame, path, {.with_hidden = true});
+  scratch.active.find(world, frame, path,
+                      {options.level, options.max_pixels_per_tag, options.extra_sigma_px, options.tags});
   std::vector<TagEquations> result;
   for (const ActiveTag& tag : scratch.active.tags()) {
     const double scale = scale_of(measure_misfit(tag.pixels, tag.predicted, 0.0, &scratch.weights));

@@ -254,7 +254,10 @@ void BlurExplainer::refit_without_tags_read_as_others(const BlurFrame& frame, Ex
   explanation.votes = votes(frame, explanation.fit.state);
   for (const TagEvidence& tag : discredited) tag_of(tag).is_hidden = false;
   // That they are not seen speaks against the state all the same.
-  explanation.fit.tags.insert(explanation.fit.tags.end(), discredited.begin(), discredited.end());
+  for (const TagEvidence& tag : discredited) {
+    explanation.fit.tags.push_back(tag);
+    explanation.fit.equations.push_back({.evidence = tag});
+  }
 }
 
 std::vector<CornerObservation> BlurExplainer::corners(const BlurFrame& frame,

@@ -4,21 +4,16 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <iterator>
-#include <set>
 
-#include "blur_corners.h"
 #include "blur_covariance.h"
 #include "blur_explanation.h"
 #include "blur_judge.h"
-#include "hidden_tags.h"
 #include "image_size.h"
 #include "known_exposure.h"
 #include "map_detection.h"
 #include "motion_memory.h"
+#include "tag_consensus.h"
 #include "tag_regions.h"
-#include "tag_strain.h"
-#include "tag_trust.h"
 
 namespace apriltrack {
 namespace {
@@ -34,17 +29,6 @@ constexpr double kDistinctSigmas = 5.0;
 /// How often the whole image is glanced at for tags that nothing expects, and how coarsely.
 constexpr double kGlanceInterval_s = 1.0;
 constexpr double kGlanceDecimate = 2.0;
-/// Tags of a frame that may be left out, one at a time, until the others fit one pose.
-constexpr int kMostLeftOut = 3;
-/// Of doubts (frames, and chi2 over its limit): tags that are as doubtful cannot be told apart.
-constexpr double kDoubtAlike = 0.5;
-/// Standard deviations that a tag that never fitted another may be off the motion that others showed.
-constexpr double kMaxSigmasOfUnknown = 6.0;
-/// Standard deviations of a tag's place, in its sizes, from which on its neighbour may be taken for it.
-constexpr double kMinSpreadOfMistakes = 0.3;
-/// Nats, of each tag: right ones reached 24 and more in a page full of tags, another's 7.
-constexpr double kMinIdentityLogOdds = 20.0;
-constexpr double kWeightOfMotion = 0.5;  // as a witness against a tag
 
 }  // namespace
 
@@ -60,6 +44,7 @@ class BlurTracker::Implementation {
     // The tags' ids are checked now; without a size in the camera file, rays wait for the first image.
     world_.emplace(camera_, map_, options_.mode, camera_.width, camera_.height);
     explainer_.emplace(*world_, options_);
+    consensus_.emplace(*world_, options_);
   }
 
   void prepare() {
@@ -96,15 +81,12 @@ class BlurTracker::Implementation {
     const std::vector<Explanation> found = consistent_explanations(frame, blur_frame, expected);
     result.tags_detected = count_tags(blur_frame.read);
     regions_.were_read(blur_frame.read);
-    if (is_convincing(found, blur_frame) && !is_torn_ && !jumps_alone(found.front(), expected) &&
-        !may_be_mistaken(blur_frame, found.front())) {
+    if (is_convincing(found, blur_frame) && consensus_->allows(blur_frame, found.front(), expected)) {
       report_evidence(found, result);
-      report_tags(blur_frame, found.front(), result);
-      learn_trust(found.front());
-      learn_hidden_tags(blur_frame, found.front(), result.second_pose.has_value());
+      consensus_->report(blur_frame, found.front(), result);
+      consensus_->learn(blur_frame, found.front(), result.second_pose.has_value());
     } else {
-      if (!is_torn_ && !found.empty())
-        trust_.disagree(found.front().votes.agreeing, found.front().votes.contradicting);
+      if (!found.empty()) consensus_->learn_contradictions(found.front());
       judge_.missed();
       report_prediction(expected, result);
       if (!result.pose) result.reason = why_lost(blur_frame, found);
@@ -122,9 +104,7 @@ class BlurTracker::Implementation {
     if (last_time_ && time.ns <= last_time_->ns) {
       motion_.forget();
       judge_ = BlurJudge();
-      hidden_.forget();
-      trust_.forget();
-      witnesses_.clear();
+      consensus_->forget();
     }
     last_time_ = time;
   }
@@ -153,23 +133,6 @@ class BlurTracker::Implementation {
   void see(std::vector<Detection> detections, BlurFrame& blur_frame) const {
     blur_frame.detections = std::move(detections);
     blur_frame.read = observe_mapped_tags(map_, world_->index, camera_.model, blur_frame.detections);
-  }
-
-  bool is_left_out(int tag_index) const {
-    return trust_.is_suspect(tag_index) || left_out_.contains(tag_index);
-  }
-
-  /// Of the tags, those that take part: neither hidden nor doubted.
-  void choose_tags(BlurFrame& blur_frame, bool with_hidden) {
-    blur_frame.observations.clear();
-    std::ranges::copy_if(blur_frame.read, std::back_inserter(blur_frame.observations),
-                         [&](const TagObservation& seen) { return !is_left_out(seen.tag_index); });
-    for (const int index : doubted_) world_->tags[static_cast<std::size_t>(index)].is_hidden = false;
-    hidden_.unmark(*world_);
-    if (!with_hidden) hidden_.mark(*world_, blur_frame.observations);
-    doubted_ = trust_.suspects();
-    doubted_.insert(left_out_.begin(), left_out_.end());
-    for (const int index : doubted_) world_->tags[static_cast<std::size_t>(index)].is_hidden = true;
   }
 
   /// As far as is needed: where the motion went on as expected, at the places of tags; at times at the whole
@@ -202,168 +165,28 @@ class BlurTracker::Implementation {
   /// for as well.
   std::vector<Explanation> explanations(const Frame& frame, BlurFrame& blur_frame,
                                         const std::vector<MotionHypothesis>& expected) {
-    choose_tags(blur_frame, false);
+    consensus_->choose(blur_frame, false);
     std::vector<Explanation> found = explainer_->explain(blur_frame, expected);
     if (!blur_frame.is_searched && !(is_convincing(found, blur_frame) && found.front().is_explained())) {
       search(frame, blur_frame);
-      choose_tags(blur_frame, false);
+      consensus_->choose(blur_frame, false);
       found = explainer_->explain(blur_frame, expected);
     }
-    if (hidden_.is_empty() || is_convincing(found, blur_frame)) return found;
-    choose_tags(blur_frame, true);
+    if (!consensus_->knows_hidden_tags() || is_convincing(found, blur_frame)) return found;
+    consensus_->choose(blur_frame, true);
     std::vector<Explanation> with_hidden = explainer_->explain(blur_frame, expected);
     return is_convincing(with_hidden, blur_frame) ? with_hidden : found;
   }
 
-  /// Leaves out what does not fit the other tags, for this frame. Torn, where nothing tells which of two it
-  /// is.
+  /// Without what does not fit the other tags.
   std::vector<Explanation> consistent_explanations(const Frame& frame, BlurFrame& blur_frame,
                                                    const std::vector<MotionHypothesis>& expected) {
-    left_out_.clear();
-    is_torn_ = false;
+    consensus_->begin_frame();
     std::vector<Explanation> found;
-    for (int i = 0; i <= kMostLeftOut; ++i) {
+    do {
       found = explanations(frame, blur_frame, expected);
-      tags_.clear();
-      strains_.clear();
-      if (!is_convincing(found, blur_frame)) return found;
-      const MotionState& state = found.front().fit.state;
-      tags_ = equations_by_tag(*world_, blur_frame.photometric, state);
-      strains_ = tag_strains(*world_, state, tags_);
-      const std::vector<Doubted> doubted = doubted_tags();
-      if (doubted.empty()) return found;
-      is_torn_ = i == kMostLeftOut || doubted[0].doubt < doubted[1].doubt + kDoubtAlike;
-      if (is_torn_) {
-        trust_.disagree({doubted[0].tag_index}, {doubted[1].tag_index});
-        break;
-      }
-      left_out_.insert(doubted[0].tag_index);
-    }
+    } while (is_convincing(found, blur_frame) && consensus_->leaves_one_out(blur_frame, found.front()));
     return found;
-  }
-
-  struct Doubted {
-    int tag_index;
-    double doubt;
-  };
-
-  /// Those that may be the reason of a strain, the most doubtful first; none where there is no strain.
-  std::vector<Doubted> doubted_tags() const {
-    std::vector<Doubted> doubted;
-    bool is_strained = false;
-    const auto num_in_fit =
-        std::ranges::count_if(strains_, [&](const TagStrain& strain) { return is_in_fit(strain); });
-    for (const TagStrain& strain : strains_) {
-      if (!is_in_fit(strain)) continue;
-      is_strained = is_strained || strain.is_strained();
-      // Two tags are strained by one another, whatever their size.
-      const double of_frame = num_in_fit > 2 ? strain.chi2 / TagStrain::kMaxChi2 : 0.0;
-      doubted.push_back({strain.tag_index, of_frame + trust_.doubt(strain.tag_index)});
-    }
-    if (!is_strained || doubted.size() < 2) return {};
-    std::ranges::stable_sort(doubted, std::greater(), &Doubted::doubt);
-    return doubted;
-  }
-
-  bool is_in_fit(const TagStrain& strain) const {
-    return !world_->tags[static_cast<std::size_t>(strain.tag_index)].is_hidden;
-  }
-
-  std::vector<int> strained_tags() const {
-    std::vector<int> tags;
-    for (const TagStrain& strain : strains_) {
-      if (strain.is_strained()) tags.push_back(strain.tag_index);
-    }
-    return tags;
-  }
-
-  /// Those that speak for a state.
-  std::vector<int> supporting_tags(const Explanation& best) const {
-    std::set<int> tags(best.votes.agreeing.begin(), best.votes.agreeing.end());
-    for (const TagEvidence& tag : best.fit.tags) {
-      if (tag.is_explained()) tags.insert(tag.tag_index);
-    }
-    return {tags.begin(), tags.end()};
-  }
-
-  /// A tag that never fitted another, alone where the motion that others showed does not expect it.
-  bool jumps_alone(const Explanation& best, const std::vector<MotionHypothesis>& expected) {
-    const std::vector<int> supporting = supporting_tags(best);
-    if (expected.empty() || supporting.size() != 1 || trust_.is_confirmed(supporting.front())) return false;
-    if (witnesses_.empty() || std::ranges::count(witnesses_, supporting.front()) > 0) return false;
-    const bool is_expected = std::ranges::any_of(expected, [&](const MotionHypothesis& hypothesis) {
-      return distance(hypothesis.belief, best.fit.state.pose) < kMaxSigmasOfUnknown;
-    });
-    if (!is_expected) trust_.disagree(witnesses_, supporting, kWeightOfMotion);
-    return !is_expected;
-  }
-
-  /// Where the motion leaves open which of several tags it is, and none was read: whether the pictures of the
-  /// tags that speak for the state are any better than what all tags have in common.
-  bool may_be_mistaken(const BlurFrame& frame, const Explanation& best) {
-    if (!best.votes.agreeing.empty() || best.prior_spread < kMinSpreadOfMistakes) return false;
-    const std::vector<int> supporting = supporting_tags(best);
-    double sum = 0.0;
-    for (const int tag : supporting)
-      sum += identity_log_odds(*world_, frame.photometric, best.fit.state, tag);
-    return sum < kMinIdentityLogOdds * static_cast<double>(supporting.size());
-  }
-
-  void learn_trust(const Explanation& best) {
-    witnesses_ = supporting_tags(best);
-    std::vector<int> right;
-    for (const TagStrain& strain : strains_) {
-      if (strain.is_right()) right.push_back(strain.tag_index);
-    }
-    trust_.agree(right);
-    std::set<int> others(left_out_);
-    for (const int tag : strained_tags()) others.insert(tag);
-    for (const int tag : elsewhere_) others.insert(tag);
-    trust_.disagree(witnesses_, {others.begin(), others.end()});
-  }
-
-  void report_tags(const BlurFrame& frame, const Explanation& best, TrackResult& result) {
-    const TagVotes votes = count_votes(*world_, frame.read, best.fit.state, frame.photometric.exposure_s,
-                                       options_.corner_sigma_px);
-    elsewhere_ = votes.contradicting;
-    for (const TagEquations& tag : tags_) {
-      const int index = tag.evidence.tag_index;
-      const PhotometricTag& mapped = world_->tags[static_cast<std::size_t>(index)];
-      TagReport report;
-      report.tag = mapped.tag.key;
-      report.correlation = tag.evidence.clean_correlation();
-      report.is_read = std::ranges::any_of(
-          frame.read, [&](const TagObservation& seen) { return seen.tag_index == index; });
-      const auto strain = std::ranges::find(strains_, index, &TagStrain::tag_index);
-      if (strain != strains_.end()) report.shift_px = strain->shift_px;
-      report.state = state_of(mapped, tag.evidence, votes);
-      result.tags.push_back(report);
-    }
-    std::set<int> contradicting(votes.contradicting.begin(), votes.contradicting.end());
-    for (const TagEquations& tag : tags_) {
-      if (is_left_out(tag.evidence.tag_index)) contradicting.insert(tag.evidence.tag_index);
-    }
-    for (const int index : contradicting)
-      result.contradicting_tags.push_back(map_.tags[static_cast<std::size_t>(index)].key);
-  }
-
-  TagState state_of(const PhotometricTag& tag, const TagEvidence& evidence, const TagVotes& votes) const {
-    const auto has = [&](const std::vector<int>& tags) {
-      return std::ranges::count(tags, evidence.tag_index) > 0;
-    };
-    if (is_left_out(evidence.tag_index)) return TagState::kSuspect;
-    if (has(votes.contradicting)) return TagState::kElsewhere;
-    if (tag.is_hidden) return TagState::kHidden;
-    return evidence.is_explained() || has(votes.agreeing) ? TagState::kUsed : TagState::kOccluded;
-  }
-
-  void learn_hidden_tags(const BlurFrame& frame, const Explanation& best, bool has_rival) {
-    const MotionState& state = best.fit.state;
-    std::vector<TagEvidence> tags =
-        hidden_.is_empty() ? best.fit.tags
-                           : weigh_evidence(*world_, frame.photometric, state, {.with_hidden = true});
-    discredit_tags_read_as_others(*world_, frame.detections, state, best.votes, tags);
-    hidden_.learn(tags, best.votes, !best.is_cold && !best.votes.agreeing.empty() && !has_rival);
   }
 
   static std::string why_lost(const BlurFrame& frame, const std::vector<Explanation>& found) {
@@ -448,15 +271,7 @@ class BlurTracker::Implementation {
   std::optional<BlurExplainer> explainer_;
   MotionMemory motion_;
   BlurJudge judge_;
-  HiddenTags hidden_;
-  TagTrust trust_;
-  std::set<int> left_out_;  ///< Of this frame, beside suspects.
-  std::set<int> doubted_;   ///< Suspect or left out, as marked in the world.
-  bool is_torn_ = false;    ///< This frame's tags do not fit one pose, and nothing tells which is wrong.
-  std::vector<TagEquations> tags_;              ///< Of this frame's best state;
-  std::vector<TagStrain> strains_;              ///< likewise,
-  std::vector<int> elsewhere_;                  ///< and tags that it reads elsewhere.
-  std::vector<int> witnesses_;                  ///< Tags that the motion so far rests on.
+  std::optional<TagConsensus> consensus_;
   Matrix6d map_covariance_ = Matrix6d::Zero();  ///< What the map adds to that of the last evidence,
   Pose evidence_pose_;                          ///< at that pose.
   TagRegions regions_;

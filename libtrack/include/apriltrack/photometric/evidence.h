@@ -37,6 +37,13 @@ struct TagEvidence {
 /// Those that are explained; all of them where none is.
 std::vector<TagEvidence> explained_tags(const std::vector<TagEvidence>& tags);
 
+/// Which of the tags in sight.
+enum class TagChoice {
+  kShown,   ///< Not those known to be hidden.
+  kHidden,  ///< Those alone.
+  kAll
+};
+
 /// Where and how finely evidence is looked for.
 struct EvidenceOptions {
   int level = 0;
@@ -44,7 +51,7 @@ struct EvidenceOptions {
   int max_pixels_per_tag = 700;
   double extra_sigma_px = 0.0;  ///< Further blur of the tags' pictures, pixels of level 0.
   bool is_robust = true;        ///< Errors beyond the usual count less (hands, glare).
-  bool with_hidden = false;     ///< Tags known to be hidden too.
+  TagChoice tags = TagChoice::kShown;
 };
 
 /// The evidence for a state as it stands: of every tag that shows enough of itself.

@@ -7,6 +7,7 @@
 #include "apriltrack/motion/motion_state.h"
 #include "apriltrack/photometric/evidence.h"
 #include "apriltrack/photometric/photometric_world.h"
+#include "apriltrack/photometric/tag_equations.h"
 
 namespace apriltrack {
 
@@ -23,6 +24,7 @@ struct MotionFit {
   /// that are explained (of all, where none is).
   Matrix12d information = Matrix12d::Zero();
   std::vector<TagEvidence> tags;  ///< Those that show enough of themselves.
+  std::vector<TagEquations> equations;  ///< What each of them adds to the information, at the state.
 };
 
 struct MotionFitOptions {

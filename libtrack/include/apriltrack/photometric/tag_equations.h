@@ -16,8 +16,8 @@ struct TagEquations {
   Vector12d g = Vector12d::Zero();
 };
 
-/// Of every tag that shows enough of itself, those known to be hidden too.
+/// Of every chosen tag that shows enough of itself.
 std::vector<TagEquations> equations_by_tag(PhotometricWorld& world, const PhotometricFrame& frame,
-                                           const MotionState& state);
+                                           const MotionState& state, const EvidenceOptions& options = {});
 
 }  // namespace apriltrack

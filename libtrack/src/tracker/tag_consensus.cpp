@@ -1,0 +1,199 @@
+#include "tag_consensus.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace apriltrack {
+namespace {
+
+/// Tags of a frame that may be left out, one at a time, until the others fit one pose.
+constexpr int kMostLeftOut = 3;
+/// Of doubts (frames, and chi2 over its limit): tags that are as doubtful cannot be told apart.
+constexpr double kDoubtAlike = 0.5;
+/// Standard deviations that a tag that never fitted another may be off the motion that others showed.
+constexpr double kMaxSigmasOfUnknown = 6.0;
+/// Standard deviations of a tag's place, in its sizes, from which on its neighbour may be taken for it.
+constexpr double kMinSpreadOfMistakes = 0.3;
+/// Nats, of each tag: right ones reached 24 and more in a page full of tags, another's 7.
+constexpr double kMinIdentityLogOdds = 20.0;
+constexpr double kWeightOfMotion = 0.5;  // as a witness against a tag
+/// What is asked of tags that take no part: whether they are there, not where to a hundredth of a pixel.
+constexpr int kPixelsOfHiddenTags = 250;
+
+bool contains(const std::vector<int>& tags, int tag) {
+  return std::ranges::count(tags, tag) > 0;
+}
+
+/// Those that speak for a state.
+std::vector<int> supporting_tags(const Explanation& best) {
+  std::set<int> tags(best.votes.agreeing.begin(), best.votes.agreeing.end());
+  for (const TagEvidence& tag : best.fit.tags) {
+    if (tag.is_explained()) tags.insert(tag.tag_index);
+  }
+  return {tags.begin(), tags.end()};
+}
+
+}  // namespace
+
+void TagConsensus::forget() {
+  hidden_.forget();
+  trust_.forget();
+  witnesses_.clear();
+}
+
+void TagConsensus::begin_frame() {
+  left_out_.clear();
+  num_examined_ = 0;
+  is_torn_ = false;
+  tags_.clear();
+  strains_.clear();
+}
+
+void TagConsensus::choose(BlurFrame& frame, bool with_hidden) {
+  const auto mark = [&](bool is_hidden) {
+    for (const int index : doubted_) world_.tags[static_cast<std::size_t>(index)].is_hidden = is_hidden;
+  };
+  frame.observations.clear();
+  std::ranges::copy_if(frame.read, std::back_inserter(frame.observations),
+                       [&](const TagObservation& seen) { return !is_left_out(seen.tag_index); });
+  mark(false);
+  hidden_.unmark(world_);
+  if (!with_hidden) hidden_.mark(world_, frame.observations);
+  doubted_ = trust_.suspects();
+  doubted_.insert(left_out_.begin(), left_out_.end());
+  mark(true);
+}
+
+bool TagConsensus::leaves_one_out(const BlurFrame& frame, const Explanation& best) {
+  tags_ = best.fit.equations;
+  std::ranges::copy(equations_by_tag(world_, frame.photometric, best.fit.state,
+                                     {.max_pixels_per_tag = kPixelsOfHiddenTags, .tags = TagChoice::kHidden}),
+                    std::back_inserter(tags_));
+  strains_ = tag_strains(world_, best.fit.state, tags_);
+  const std::vector<Doubted> doubted = doubted_tags();
+  if (doubted.empty()) return false;
+  is_torn_ = num_examined_++ == kMostLeftOut || doubted[0].doubt < doubted[1].doubt + kDoubtAlike;
+  if (is_torn_)
+    trust_.disagree({doubted[0].tag_index}, {doubted[1].tag_index});
+  else
+    left_out_.insert(doubted[0].tag_index);
+  return !is_torn_;
+}
+
+/// Those that may be the reason of a strain, the most doubtful first; none where there is no strain.
+std::vector<TagConsensus::Doubted> TagConsensus::doubted_tags() const {
+  std::vector<Doubted> doubted;
+  bool is_strained = false;
+  const auto num_in_fit =
+      std::ranges::count_if(strains_, [&](const TagStrain& strain) { return is_in_fit(strain); });
+  for (const TagStrain& strain : strains_) {
+    if (!is_in_fit(strain)) continue;
+    is_strained = is_strained || strain.is_strained();
+    // Two tags are strained by one another, whatever their size.
+    const double of_frame = num_in_fit > 2 ? strain.chi2 / TagStrain::kMaxChi2 : 0.0;
+    doubted.push_back({strain.tag_index, of_frame + trust_.doubt(strain.tag_index)});
+  }
+  if (!is_strained || doubted.size() < 2) return {};
+  std::ranges::stable_sort(doubted, std::greater(), &Doubted::doubt);
+  return doubted;
+}
+
+std::vector<int> TagConsensus::strained_tags() const {
+  std::vector<int> tags;
+  for (const TagStrain& strain : strains_) {
+    if (strain.is_strained()) tags.push_back(strain.tag_index);
+  }
+  return tags;
+}
+
+bool TagConsensus::allows(const BlurFrame& frame, const Explanation& best,
+                          const std::vector<MotionHypothesis>& expected) {
+  return !is_torn_ && !jumps_alone(best, expected) && !may_be_mistaken(frame, best);
+}
+
+/// A tag that never fitted another, alone where the motion that others showed does not expect it.
+bool TagConsensus::jumps_alone(const Explanation& best, const std::vector<MotionHypothesis>& expected) {
+  const std::vector<int> supporting = supporting_tags(best);
+  if (expected.empty() || supporting.size() != 1 || trust_.is_confirmed(supporting.front())) return false;
+  if (witnesses_.empty() || contains(witnesses_, supporting.front())) return false;
+  const bool is_expected = std::ranges::any_of(expected, [&](const MotionHypothesis& hypothesis) {
+    return distance(hypothesis.belief, best.fit.state.pose) < kMaxSigmasOfUnknown;
+  });
+  if (!is_expected) trust_.disagree(witnesses_, supporting, kWeightOfMotion);
+  return !is_expected;
+}
+
+/// Where the motion leaves open which of several tags it is, and none was read: whether the pictures of the
+/// tags that speak for the state are any better than what all tags have in common.
+bool TagConsensus::may_be_mistaken(const BlurFrame& frame, const Explanation& best) const {
+  if (!best.votes.agreeing.empty() || best.prior_spread < kMinSpreadOfMistakes) return false;
+  const std::vector<int> supporting = supporting_tags(best);
+  double sum = 0.0;
+  for (const int tag : supporting) sum += identity_log_odds(world_, frame.photometric, best.fit.state, tag);
+  return sum < kMinIdentityLogOdds * static_cast<double>(supporting.size());
+}
+
+void TagConsensus::learn(const BlurFrame& frame, const Explanation& best, bool has_rival) {
+  witnesses_ = supporting_tags(best);
+  std::vector<int> right;
+  for (const TagStrain& strain : strains_) {
+    if (strain.is_right()) right.push_back(strain.tag_index);
+  }
+  trust_.agree(right);
+  std::set<int> others(left_out_);
+  for (const int tag : strained_tags()) others.insert(tag);
+  for (const int tag : votes_of_all_read(frame, best).contradicting) others.insert(tag);
+  trust_.disagree(witnesses_, {others.begin(), others.end()});
+  learn_hidden_tags(frame, best, has_rival);
+}
+
+void TagConsensus::learn_contradictions(const Explanation& best) {
+  if (!is_torn_) trust_.disagree(best.votes.agreeing, best.votes.contradicting);
+}
+
+void TagConsensus::learn_hidden_tags(const BlurFrame& frame, const Explanation& best, bool has_rival) {
+  std::vector<TagEvidence> tags;
+  std::ranges::transform(tags_, std::back_inserter(tags), &TagEquations::evidence);
+  discredit_tags_read_as_others(world_, frame.detections, best.fit.state, best.votes, tags);
+  hidden_.learn(tags, best.votes, !best.is_cold && !best.votes.agreeing.empty() && !has_rival);
+}
+
+/// Suspects, too.
+TagVotes TagConsensus::votes_of_all_read(const BlurFrame& frame, const Explanation& best) const {
+  return count_votes(world_, frame.read, best.fit.state, frame.photometric.exposure_s,
+                     options_.corner_sigma_px);
+}
+
+void TagConsensus::report(const BlurFrame& frame, const Explanation& best, TrackResult& result) const {
+  const TagVotes votes = votes_of_all_read(frame, best);
+  std::set<int> contradicting(votes.contradicting.begin(), votes.contradicting.end());
+  for (const TagEquations& tag : tags_) {
+    result.tags.push_back(report_of(frame, tag.evidence, votes));
+    if (is_left_out(tag.evidence.tag_index)) contradicting.insert(tag.evidence.tag_index);
+  }
+  for (const int index : contradicting)
+    result.contradicting_tags.push_back(world_.tags[static_cast<std::size_t>(index)].tag.key);
+}
+
+TagReport TagConsensus::report_of(const BlurFrame& frame, const TagEvidence& evidence,
+                                  const TagVotes& votes) const {
+  const int index = evidence.tag_index;
+  TagReport report;
+  report.tag = world_.tags[static_cast<std::size_t>(index)].tag.key;
+  report.state = state_of(evidence, votes);
+  report.correlation = evidence.clean_correlation();
+  report.is_read = std::ranges::count(frame.read, index, &TagObservation::tag_index) > 0;
+  const auto strain = std::ranges::find(strains_, index, &TagStrain::tag_index);
+  if (strain != strains_.end()) report.shift_px = strain->shift_px;
+  return report;
+}
+
+TagState TagConsensus::state_of(const TagEvidence& evidence, const TagVotes& votes) const {
+  const int index = evidence.tag_index;
+  if (is_left_out(index)) return TagState::kSuspect;
+  if (contains(votes.contradicting, index)) return TagState::kElsewhere;
+  if (world_.tags[static_cast<std::size_t>(index)].is_hidden) return TagState::kHidden;
+  return evidence.is_explained() || contains(votes.agreeing, index) ? TagState::kUsed : TagState::kOccluded;
+}
+
+}  // namespace apriltrack

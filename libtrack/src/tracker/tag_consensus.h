@@ -1,0 +1,79 @@
+#pragma once
+
+#include <set>
+#include <vector>
+
+#include "apriltrack/tracker/track_result.h"
+#include "blur_explanation.h"
+#include "hidden_tags.h"
+#include "tag_strain.h"
+#include "tag_trust.h"
+
+namespace apriltrack {
+
+/// Which tags are believed: those that fit one pose, in this frame and in those before
+/// (docs/algorithms/blur_tracker.md, section 7). Owns the marks of the world's tags: what is hidden, suspect
+/// or left out takes no part in fits.
+class TagConsensus {
+ public:
+  TagConsensus(PhotometricWorld& world, const BlurTrackerOptions& options)
+      : world_(world), options_(options) {}
+
+  void forget();
+  /// Nothing is left out any more, but for suspects.
+  void begin_frame();
+  bool knows_hidden_tags() const { return !hidden_.is_empty(); }
+  /// Of the tags read, those that take part; the world's tags are marked. with_hidden: what is known to be
+  /// hidden takes part as well.
+  void choose(BlurFrame& frame, bool with_hidden);
+
+  /// Whether the tags of the convincing explanation contradict each other, and one is to be left out from now
+  /// on: explain the frame anew.
+  bool leaves_one_out(const BlurFrame& frame, const Explanation& best);
+  /// Whether the explanation, of those that leaves_one_out() has seen last, may be claimed. Remembers who
+  /// contradicts whom.
+  bool allows(const BlurFrame& frame, const Explanation& best, const std::vector<MotionHypothesis>& expected);
+
+  /// Of a frame that is claimed.
+  void learn(const BlurFrame& frame, const Explanation& best, bool has_rival);
+  void report(const BlurFrame& frame, const Explanation& best, TrackResult& result) const;
+  /// Of one that is not.
+  void learn_contradictions(const Explanation& best);
+
+ private:
+  struct Doubted {
+    int tag_index;
+    double doubt;
+  };
+
+  bool is_left_out(int tag_index) const {
+    return trust_.is_suspect(tag_index) || left_out_.contains(tag_index);
+  }
+  bool is_in_fit(const TagStrain& strain) const {
+    return !world_.tags[static_cast<std::size_t>(strain.tag_index)].is_hidden;
+  }
+  std::vector<Doubted> doubted_tags() const;
+  std::vector<int> strained_tags() const;
+  bool jumps_alone(const Explanation& best, const std::vector<MotionHypothesis>& expected);
+  bool may_be_mistaken(const BlurFrame& frame, const Explanation& best) const;
+  void learn_hidden_tags(const BlurFrame& frame, const Explanation& best, bool has_rival);
+  TagReport report_of(const BlurFrame& frame, const TagEvidence& evidence, const TagVotes& votes) const;
+  TagState state_of(const TagEvidence& evidence, const TagVotes& votes) const;
+  TagVotes votes_of_all_read(const BlurFrame& frame, const Explanation& best) const;
+
+  PhotometricWorld& world_;
+  const BlurTrackerOptions& options_;
+  HiddenTags hidden_;
+  TagTrust trust_;
+  std::vector<int> witnesses_;  ///< Tags that the motion so far rests on.
+
+  // Of this frame:
+  std::set<int> left_out_;          ///< beside suspects;
+  std::set<int> doubted_;           ///< suspect or left out, as marked in the world;
+  int num_examined_ = 0;            ///< explanations;
+  bool is_torn_ = false;            ///< its tags do not fit one pose, and nothing tells which is wrong;
+  std::vector<TagEquations> tags_;  ///< of the explanation examined last, those out of its fit too,
+  std::vector<TagStrain> strains_;  ///< likewise.
+};
+
+}  // namespace apriltrack
