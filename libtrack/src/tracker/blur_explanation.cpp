@@ -138,6 +138,30 @@ double bend_px(const PhotometricWorld& world, const Explanation& explanation, co
   return largest_px;
 }
 
+/// The same places in the other order: the same picture, so that the pixels' equations are the same but for
+/// the sign of the velocity. What the prior pulls differs, and moves the state by one step of Newton.
+Explanation path_reversed(const Explanation& best) {
+  const Matrix12d prior = best.prior.belief.covariance.ldlt().solve(Matrix12d::Identity());
+  Vector12d sign = Vector12d::Ones();
+  sign.tail<6>().setConstant(-1.0);
+  const Matrix12d data = sign.asDiagonal() * (best.fit.information - prior) * sign.asDiagonal();
+  const Vector12d data_gradient =  // where the fit ended, that of the prior balances it
+      -(sign.asDiagonal() * (prior * difference(best.prior.belief.mean, best.fit.state)));
+  Explanation reversed = best;
+  MotionState& state = reversed.fit.state;
+  state.velocity = -state.velocity;
+  const Vector12d pull = prior * difference(best.prior.belief.mean, state);
+  reversed.fit.information = data + prior;
+  const Vector12d step = -reversed.fit.information.ldlt().solve(data_gradient + pull);
+  state = moved(state, step);
+  const double data_cost = data_gradient.dot(step) + 0.5 * step.dot(data * step);
+  const double cost = best.is_cold ? 0.0 : prior_cost(best.prior.belief, state);
+  const auto bounded = [](double of_prior) { return std::min(kMaxStartPriorCost, of_prior); };
+  reversed.score += bounded(best.prior_cost) - bounded(cost) - data_cost;
+  reversed.prior_cost = cost;
+  return reversed;
+}
+
 void sort_by_score(std::vector<Explanation>& found) {
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.score > b.score; });
@@ -345,7 +369,10 @@ void BlurExplainer::reverse(const BlurFrame& frame, std::vector<Explanation>& fo
   const MotionBelief next = predict(here, options_.motion_noise, interval_s);
   const MotionState other = predict(state, interval_s);
   if (distance(next, other.pose) < kMinReversedDistance) return;
-  found.push_back(explained(frame, {state, best.prior, best.is_cold}, {.coarsest_level = 0}));
+  Explanation reversed = path_reversed(best);
+  if (reversed.score > best.score)
+    reversed = explained(frame, {state, best.prior, best.is_cold}, {.coarsest_level = 0});
+  found.push_back(std::move(reversed));
   sort_by_score(found);
 }
 
