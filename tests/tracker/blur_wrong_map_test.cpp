@@ -86,7 +86,7 @@ TEST(Identity, TellsATagFromAnotherInItsPlace) {
         0.0};
     MotionState state;
     state.pose = film.frames[0].truth;
-    const double log_odds = identity_log_odds(world, frame, state, 0);
+    const double log_odds = identity_log_odds(world, frame, state, weigh_evidence(world, frame, state));
     EXPECT_EQ(log_odds > 60.0, id == 5) << id << ": " << log_odds;
     EXPECT_EQ(log_odds < 10.0, id != 5) << id << ": " << log_odds;
   }

@@ -70,17 +70,20 @@ std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const Photometr
 }
 
 double identity_log_odds(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& state,
-                         int tag_index) {
-  PhotometricTag& tag = world.tags[static_cast<std::size_t>(tag_index)];
-  const auto log_likelihood_as = [&](std::size_t pattern) {
-    const std::size_t own = std::exchange(tag.index, pattern);
-    std::vector<TagEvidence> tags = weigh_evidence(world, frame, state, {.tags = TagChoice::kAll});
-    tag.index = own;
-    std::erase_if(tags, [&](const TagEvidence& one) { return one.tag_index != tag_index; });
-    return log_likelihood(tags);
+                         const std::vector<TagEvidence>& tags) {
+  const auto wear = [&](std::size_t first_pattern) {
+    for (const TagEvidence& one : tags) {
+      const auto own = static_cast<std::size_t>(one.tag_index);
+      world.tags[own].index = first_pattern + own;
+    }
   };
-  const auto own = static_cast<std::size_t>(tag_index);
-  return log_likelihood_as(own) - log_likelihood_as(world.tags.size() + own);
+  wear(world.tags.size());  // the mean of each one's family
+  std::vector<TagEvidence> as_any = weigh_evidence(world, frame, state, {.max_pixels_per_tag = 350});
+  wear(0);
+  std::erase_if(as_any, [&](const TagEvidence& one) {
+    return std::ranges::count(tags, one.tag_index, &TagEvidence::tag_index) == 0;
+  });
+  return log_likelihood(tags) - log_likelihood(as_any);
 }
 
 double log_likelihood(const std::vector<TagEvidence>& tags) {

@@ -65,8 +65,10 @@ class Fit {
   }
 
   MotionState refined(MotionState state) {
-    for (int level = options_.coarsest_level; level >= options_.finest_level; --level)
+    for (int level = options_.coarsest_level; level >= options_.finest_level; --level) {
       state = refined_on_level(state, level);
+      if (!active_.tags().empty() && widespread_correlation(evidence()) < options_.least_correlation) break;
+    }
     return state;
   }
 
@@ -83,10 +85,10 @@ class Fit {
     }
     MotionFit result;
     result.state = current_.state;
+    result.tags = evidence();
     for (std::size_t i = 0; i < current_.tags.size(); ++i) {
       const NormalEquations own = equations_of_tag(i);
-      result.tags.push_back(evidence_of(active_.tags()[i], current_.tags[i].misfit));
-      result.equations.push_back({result.tags.back(), own.H, own.g});
+      result.equations.push_back({result.tags[i], own.H, own.g});
     }
     result.information = by_state(sum_of_explained(result.equations)).H;
     return result;
@@ -216,6 +218,14 @@ class Fit {
       sum += 0.5 * kCornerError.penalty(r2);
     }
     return sum;
+  }
+
+  /// At current_.
+  std::vector<TagEvidence> evidence() const {
+    std::vector<TagEvidence> tags;
+    for (std::size_t i = 0; i < current_.tags.size(); ++i)
+      tags.push_back(evidence_of(active_.tags()[i], current_.tags[i].misfit));
+    return tags;
   }
 
   /// At current_, of everything.

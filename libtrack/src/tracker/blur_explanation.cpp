@@ -33,7 +33,10 @@ constexpr double kAccelerationShare = 0.7;
 constexpr double kColdCornerSigma_px = 3.0;
 constexpr double kColdLinear_m_per_s = 1.5;
 constexpr double kColdAngular_rad_per_s = 6.0;
-constexpr std::size_t kMaxBases = 2;  // of clouds: hypotheses, or cold starts
+/// On a coarse level: of 684 fits that ended well, 10 had less there, of 281 others one in twenty had more.
+constexpr double kLeastCorrelationCoarse = 0.5;
+constexpr std::size_t kMaxFitted = 2;  // of a cloud's survivors
+constexpr std::size_t kMaxBases = 2;   // of clouds: hypotheses, or cold starts
 /// Of the next frame's motion noise: nearer than this, the path and its reverse lead to the same place.
 constexpr double kMinReversedDistance = 1.0;
 constexpr double kMinReversedPath_px = 2.0;
@@ -190,7 +193,8 @@ std::vector<Explanation> BlurExplainer::expected(const BlurFrame& frame,
                                                  const std::vector<MotionHypothesis>& hypotheses) {
   std::vector<Explanation> found;
   for (const MotionHypothesis& hypothesis : hypotheses) {
-    found.push_back(explained(frame, {hypothesis.belief.mean, hypothesis, false}, {}));
+    found.push_back(explained(frame, {hypothesis.belief.mean, hypothesis, false},
+                              {.least_correlation = kLeastCorrelationCoarse}));
     if (is_settled(frame, found.back())) break;
   }
   sort_by_score(found);
@@ -296,13 +300,30 @@ TagVotes BlurExplainer::votes(const BlurFrame& frame, const MotionState& state) 
 }
 
 void BlurExplainer::vary_velocity(const BlurFrame& frame, std::vector<Explanation>& found) {
-  const Explanation best = found.front();
+  const Explanation& best = found.front();
+  const Start as_found{best.fit.state, best.prior, best.is_cold};
+  std::vector<Sketch> sketches;
   for (const double factor : {0.0, -1.0}) {
-    MotionState state = best.fit.state;
-    state.velocity *= factor;
-    found.push_back(explained(frame, {state, best.prior, best.is_cold}, {}));
+    Start start = as_found;
+    start.state.velocity *= factor;
+    sketches.push_back(sketched(frame, start, 2));
   }
+  const Sketch& better = *std::ranges::max_element(sketches, {}, &Sketch::score);
+  if (better.score < sketched(frame, as_found, 1).score) return;
+  found.push_back(explained(frame, better.start, {.coarsest_level = 0}));
   sort_by_score(found);
+}
+
+BlurExplainer::Sketch BlurExplainer::sketched(const BlurFrame& frame, Start start, int coarsest_level) {
+  constexpr int kPixelsPerTag = 196;
+  start.state = descend_motion(
+      world_, frame.photometric, start.state, start.prior.belief,
+      {.coarsest_level = coarsest_level, .finest_level = 1, .max_pixels_per_tag = kPixelsPerTag});
+  const std::vector<TagEvidence> tags =
+      weigh_evidence(world_, frame.photometric, start.state,
+                     {.level = 1, .max_pixels_per_tag = kPixelsPerTag, .is_robust = false});
+  const double of_prior = start.is_cold ? 0.0 : prior_cost(start.prior.belief, start.state);
+  return {start, log_likelihood(tags) - std::min(kMaxStartPriorCost, of_prior)};
 }
 
 std::vector<BlurExplainer::Start> BlurExplainer::search_bases(const std::vector<MotionHypothesis>& hypotheses,
@@ -330,8 +351,14 @@ void BlurExplainer::search(const BlurFrame& frame, const std::vector<MotionHypot
     const MotionHypothesis& prior = bases[base].prior;
     const CloudOptions options{static_cast<int>(1 + cloud) * options_.num_particles, options_.seed,
                                kMaxBases * (kMaxClouds * frame.index + cloud) + base};
+    std::vector<Sketch> sketches;
     for (const MotionState& state : search_cloud(world_, frame.photometric, prior.belief, seeds, options))
-      found.push_back(explained(frame, {state, prior, bases[base].is_cold}, {}));
+      sketches.push_back(sketched(frame, {state, prior, bases[base].is_cold}, 1));
+    std::ranges::stable_sort(sketches, std::greater(), &Sketch::score);
+    for (std::size_t i = 0; i < std::min(kMaxFitted, sketches.size()); ++i) {
+      found.push_back(explained(frame, sketches[i].start, {.coarsest_level = 0}));
+      if (is_well_explained(found.back())) break;
+    }
   }
   sort_by_score(found);
 }

@@ -63,6 +63,12 @@ class BlurExplainer {
     bool is_cold;
   };
 
+  /// Where a start leads in coarse pixels alone.
+  struct Sketch {
+    Start start;
+    double score;
+  };
+
   /// From what the motion so far predicts: the likeliest, and the others where it settles nothing.
   std::vector<Explanation> expected(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses);
   /// Adds those that begin at the poses that detected corners allow.
@@ -77,6 +83,8 @@ class BlurExplainer {
   static bool is_settled(const BlurFrame& frame, const Explanation& explanation);
   /// The best pose with other velocities: none, and the reverse.
   void vary_velocity(const BlurFrame& frame, std::vector<Explanation>& found);
+  /// On levels coarsest_level to 1.
+  Sketch sketched(const BlurFrame& frame, Start start, int coarsest_level);
   /// What the clouds are drawn about.
   static std::vector<Start> search_bases(const std::vector<MotionHypothesis>& hypotheses,
                                          const std::vector<Explanation>& found);

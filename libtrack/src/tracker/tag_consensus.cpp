@@ -127,10 +127,10 @@ bool TagConsensus::jumps_alone(const Explanation& best, const std::vector<Motion
 /// tags that speak for the state are any better than what all tags have in common.
 bool TagConsensus::may_be_mistaken(const BlurFrame& frame, const Explanation& best) const {
   if (!best.votes.agreeing.empty() || best.prior_spread < kMinSpreadOfMistakes) return false;
-  const std::vector<int> supporting = supporting_tags(best);
-  double sum = 0.0;
-  for (const int tag : supporting) sum += identity_log_odds(world_, frame.photometric, best.fit.state, tag);
-  return sum < kMinIdentityLogOdds * static_cast<double>(supporting.size());
+  std::vector<TagEvidence> explained = best.fit.tags;
+  std::erase_if(explained, [](const TagEvidence& tag) { return !tag.is_explained(); });
+  return identity_log_odds(world_, frame.photometric, best.fit.state, explained) <
+         kMinIdentityLogOdds * static_cast<double>(explained.size());
 }
 
 void TagConsensus::learn(const BlurFrame& frame, const Explanation& best, bool has_rival) {

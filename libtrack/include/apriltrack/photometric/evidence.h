@@ -58,10 +58,11 @@ struct EvidenceOptions {
 std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const PhotometricFrame& frame,
                                         const MotionState& state, const EvidenceOptions& options = {});
 
-/// How much better the tag's own picture explains its pixels than what the tags of its family have in common,
-/// in nats: of another tag's pixels, not at all.
+/// How much better their own pictures explain the tags' pixels than what all tags of their families have in
+/// common, in nats, together: of another tag's pixels, not at all. tags: the evidence for the state as it
+/// stands, of tags that are not hidden.
 double identity_log_odds(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& state,
-                         int tag_index);
+                         const std::vector<TagEvidence>& tags);
 
 /// Log-likelihood of the evidence against "no tag here": sum over tags of profile_log_likelihood, kappa 0.03
 /// (docs/algorithms/blur_tracker.md, equation 9). A tag that should be seen and explains nothing (c = 0)

@@ -33,6 +33,8 @@ struct MotionFitOptions {
   int max_steps_per_level = 8;
   /// While the state moves, as EvidenceOptions'.
   int max_pixels_per_tag = 350;
+  /// Widespread, of a level that is worth the next finer one: what explains nothing coarsely is not refined.
+  double least_correlation = 0.0;
   double extra_sigma_px = 0.0;  ///< Further blur of the tags' pictures, pixels of level 0: a wider basin.
 };
 
