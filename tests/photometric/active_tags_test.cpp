@@ -81,8 +81,9 @@ TEST(ActiveTags, AFewHaveAllThePixelsThatAreAskedFor) {
       PredictedPixels predicted;
       TagPixels alone;
       select_pixels(world, wall.frame.light, prediction,
-                    swept_pixels(world, wall.frame.light, prediction, mapped, asked.level), asked.level,
-                    asked.max_pixels, &alone, &predicted);
+                    swept_area(world, wall.frame.light[static_cast<std::size_t>(asked.level)], prediction,
+                               mapped, asked.level),
+                    asked.level, asked.max_pixels, &alone, &predicted);
       EXPECT_EQ(tag.pixels.stride, alone.stride);
       EXPECT_EQ(tag.pixels.area_px, alone.area_px);
       EXPECT_EQ(tag.pixels.count, alone.count);

@@ -22,7 +22,7 @@ class TagCost {
 
   TagCost() : film_(lens(), motion()), world_(film_.world()) {
     const TagPrediction prediction = prediction_of(film_.truth);
-    const auto swept = swept_pixels(world_, film_.frame.light, prediction, world_.tags[0], 0);
+    const auto swept = swept_area(world_, film_.frame.light[0], prediction, world_.tags[0], 0);
     PredictedPixels predicted;
     select_pixels(world_, film_.frame.light, prediction, swept, 0, 700, &pixels_, &predicted);
     RandomStream random(1);

@@ -46,8 +46,9 @@ TEST(TagPrediction, ExplainsARenderedPictureOnEveryLevel) {
     PredictedPixels predicted;
     TagPixels pixels;
     select_pixels(world, film.frame.light, prediction,
-                  swept_pixels(world, film.frame.light, prediction, world.tags[0], level), level, 700,
-                  &pixels, &predicted);
+                  swept_area(world, film.frame.light[static_cast<std::size_t>(level)], prediction,
+                             world.tags[0], level),
+                  level, 700, &pixels, &predicted);
     ASSERT_GT(pixels.count, 300U);
     std::vector<float> scratch;
     const TagMisfit misfit = measure_misfit(pixels, predicted, 0.0, &scratch);
@@ -119,7 +120,7 @@ TEST(TagPrediction, JacobianIsTheNumericOne) {
   PredictedPixels predicted;
   TagPixels pixels;
   select_pixels(world, film.frame.light, prediction,
-                swept_pixels(world, film.frame.light, prediction, world.tags[0], 0), 0, 300, &pixels,
+                swept_area(world, film.frame.light[0], prediction, world.tags[0], 0), 0, 300, &pixels,
                 &predicted);
   std::vector<Eigen::Vector2f> rays;
   for (std::size_t i = 0; i < pixels.count; ++i) rays.emplace_back(pixels.ray_x[i], pixels.ray_y[i]);

@@ -49,13 +49,14 @@ void ActiveTags::find(PhotometricWorld& world, const PhotometricFrame& frame, Vi
 void ActiveTags::find_in_image(PhotometricWorld& world, const PhotometricFrame& frame, ViewPath& path,
                                const ActiveTagsOptions& options) {
   in_image_.clear();
+  const Image<float>& image = frame.light[static_cast<std::size_t>(options.level)];
   for (const std::uint32_t k : world.scratch->nearby.of_path(path, world.max_view_angle_rad)) {
     const PhotometricTag& tag = world.tags[k];
     if (!is_chosen(tag, options.tags) || !is_front_in_sight(tag, path.middle())) continue;
     const TagSight sight(world, tag, path);
     if (!sight.is_visible()) continue;
-    const Eigen::AlignedBox2i swept = swept_pixels(world, frame.light, sight, tag, options.level);
-    if (swept.isEmpty()) continue;
+    const SweptArea swept = swept_area(world, image, sight, tag, options.level);
+    if (swept.box.isEmpty()) continue;
     const TagPrediction prediction(world, tag, sight, path, options.level, options.extra_sigma_px);
     in_image_.push_back({static_cast<int>(k), prediction, swept});
   }

@@ -47,7 +47,7 @@ class ActiveTags {
   struct TagInImage {
     int index;
     TagPrediction prediction;
-    Eigen::AlignedBox2i swept;
+    SweptArea swept;
   };
 
   void find_in_image(PhotometricWorld& world, const PhotometricFrame& frame, ViewPath& path,

@@ -15,6 +15,7 @@ struct PhotometricScratch {
   ActiveTags active;
   PredictedPixels predicted;
   std::vector<float> weights;
+  SweptRows swept_rows;
 };
 
 }  // namespace apriltrack

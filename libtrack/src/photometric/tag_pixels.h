@@ -10,6 +10,7 @@
 #include "apriltrack/photometric/photometric_world.h"
 #include "apriltrack/tags/tag_corners.h"
 #include "pixel_kernels.h"
+#include "swept_area.h"
 #include "tag_prediction.h"
 
 namespace apriltrack {
@@ -41,17 +42,12 @@ struct PredictedPixels {
 /// predicted: overwritten, its memory used again.
 void predict(const TagPrediction& prediction, const TagPixels& pixels, PredictedPixels* predicted);
 
-/// The pixels of a level's image, first and last, that the printed square may pass during the exposure; empty
-/// where there are none, or a corner cannot be projected.
-Eigen::AlignedBox2i swept_pixels(const PhotometricWorld& world, const LightPyramid& light,
-                                 const TagSight& sight, const PhotometricTag& tag, int level);
-
 /// Pixels of which the tag covers at least a quarter during the exposure, thinned out evenly to about
 /// max_pixels: twice as many where it fills its box. Saturated pixels are left out: what light they stand for
-/// is not known. swept: as above. predicted: what these pixels should show. Both are overwritten, and their
+/// is not known. predicted: what these pixels should show. Both are overwritten, and their
 /// memory is used again.
 void select_pixels(const PhotometricWorld& world, const LightPyramid& light, const TagPrediction& prediction,
-                   const Eigen::AlignedBox2i& swept, int level, int max_pixels, TagPixels* pixels,
+                   const SweptArea& swept, int level, int max_pixels, TagPixels* pixels,
                    PredictedPixels* predicted);
 
 }  // namespace apriltrack
