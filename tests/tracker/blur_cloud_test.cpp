@@ -44,7 +44,10 @@ class SearchedPicture : public ::testing::Test {
   }
   std::vector<MotionState> search(const MotionBelief& belief, const std::vector<MotionState>& seeds = {},
                                   const CloudOptions& options = {}) {
-    return search_cloud(world_, frame_, belief, seeds, options);
+    std::vector<MotionState> states;
+    for (const CloudState& found : search_cloud(world_, frame_, {belief}, seeds, options))
+      states.push_back(found.state);
+    return states;
   }
 
   test::TagPicture picture_;

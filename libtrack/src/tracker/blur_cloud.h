@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -9,18 +10,23 @@
 namespace apriltrack {
 
 struct CloudOptions {
-  int num_particles = 240;  ///< In each round.
+  int num_particles = 240;  ///< About all beliefs together.
   std::uint64_t seed = 0;
   std::uint64_t index = 0;  ///< Of this search among those of the recording: the key of its numbers.
 };
 
+struct CloudState {
+  MotionState state;
+  std::size_t belief = 0;  ///< Of those given, the one that the state was found about.
+};
+
 /// States worth a fit, best first, at most six, apart from each other: the survivors of a search around
-/// `belief` that starts with the tags' pictures heavily blurred and sharpens them round by round (the
-/// cross-entropy method: Rubinstein 1999; docs/algorithms/blur_tracker.md, section 5).
+/// `beliefs`, at least one, that starts with the tags' pictures heavily blurred and sharpens them round by
+/// round (the cross-entropy method: Rubinstein 1999; docs/algorithms/blur_tracker.md, section 5).
 ///
 /// The first round looks at `seeds` too. The same options give the same states, always.
-std::vector<MotionState> search_cloud(PhotometricWorld& world, const PhotometricFrame& frame,
-                                      const MotionBelief& belief, const std::vector<MotionState>& seeds,
-                                      const CloudOptions& options);
+std::vector<CloudState> search_cloud(PhotometricWorld& world, const PhotometricFrame& frame,
+                                     const std::vector<MotionBelief>& beliefs,
+                                     const std::vector<MotionState>& seeds, const CloudOptions& options);
 
 }  // namespace apriltrack

@@ -347,18 +347,17 @@ void BlurExplainer::search(const BlurFrame& frame, const std::vector<MotionHypot
   std::vector<MotionState> seeds;
   for (const Explanation& explanation : found) seeds.push_back(explanation.fit.state);
   const std::vector<Start> bases = search_bases(hypotheses, found);
-  for (std::size_t base = 0; base < bases.size(); ++base) {
-    const MotionHypothesis& prior = bases[base].prior;
-    const CloudOptions options{static_cast<int>(1 + cloud) * options_.num_particles, options_.seed,
-                               kMaxBases * (kMaxClouds * frame.index + cloud) + base};
-    std::vector<Sketch> sketches;
-    for (const MotionState& state : search_cloud(world_, frame.photometric, prior.belief, seeds, options))
-      sketches.push_back(sketched(frame, {state, prior, bases[base].is_cold}, 1));
-    std::ranges::stable_sort(sketches, std::greater(), &Sketch::score);
-    for (std::size_t i = 0; i < std::min(kMaxFitted, sketches.size()); ++i) {
-      found.push_back(explained(frame, sketches[i].start, {.coarsest_level = 0}));
-      if (is_well_explained(found.back())) break;
-    }
+  std::vector<MotionBelief> beliefs;
+  for (const Start& base : bases) beliefs.push_back(base.prior.belief);
+  const CloudOptions options{static_cast<int>(1 + cloud) * options_.num_particles, options_.seed,
+                             kMaxClouds * frame.index + cloud};
+  std::vector<Sketch> sketches;
+  for (const auto& [state, belief] : search_cloud(world_, frame.photometric, beliefs, seeds, options))
+    sketches.push_back(sketched(frame, {state, bases[belief].prior, bases[belief].is_cold}, 1));
+  std::ranges::stable_sort(sketches, std::greater(), &Sketch::score);
+  for (std::size_t i = 0; i < std::min(kMaxFitted, sketches.size()); ++i) {
+    found.push_back(explained(frame, sketches[i].start, {.coarsest_level = 0}));
+    if (is_well_explained(found.back())) break;
   }
   sort_by_score(found);
 }
