@@ -72,6 +72,17 @@ class Fit {
     return state;
   }
 
+  /// Where the path is better without the acceleration that the prior suggests, it is fitted without.
+  MotionFit straightened(MotionFit bent) {
+    if (bent.state.acceleration.isZero() || options_.acceleration_per_change == 0.0) return bent;
+    MotionState straight = bent.state;
+    straight.acceleration.setZero();
+    evaluate(straight, 0);
+    if (next_.cost >= current_.cost) return bent;
+    is_straight_ = true;
+    return summary(refined_on_level(straight, 0));
+  }
+
   /// With all pixels one step more. What explains nothing knows nothing of the state: information is that of
   /// the tags explained.
   MotionFit summary(const MotionState& state) {
@@ -97,6 +108,7 @@ class Fit {
  private:
   MotionState refined_on_level(MotionState state, int level) {
     for (int step = 0; step < options_.max_steps_per_level; step += kStepsPerSelection) {
+      if (level == 0) bend(state);
       find(state, {.level = level,
                    .max_pixels = options_.max_pixels_per_tag,
                    .extra_sigma_px = options_.extra_sigma_px});
@@ -108,6 +120,11 @@ class Fit {
       if (has_settled && !has_left_its_pixels(level)) break;
     }
     return state;
+  }
+
+  void bend(MotionState& state) const {
+    if (!prior_ || is_straight_ || options_.acceleration_per_change == 0.0) return;
+    state.acceleration = options_.acceleration_per_change * (state.velocity - prior_->mean.velocity);
   }
 
   static constexpr int kStepsPerSelection = 4;
@@ -292,6 +309,7 @@ class Fit {
   std::vector<TagMisfit> misfits_;  ///< Of the active tags, where they were found.
   Evaluated current_, next_;
   Matrix12d prior_information_ = Matrix12d::Zero();
+  bool is_straight_ = false;  ///< The prior's acceleration was tried, and is not used.
 };
 
 }  // namespace
@@ -300,7 +318,7 @@ MotionFit fit_motion(PhotometricWorld& world, const PhotometricFrame& frame, con
                      const std::optional<MotionBelief>& prior, const std::vector<CornerObservation>& corners,
                      const MotionFitOptions& options) {
   Fit fit(world, frame, prior, corners, options);
-  return fit.summary(fit.refined(start));
+  return fit.straightened(fit.summary(fit.refined(start)));
 }
 
 MotionState descend_motion(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& start,

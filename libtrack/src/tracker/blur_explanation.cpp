@@ -40,7 +40,6 @@ constexpr std::size_t kMaxBases = 2;   // of clouds: hypotheses, or cold starts
 /// Of the next frame's motion noise: nearer than this, the path and its reverse lead to the same place.
 constexpr double kMinReversedDistance = 1.0;
 constexpr double kMinReversedPath_px = 2.0;
-constexpr double kLeastBend_px = 0.05;  // of a path, to be worth a fit
 constexpr double kUsualInterval_s = 1.0 / 30.0;
 
 /// What a detection alone says of the motion: about where, and nothing of the velocity but that it is usual.
@@ -126,21 +125,6 @@ double longest_path_px(const Explanation& explanation) {
   return longest_px;
 }
 
-/// How far the acceleration of `bent` takes a tag off the explanation's own path before the shutter closes.
-double bend_px(const PhotometricWorld& world, const Explanation& explanation, const MotionState& bent,
-               double exposure_s) {
-  const Pose straight_end = camera_from_map(pose_after(explanation.fit.state, 0.5 * exposure_s), world.mode);
-  const Pose bent_end = camera_from_map(pose_after(bent, 0.5 * exposure_s), world.mode);
-  double largest_px = 0.0;
-  for (const TagEvidence& tag : explanation.fit.tags) {
-    const Eigen::Vector3d centre =
-        world.tags[static_cast<std::size_t>(tag.tag_index)].tag.T_map_tag.translation();
-    const Eigen::Vector2d off = (bent_end * centre).hnormalized() - (straight_end * centre).hnormalized();
-    largest_px = std::max(largest_px, world.focal_px() * off.norm());
-  }
-  return largest_px;
-}
-
 /// The same places in the other order: the same picture, so that the pixels' equations are the same but for
 /// the sign of the velocity. What the prior pulls differs, and moves the state by one step of Newton.
 Explanation path_reversed(const Explanation& best) {
@@ -177,14 +161,14 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
   std::vector<Explanation> found = expected(frame, hypotheses);
   if (found.empty() || !is_settled(frame, found.front())) detected(frame, hypotheses, found);
   if (found.empty()) return found;
-  if (!is_well_explained(found.front())) vary_velocity(frame, found);
+  if (!is_well_explained(found.front()) || found.front().prior_cost > kMaxExpectedPriorCost)
+    vary_velocity(frame, found);
   const bool is_recent = frame.interval_s && *frame.interval_s <= kMaxSecondCloudAge_s;
   for (std::size_t cloud = 0; cloud < (is_recent ? kMaxClouds : 1); ++cloud) {
     if (cloud == 0 ? is_well_explained(found.front()) : found.front().correlation >= kPoorCorrelation) break;
     search(frame, hypotheses, cloud, found);
   }
   mirror(frame, found);
-  if (frame.interval_s && !found.front().is_cold) accelerate(frame, found.front());
   reverse(frame, found);
   return found;
 }
@@ -258,7 +242,9 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
   return explanation;
 }
 
-MotionFit BlurExplainer::fitted(const BlurFrame& frame, const Start& start, const MotionFitOptions& options) {
+MotionFit BlurExplainer::fitted(const BlurFrame& frame, const Start& start, MotionFitOptions options) {
+  if (frame.interval_s && !start.is_cold)
+    options.acceleration_per_change = kAccelerationShare / *frame.interval_s;
   std::vector<CornerObservation> observed = corners(frame, start.state);
   MotionFit fit = fit_motion(world_, frame.photometric, start.state, start.prior.belief, observed, options);
   std::vector<CornerObservation> as_found = corners(frame, fit.state);
@@ -360,15 +346,6 @@ void BlurExplainer::search(const BlurFrame& frame, const std::vector<MotionHypot
     if (is_well_explained(found.back())) break;
   }
   sort_by_score(found);
-}
-
-void BlurExplainer::accelerate(const BlurFrame& frame, Explanation& best) {
-  MotionState state = best.fit.state;
-  state.acceleration =
-      kAccelerationShare / *frame.interval_s * (state.velocity - best.prior.belief.mean.velocity);
-  if (bend_px(world_, best, state, frame.photometric.exposure_s) < kLeastBend_px) return;
-  Explanation curved = explained(frame, {state, best.prior, best.is_cold}, {.coarsest_level = 0});
-  if (curved.score > best.score) best = std::move(curved);
 }
 
 void BlurExplainer::mirror(const BlurFrame& frame, std::vector<Explanation>& found) {

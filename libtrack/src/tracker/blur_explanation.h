@@ -91,14 +91,13 @@ class BlurExplainer {
   /// cloud: 0, or 1 for the one after.
   void search(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses, std::size_t cloud,
               std::vector<Explanation>& found);
-  void accelerate(const BlurFrame& frame, Explanation& best);
   /// Adds the other tilt of a lone tag where the motion so far does not rule it out.
   void mirror(const BlurFrame& frame, std::vector<Explanation>& found);
   /// Adds the best explanation's reverse where the next frame could tell them apart.
   void reverse(const BlurFrame& frame, std::vector<Explanation>& found);
   Explanation explained(const BlurFrame& frame, const Start& start, const MotionFitOptions& options);
   /// The fit from `start`, with the noise of corners that its own motion makes.
-  MotionFit fitted(const BlurFrame& frame, const Start& start, const MotionFitOptions& options);
+  MotionFit fitted(const BlurFrame& frame, const Start& start, MotionFitOptions options);
   std::vector<CornerObservation> corners(const BlurFrame& frame, const MotionState& state) const;
   TagVotes votes(const BlurFrame& frame, const MotionState& state) const;
   PhotometricTag& tag_of(const TagEvidence& evidence) {

@@ -35,13 +35,16 @@ struct MotionFitOptions {
   int max_pixels_per_tag = 350;
   /// Widespread, of a level that is worth the next finer one: what explains nothing coarsely is not refined.
   double least_correlation = 0.0;
+  /// Acceleration within the exposure per change of velocity since the prior, 1/s; on the finest level, and
+  /// only where the path is not better without it.
+  double acceleration_per_change = 0.0;
   double extra_sigma_px = 0.0;  ///< Further blur of the tags' pictures, pixels of level 0: a wider basin.
 };
 
 /// Maximises the joint photometric likelihood of all visible tags over pose and velocity, coarse to fine,
 /// together with the prior and the detected corners (docs/algorithms/blur_tracker.md).
 ///
-/// start: where the search begins; its acceleration is kept. prior: none when nothing is known; its mean's
+/// start: where the search begins; its acceleration is kept, unless the options tell another. prior: none when nothing is known; its mean's
 /// pose must be of the same mode.
 ///
 /// At the end one step more, and the evidence, with the pixels that EvidenceOptions asks for.
