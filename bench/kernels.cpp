@@ -204,9 +204,9 @@ void bench_patches(double tag_px, bool has_pattern, int repetitions) {
   }
   const auto prediction = [&](std::size_t i) { return has_pattern ? &predictions[i] : nullptr; };
   RowPairs pairs;
-  pairs.start(setting.frame.light[0].view());
-  pairs.make(0, kHeight - 2);
-  const PairedRows rows = pairs.rows(std::numeric_limits<double>::infinity());
+  pairs.start(setting.frame.light[0].view(), std::numeric_limits<double>::infinity());
+  pairs.make({0, kWidth - 1, 0, kHeight - 2});
+  const PairedRows rows = pairs.rows();
   const LensFactors lens = lens_factors(setting.camera.model);
   PatchColumns columns;
   fill_columns(setting.grid, all_cells(setting.grid),
@@ -278,12 +278,11 @@ void bench_patches(double tag_px, bool has_pattern, int repetitions) {
 
 /// As the kernel does it, sample by sample from one piece of memory to another.
 void load_all(const PairedRows& rows, const std::vector<std::int32_t>& places) {
-  alignas(64) std::array<float, 4 * kPatchBlock> quads;
+  alignas(64) std::array<std::uint64_t, kPatchBlock> quads;
   for (std::size_t first = 0; first < places.size(); first += kPatchBlock) {
     HWY_UNROLL(32)
     for (std::size_t k = 0; k < kPatchBlock; ++k) {
-      std::memcpy(quads.data() + 4 * k, rows.pairs + 2 * static_cast<std::ptrdiff_t>(places[first + k]),
-                  4 * sizeof(float));
+      std::memcpy(quads.data() + k, rows.pairs + places[first + k], sizeof quads[0]);
     }
     asm volatile("" : : "r"(quads.data()) : "memory");  // they are wanted
   }
@@ -293,9 +292,9 @@ void load_all(const PairedRows& rows, const std::vector<std::int32_t>& places) {
 void bench_limits(int repetitions) {
   const Setting setting(120.0);
   RowPairs pairs;
-  pairs.start(setting.frame.light[0].view());
-  pairs.make(0, kHeight - 2);
-  const PairedRows rows = pairs.rows(std::numeric_limits<double>::infinity());
+  pairs.start(setting.frame.light[0].view(), std::numeric_limits<double>::infinity());
+  pairs.make({0, kWidth - 1, 0, kHeight - 2});
+  const PairedRows rows = pairs.rows();
   PatchColumns columns;
   fill_columns(setting.grid, all_cells(setting.grid), {}, &columns);
   // Of some hypotheses again and again: where they look is not to be loaded from far away.

@@ -36,12 +36,19 @@ std::vector<std::int64_t> all_instruction_sets() {
   return sets;
 }
 
-/// Where a pixel is can be read from its light.
+/// Where a pixel is within 8 of them can be read from its light, whose steps are fine then.
+constexpr int kRampLength_px = 8;
 Image<float> ramp(bool is_of_rows) {
   Image<float> image(kPatchImageWidth, kPatchImageHeight);
   for (int y = 0; y < kPatchImageHeight; ++y)
-    for (int x = 0; x < kPatchImageWidth; ++x) image(x, y) = static_cast<float>(is_of_rows ? y : x);
+    for (int x = 0; x < kPatchImageWidth; ++x)
+      image(x, y) = static_cast<float>((is_of_rows ? y : x) % kRampLength_px);
   return image;
+}
+/// Off the steps between one ramp and the next.
+bool is_on_ramp(double pixel) {
+  const double place = std::fmod(pixel, kRampLength_px);
+  return place > 0.01 && place < kRampLength_px - 1.01;
 }
 
 /// Smooth enough for a place's error of 1e-3 px to be one of less in c, rough enough to be a picture.
@@ -77,6 +84,20 @@ Eigen::Matrix3d random_view(RandomStream& random, double spread) {
   return camera_from_tag_plane({rotation_exp(turn), place}, 0.16);
 }
 
+/// Standard deviation of what is seen.
+double contrast_of(const std::vector<double>& seen) {
+  double count = 0.0, sum = 0.0, squares = 0.0;
+  for (const double value : seen) {
+    if (std::isnan(value)) continue;
+    count += 1.0;
+    sum += value;
+    squares += value * value;
+  }
+  return count > 0.0 ? std::sqrt(std::max(squares / count - sum * sum / (count * count), 0.0)) : 0.0;
+}
+/// Ten of the kernels' steps of light, of images whose light is in [0, 1]: with less, c is off by 1e-3.
+constexpr double kLeastContrast = 1.5e-4;
+
 class PatchKernels : public ::testing::TestWithParam<std::int64_t> {
  protected:
   PatchKernels() { hwy::SetSupportedTargetsForTest(GetParam()); }
@@ -92,10 +113,9 @@ PatchSums sums_over(const Image<float>& image, const CameraModel& model, const E
                     const PatchGrid& grid, const PatchColumns& columns, double max_light) {
   const PlacedPatch placed = place_patch(image.view(), model, M, grid);
   RowPairs rows;
-  rows.start(image.view());
-  rows.make(placed.first_row, placed.last_row);
-  return sum_patch(rows.rows(max_light), lens_factors(model), placed.placement,
-                   columns.samples(0, columns.size()),
+  rows.start(image.view(), max_light);
+  rows.make(placed.box);
+  return sum_patch(rows.rows(), lens_factors(model), placed.placement, columns.samples(0, columns.size()),
                    {columns.light.data(), nullptr, 0.0, columns.sum_squares});
 }
 
@@ -176,7 +196,9 @@ TEST_P(PatchKernels, ProjectThroughEveryLensToAThousandthOfAPixel) {
       const auto pixel = model.project(point);
       const bool is_in_image = pixel && pixel->x() > 0.01 && pixel->y() > 0.01 &&
                                pixel->x() < kPatchImageWidth - 1.01 && pixel->y() < kPatchImageHeight - 1.01;
-      if (!is_in_image) continue;
+      if (!is_in_image || !is_on_ramp(pixel->x()) || !is_on_ramp(pixel->y())) continue;
+      const Eigen::Vector2d on_ramps(std::fmod(pixel->x(), kRampLength_px),
+                                     std::fmod(pixel->y(), kRampLength_px));
       const PatchGrid grid;
       const PlacedPatch placed = place_patch(columns_image.view(), model, M, grid);
       const auto light_of = [&](const Image<float>& image) {
@@ -185,7 +207,7 @@ TEST_P(PatchKernels, ProjectThroughEveryLensToAThousandthOfAPixel) {
         return sums.a + static_cast<double>(image(placed.placement.base_x, placed.placement.base_y));
       };
       const Eigen::Vector2d found(light_of(columns_image), light_of(rows_image));
-      worst_px = std::max(worst_px, (found - *pixel).norm());
+      worst_px = std::max(worst_px, (found - on_ramps).norm());
       ++num_seen;
       num_wide += point.z() < 0.5 * point.head<2>().norm() ? 1 : 0;  // beyond 63 degrees
     }
@@ -231,6 +253,7 @@ TEST_P(PatchKernels, WholePatchesThroughPatternsAgreeWithTheDefinition) {
               static_cast<double>(at.light) + 1.0 - static_cast<double>(at.presence);
       }
       const PatchMatch match = correlate(seen, expected);
+      if (contrast_of(seen) < kLeastContrast) continue;  // an empty part of the ground
       EXPECT_NEAR(scores.tag(0, 0).seen_share * 1024.0, match.num_samples, 2.0);
       EXPECT_NEAR(scores.tag(0, 0).correlation, match.correlation, 1e-3) << lens << " " << trial;
       num_agreeing += match.correlation > 0.9 ? 1 : 0;

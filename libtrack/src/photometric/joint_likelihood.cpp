@@ -14,6 +14,7 @@
 #include "apriltrack/base/error.h"
 #include "patch_columns.h"
 #include "patch_placement.h"
+#include "row_pairs.h"
 #include "tag_prediction.h"
 #include "view_cone.h"
 
@@ -32,12 +33,6 @@ constexpr std::size_t kMaxSummed = 64 * kPatchBlock;
 
 void require(bool holds, const char* field, double value, const char* range) {
   if (!holds) throw invalid_input(field, fmt::format("must lie in {} (is {})", range, value));
-}
-
-/// Whether no point of the patch can be in the image: most tags of a room, at no cost.
-bool is_out_of_view(const Eigen::Matrix3d& camera_from_plane, const PatchGrid& grid, double max_angle_rad) {
-  const double radius = std::numbers::sqrt2 * grid.half_extent * camera_from_plane.col(0).norm();
-  return !may_be_in_view(camera_from_plane.col(2), radius, max_angle_rad);
 }
 
 /// Independent samples in a patch: one of more pixels than samples has no more than its samples.
@@ -112,6 +107,7 @@ struct PatchInView {
 };
 
 struct JointLikelihood::Workspace {
+  ViewCone cone;  ///< What the frame shows.
   LensFactors lens;
   RowPairs rows;
   std::vector<std::size_t> cells, coarse_cells;
@@ -149,7 +145,11 @@ JointLikelihood::JointLikelihood(const Camera& camera, const TagMap& map, TrackM
       options_((options.check(), options)),
       references_(map.tags.size()),
       work_(std::make_unique<Workspace>()) {
-  for (const MapTag& tag : map.tags) tags_.push_back({tag.size_m, tag.T_map_tag});
+  for (const MapTag& tag : map.tags) {
+    const Eigen::Matrix3d plane = camera_from_tag_plane(tag.T_map_tag, tag.size_m);
+    tags_.push_back({plane, plane.col(0).cross(plane.col(1)),
+                     std::numbers::sqrt2 * options.grid.half_extent * plane.col(0).norm()});
+  }
   // Patches are projected into the image: no pixel needs a ray, so that the world has no picture.
   if (options.tag_template == TagTemplate::kPattern) world_.emplace(camera, map, mode, 0, 0);
   work_->lens = lens_factors(model_);
@@ -188,12 +188,13 @@ void JointLikelihood::evaluate(const PhotometricFrame& frame, std::span<const Mo
                    "a frame has a level of light at least");
   APRILTRACK_CHECK(frame.light[0].width() > 1 && frame.light[0].height() > 1,
                    "a frame has two rows and columns at least");
-  max_view_angle_rad_ = max_view_angle_rad(model_, frame.light[0].width(), frame.light[0].height());
-  if (world_) world_->max_view_angle_rad = max_view_angle_rad_;
+  const double max_angle_rad = max_view_angle_rad(model_, frame.light[0].width(), frame.light[0].height());
+  work_->cone = ViewCone(max_angle_rad);
+  if (world_) world_->max_view_angle_rad = max_angle_rad;
   scores->num_tags = num_tags();
   scores->log_likelihoods.resize(hypotheses.size());
   scores->tags.resize(hypotheses.size() * num_tags());
-  work_->rows.start(frame.light[0].view());
+  work_->rows.start(frame.light[0].view(), options_.max_light);
   work_->selection.resize(hypotheses.size());
   std::iota(work_->selection.begin(), work_->selection.end(), std::size_t{0});
   if (options_.coarse_sigmas > 0.0) {
@@ -228,8 +229,8 @@ void JointLikelihood::score(const PhotometricFrame& frame, std::span<const Motio
     work_->views.resize(size * num_tags());
     for_each([&](std::size_t position) { place(batch, position); });
     predict(batch);
-    make_rows(batch);
-    batch.image = work_->rows.rows(options_.max_light);
+    make_rows();
+    batch.image = work_->rows.rows();
     for_each([&](std::size_t position) { score_hypothesis(batch, position, scores); });
   }
 }
@@ -262,17 +263,21 @@ void JointLikelihood::select_promising(const JointScores& scores) {
   });
 }
 
-/// Writes the views of the batch's hypothesis at `position`.
+/// Writes the views of the batch's hypothesis at `position`. Most tags of a room are turned away or out of
+/// view: they cost little more than where their centre is.
 void JointLikelihood::place(const Batch& batch, std::size_t position) {
   const Pose T_camera_map = camera_from_map(batch.hypothesis(position).pose, mode_);
+  const Eigen::Matrix3d R = T_camera_map.rotation_matrix();
   for (std::size_t k = 0; k < num_tags(); ++k) {
     PatchInView& view = work_->views[position * num_tags() + k];
-    view = {};
-    if (!takes_part(k)) continue;
-    const Eigen::Matrix3d M = camera_from_tag_plane(T_camera_map * tags_[k].T_map_tag, tags_[k].size_m);
-    view.num_independent = num_independent(model_, M, options_.grid);
-    view.is_in_view = M.determinant() > 0.0 && !is_out_of_view(M, options_.grid, max_view_angle_rad_);
+    const Tag& tag = tags_[k];
+    const Eigen::Vector3d centre = R * tag.map_from_plane.col(2) + T_camera_map.translation();
+    view.is_in_view =
+        takes_part(k) && (R * tag.normal_map).dot(centre) > 0.0 && work_->cone.may_show(centre, tag.radius_m);
     if (!view.is_in_view) continue;
+    Eigen::Matrix3d M = R * tag.map_from_plane;
+    M.col(2) = centre;
+    view.num_independent = num_independent(model_, M, options_.grid);
     view.placed = place_patch(batch.frame.light[0].view(), model_, M, options_.grid);
     view.camera_from_plane = by_rows(M);
   }
@@ -293,15 +298,12 @@ void JointLikelihood::predict(const Batch& batch) {
   }
 }
 
-/// Those of the image that the batch's patches lie on.
-void JointLikelihood::make_rows(const Batch& batch) {
-  int first = batch.frame.light[0].height(), last = -1;
-  for (const PatchInView& view : work_->views) {
-    if (!view.is_in_view || view.placed.last_row < view.placed.first_row) continue;
-    first = std::min(first, view.placed.first_row);
-    last = std::max(last, view.placed.last_row);
-  }
-  work_->rows.make(first, last);
+/// Those parts of the image that the batch's patches lie on.
+void JointLikelihood::make_rows() {
+  PixelBox box;
+  for (const PatchInView& view : work_->views)
+    if (view.is_in_view) box.add(view.placed.box);
+  work_->rows.make(box);
 }
 
 void JointLikelihood::score_hypothesis(const Batch& batch, std::size_t position, JointScores* scores) const {
@@ -341,7 +343,7 @@ TagScore JointLikelihood::score_tag(const Batch& batch, std::size_t position, st
     if (match.num_samples >= PatchMatch::kMinSamples)
       score.seen_share = static_cast<double>(match.num_samples) / static_cast<double>(num_cells);
   }
-  score.log_likelihood = log_likelihood(options_, score, view.num_independent);
+  score.log_likelihood = log_likelihood(options_, score, view.is_in_view ? view.num_independent : 0.0);
   return score;
 }
 

@@ -73,6 +73,9 @@ void fill_columns(const PatchGrid& grid, std::span<const std::size_t> cells,
   columns->u.resize(size, kNowhere);
   columns->v.resize(size, kNowhere);
   columns->light.resize(size, 0.0F);
+  columns->has_rows = columns->num_samples == size;
+  for (std::size_t i = 0; i < size; ++i)
+    columns->has_rows = columns->has_rows && columns->v[i] == columns->v[i / kPatchBlock * kPatchBlock];
 }
 
 PatchMatch match_of(const PatchSums& sums) {

@@ -14,9 +14,10 @@ struct PatchColumns {
   std::vector<float> u, v, light;
   std::size_t num_samples = 0;  ///< Without what fills up the last block.
   double sum_squares = 0.0;     ///< Of the light; its mean is 0.
+  bool has_rows = false;        ///< Whether each of the kernels' blocks has its v in common.
 
   SampleColumns samples(std::size_t first, std::size_t count) const {
-    return {u.data() + first, v.data() + first, count, num_samples < u.size()};
+    return {u.data() + first, v.data() + first, count, num_samples < u.size(), has_rows};
   }
   std::size_t size() const { return u.size(); }
 };

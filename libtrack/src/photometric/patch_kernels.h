@@ -15,13 +15,22 @@ namespace apriltrack {
 /// Samples are taken in blocks of so many; columns are padded to whole blocks.
 inline constexpr std::size_t kPatchBlock = 2 * kPixelBlock;
 
-/// An image whose rows are interleaved with the ones below: pair x of row y is (pixel (x, y), pixel (x, y +
-/// 1)), so that the four pixels around any place are 16 bytes that follow each other.
+/// Of pixels that are too bright to tell their light.
+inline constexpr std::int32_t kBlindingCode = 32767;
+
+/// An image as the patch kernels read it: light in equal steps over the image's range, in 16 bits with sign,
+/// rows interleaved with the ones below. Pair x of row y is pixel (x, y) in its lower half and (x, y + 1) in
+/// its upper one, so that the four pixels around any place are 8 bytes that follow each other.
 struct PairedRows {
-  const float* pairs = nullptr;
+  const std::int32_t* pairs = nullptr;
   int stride = 0;             ///< Pairs from one row to the next.
   int width = 0, height = 0;  ///< At least 2.
-  float max_light = 0.0F;     ///< Places beside a brighter pixel are not seen; infinity: no such limit.
+  float middle = 0.0F;        ///< The light of code 0,
+  float codes_per_light = 0.0F;
+  double step = 0.0;          ///< and that of code 1 above it.
+  bool has_blinding = false;  ///< Places beside such a pixel are not seen.
+
+  float code_of(float light) const { return (light - middle) * codes_per_light; }
 };
 
 enum class LensKind { kPinhole, kRadtan, kEquidistant };
@@ -52,6 +61,7 @@ struct SampleColumns {
   const float* v = nullptr;
   std::size_t count = 0;   ///< Padded.
   bool is_padded = false;  ///< Whether any fills up.
+  bool has_rows = false;   ///< Whether each block has its v in common.
 };
 
 /// What to expect at the samples.

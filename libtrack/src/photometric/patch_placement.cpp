@@ -59,46 +59,14 @@ void place_pinhole(const ImageView<const float>& image, const Pinhole& pinhole,
       Eigen::Vector2d(kEdge_px, kEdge_px) - base,
       Eigen::Vector2d(image.width() - 1 - kEdge_px, image.height() - 1 - kEdge_px) - base);
   placement.is_inside = whole.contains(box);
-  placed->first_row = pixel_within(box.min().y() + base.y() - 1.0, 0, image.height() - 1);
-  placed->last_row = pixel_within(box.max().y() + base.y() + 1.0, -1, image.height() - 2);
+  const Eigen::Vector2d first = box.min() + base, last = box.max() + base;
+  // The pixel to the right of a place is in the next pair, the one below in the same.
+  placed->box = {
+      pixel_within(first.x() - 1.0, 0, image.width()), pixel_within(last.x() + 2.0, -1, image.width() - 1),
+      pixel_within(first.y() - 1.0, 0, image.height()), pixel_within(last.y() + 1.0, -1, image.height() - 2)};
 }
 
 }  // namespace
-
-void RowPairs::start(const ImageView<const float>& image) {
-  image_ = image;
-  // An odd number of cache lines: pixels below each other then fall into different sets of the cache.
-  constexpr int kPairsPerLine = 8;
-  stride_ = ((image.width() + kPairsPerLine - 1) / kPairsPerLine | 1) * kPairsPerLine;
-  pairs_.resize(2 * static_cast<std::size_t>(stride_) * static_cast<std::size_t>(image.height()));
-  begin_ = end_ = 0;
-}
-
-void RowPairs::make(int first, int last) {
-  if (last < first) return;
-  const bool is_first = begin_ == end_;
-  const int begin = is_first ? first : std::min(first, begin_),
-            end = is_first ? last + 1 : std::max(last + 1, end_);
-  for (int y = begin; y < end; ++y) {
-    if (y >= begin_ && y < end_) continue;
-    const float* upper = image_.row(y);
-    const float* lower = image_.row(y + 1);
-    float* pair = pairs_.data() + 2 * static_cast<std::ptrdiff_t>(y) * stride_;
-    for (int x = 0; x < image_.width(); ++x) {
-      pair[2 * x] = upper[x];
-      pair[2 * x + 1] = lower[x];
-    }
-  }
-  begin_ = begin;
-  end_ = end;
-}
-
-PairedRows RowPairs::rows(double max_light) const {
-  // What is not a float's is no limit.
-  const double largest = static_cast<double>(std::numeric_limits<float>::max());
-  return {pairs_.data(), stride_, image_.width(), image_.height(),
-          static_cast<float>(std::min(max_light, largest))};
-}
 
 std::array<float, 9> by_rows(const Eigen::Matrix3d& matrix) {
   std::array<float, 9> values{};
@@ -134,8 +102,8 @@ PlacedPatch place_patch(const ImageView<const float>& image, const CameraModel& 
   placement.base_x = base.x();
   placement.base_y = base.y();
   placement.origin_light = image(base.x(), base.y());
-  // Where a bound would be dear, all rows.
-  placed.last_row = image.height() - 2;
+  // Where a bound would be dear, all.
+  placed.box = {0, image.width() - 1, 0, image.height() - 2};
   if (std::holds_alternative<NoDistortion>(model.distortion())) {
     place_pinhole(image, model.pinhole(), camera_from_plane, grid, &placed);
     return placed;

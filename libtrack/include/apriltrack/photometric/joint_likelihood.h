@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -115,8 +116,9 @@ class JointLikelihood {
 
  private:
   struct Tag {
-    double size_m = 0.0;
-    Pose T_map_tag;
+    Eigen::Matrix3d map_from_plane;  ///< (u, v, 1), in half tag sizes, to the map.
+    Eigen::Vector3d normal_map;      ///< Of any length; points into the tag.
+    double radius_m = 0.0;           ///< Of its patch.
   };
   struct Workspace;
   struct Batch;
@@ -125,13 +127,12 @@ class JointLikelihood {
   void select_promising(const JointScores& scores);
   void place(const Batch& batch, std::size_t position);
   void predict(const Batch& batch);
-  void make_rows(const Batch& batch);
+  void make_rows();
   void score_hypothesis(const Batch& batch, std::size_t position, JointScores* scores) const;
   TagScore score_tag(const Batch& batch, std::size_t position, std::size_t index) const;
 
   CameraModel model_;
   TrackMode mode_;
-  double max_view_angle_rad_ = 0.0;  ///< Off the optical axis, of this frame's farthest pixel.
   JointLikelihoodOptions options_;
   std::vector<Tag> tags_;
   std::vector<std::vector<double>> references_;

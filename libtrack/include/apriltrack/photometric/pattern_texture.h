@@ -21,7 +21,7 @@ struct PatternGradient {
 
 /// A point of a texture as it is kept: shares of kOne.
 struct Texel {
-  static constexpr float kOne = 65535.0F;
+  static constexpr float kOne = 32767.0F;
   std::uint16_t light = 0, presence = 0;
 };
 

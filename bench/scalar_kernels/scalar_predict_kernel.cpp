@@ -1,4 +1,4 @@
-// The pixel kernels once more, by Highway's scalar target, which the library itself leaves out.
+// The kernel that predicts once more, by Highway's scalar target, which the library itself leaves out.
 #define HWY_COMPILE_ONLY_SCALAR
 #include "pixel_kernels.h"
 
@@ -6,4 +6,4 @@ namespace apriltrack_scalar {
 using namespace apriltrack;
 }
 #define apriltrack apriltrack_scalar
-#include "pixel_kernels.cpp"
+#include "predict_kernel.cpp"
