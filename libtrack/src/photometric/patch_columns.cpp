@@ -29,6 +29,7 @@ void standardise(std::span<const double> reference, std::span<const std::size_t>
     if (!std::isnan(reference[cell])) columns->light.push_back(static_cast<float>(factor * off_mean(cell)));
   }
   columns->sum_squares = is_constant ? 0.0 : count;
+  columns->reference_squares = variance * count;
 }
 
 }  // namespace
@@ -37,6 +38,20 @@ std::vector<std::size_t> all_cells(const PatchGrid& grid) {
   std::vector<std::size_t> cells(grid.num_samples());
   std::iota(cells.begin(), cells.end(), std::size_t{0});
   return cells;
+}
+
+std::vector<std::size_t> quarter_of_cells(const PatchGrid& grid) {
+  std::vector<std::size_t> cells;
+  for (int row = 0; row < grid.size; row += 2)
+    for (int column = row / 2 % 2; column < grid.size; column += 2)
+      cells.push_back(static_cast<std::size_t>(row * grid.size + column));
+  return cells;
+}
+
+double max_correlation(double part_correlation, double part_share) {
+  const double positive = std::max(part_correlation, 0.0);
+  const double unexplained = part_share * (1.0 - positive * positive);
+  return unexplained > 0.0 ? std::sqrt(std::max(1.0 - unexplained, 0.0)) : 1.0;
 }
 
 std::vector<std::size_t> stratified_cells(const PatchGrid& grid) {

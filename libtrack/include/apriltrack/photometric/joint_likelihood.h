@@ -52,6 +52,11 @@ struct JointLikelihoodOptions {
   /// score of those samples: their log-likelihoods are as they should be but for its noise, a standard
   /// deviation of (1 - c^2) / 8 in c of one tag. 0: every hypothesis in full.
   double coarse_sigmas = 0.0;
+  /// Of kGaussianProfile. A quarter of each patch's samples is looked at first, which bounds what all of them
+  /// can say: hypotheses that are less likely than another by a factor of exp(this) or more, whatever the
+  /// rest of their samples shows, keep the score of that quarter; its log-likelihood is as far below the
+  /// other's, too. Infinity: every hypothesis in full. In (0, inf].
+  double negligible_log_ratio = 40.0;
 
   /// Throws Error(kInvalidInput) that names the field, its value and its range.
   void check() const;
@@ -74,6 +79,8 @@ struct JointScores {
     return tags[hypothesis * num_tags + index];
   }
 };
+
+enum class SampleSet;
 
 /// Log-likelihood of pose and velocity hypotheses, joint over the tags of a map.
 ///
@@ -122,14 +129,17 @@ class JointLikelihood {
   };
   struct Workspace;
   struct Batch;
-  void score(const PhotometricFrame& frame, std::span<const MotionState> hypotheses, bool is_coarse,
+  void score(const PhotometricFrame& frame, std::span<const MotionState> hypotheses, SampleSet set,
              const ParallelFor& parallel, JointScores* scores);
+  bool has_bounds() const;
+  void select_possible(double log_likelihood);
   void select_promising(const JointScores& scores);
   void place(const Batch& batch, std::size_t position);
   void predict(const Batch& batch);
   void make_rows();
   void score_hypothesis(const Batch& batch, std::size_t position, JointScores* scores) const;
-  TagScore score_tag(const Batch& batch, std::size_t position, std::size_t index) const;
+  TagScore score_tag(const Batch& batch, std::size_t position, std::size_t index, double* bound) const;
+  double max_template_squares(std::size_t index) const;
 
   CameraModel model_;
   TrackMode mode_;
