@@ -1,7 +1,6 @@
 #include "patch_kernels.h"
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <algorithm>
 #include <array>
@@ -13,6 +12,7 @@
 #include "apriltrack/base/random.h"
 #include "apriltrack/geometry/rotation.h"
 #include "apriltrack/photometric/joint_likelihood.h"
+#include "instruction_sets.h"
 #include "patch_columns.h"
 #include "patch_placement.h"
 #include "tag_film.h"
@@ -26,15 +26,6 @@ namespace {
 
 constexpr double kNoLight = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPatchImageWidth = 320, kPatchImageHeight = 240;
-
-std::vector<std::int64_t> all_instruction_sets() {
-  hwy::SetSupportedTargetsForTest(0);
-  std::vector<std::int64_t> sets;
-  // The kernels are not built for others, and fall back on those without SIMD.
-  for (std::int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1)
-    sets.push_back(left & -left);
-  return sets;
-}
 
 /// Where a pixel is within 8 of them can be read from its light, whose steps are fine then.
 constexpr int kRampLength_px = 8;
@@ -100,14 +91,12 @@ constexpr double kLeastContrast = 1.5e-4;
 
 class PatchKernels : public ::testing::TestWithParam<std::int64_t> {
  protected:
-  PatchKernels() { hwy::SetSupportedTargetsForTest(GetParam()); }
-  ~PatchKernels() override { hwy::SetSupportedTargetsForTest(0); }
-
+  const test::InstructionSet instruction_set_{GetParam()};
   const std::array<Image<float>, 2> pictures_ = {picture(1), picture(2)};
 };
 
-INSTANTIATE_TEST_SUITE_P(InstructionSets, PatchKernels, ::testing::ValuesIn(all_instruction_sets()),
-                         [](const auto& set) { return std::string(hwy::TargetName(set.param)); });
+INSTANTIATE_TEST_SUITE_P(InstructionSets, PatchKernels, ::testing::ValuesIn(test::instruction_sets()),
+                         test::instruction_set_name);
 
 PatchSums sums_over(const Image<float>& image, const CameraModel& model, const Eigen::Matrix3d& M,
                     const PatchGrid& grid, const PatchColumns& columns, double max_light) {

@@ -1,7 +1,6 @@
 #include "pixel_kernels.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 
 #include "apriltrack/base/geman_mcclure.h"
 #include "apriltrack/base/random.h"
+#include "instruction_sets.h"
 #include "tag_film.h"
 #include "tag_pixels.h"
 #include "tag_prediction.h"
@@ -22,13 +22,6 @@ namespace {
 
 using test::TagFilm;
 
-std::vector<std::int64_t> instruction_sets() {
-  hwy::SetSupportedTargetsForTest(0);
-  std::vector<std::int64_t> sets;
-  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) sets.push_back(left & -left);
-  return sets;
-}
-
 /// A tag that moves, turned by 0.5 rad, with rays on it, beside it, and where they meet its plane from
 /// behind.
 class PixelKernels : public ::testing::TestWithParam<std::int64_t> {
@@ -38,7 +31,6 @@ class PixelKernels : public ::testing::TestWithParam<std::int64_t> {
   static constexpr float kInverseScale = 1.0F / 0.07F;
 
   PixelKernels() : film_(lens(), motion()), world_(film_.world()), prediction_(predicted(world_, film_)) {
-    hwy::SetSupportedTargetsForTest(GetParam());
     RandomStream random(1);
     const std::size_t size = padded(kCount);
     for (std::size_t i = 0; i < size; ++i) {
@@ -53,8 +45,6 @@ class PixelKernels : public ::testing::TestWithParam<std::int64_t> {
       presence_.push_back(seen.presence);
     }
   }
-  ~PixelKernels() override { hwy::SetSupportedTargetsForTest(0); }
-
   double residual(std::size_t i) const {
     return static_cast<double>(kColours.gain * light_[i] + kColours.black * presence_[i] +
                                kColours.background * (1.0F - presence_[i]) - image_[i]);
@@ -65,6 +55,7 @@ class PixelKernels : public ::testing::TestWithParam<std::int64_t> {
   }
 
   static constexpr std::size_t kCount = 701;
+  const test::InstructionSet instruction_set_{GetParam()};
   TagFilm film_;
   PhotometricWorld world_;
   TagPrediction prediction_;
@@ -87,8 +78,8 @@ class PixelKernels : public ::testing::TestWithParam<std::int64_t> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(InstructionSets, PixelKernels, ::testing::ValuesIn(instruction_sets()),
-                         [](const auto& set) { return std::string(hwy::TargetName(set.param)); });
+INSTANTIATE_TEST_SUITE_P(InstructionSets, PixelKernels, ::testing::ValuesIn(test::instruction_sets()),
+                         test::instruction_set_name);
 
 TEST_P(PixelKernels, PredictWhatTheDefinitionDoes) {
   ASSERT_GT(prediction_.num_instants(), 4U);
