@@ -98,8 +98,8 @@ struct WordPairs {
 };
 
 #if HWY_TARGET != HWY_SCALAR
-/// The 8 bytes at base[at[0]], base[at[kStep]] and so on. Gather instructions are slower, and so is going by
-/// way of memory (docs/algorithms/paper_filter.md, section 7).
+/// The 8 bytes at base[at[0]], base[at[kStep]] and so on. Going by way of memory is slower, and so were
+/// gather instructions (docs/algorithms/paper_filter.md, section 7).
 template <std::size_t kStep, std::size_t kFirst, class Word, class Longs>
 HWY_INLINE hn::Vec<Longs> load_longs(Longs longs, const Word* base, const std::int32_t* at) {
   static_assert(sizeof(Word) == sizeof(std::uint32_t));

@@ -90,8 +90,8 @@ enum class SampleSet;
 /// not rewarded.
 ///
 /// Computed by kernels in single precision for the instruction set at hand; sample_patch and correlate, and
-/// TagPrediction for patterns, define what they compute, to 1e-4 in c (docs/algorithms/paper_filter.md,
-/// section 7).
+/// TagPrediction for patterns, define what they compute, to 1e-4 in c, but for patches of next to no
+/// contrast (docs/algorithms/paper_filter.md, section 7).
 ///
 /// One frame at a time; give each thread its own.
 class JointLikelihood {
