@@ -122,6 +122,25 @@ TEST(ActiveTags, ManyShareThePixelsOfAFrame) {
   }
 }
 
+TEST(ActiveTags, ShowAsManyMorePixelsAsTheirPathIsShort) {
+  // Nine tags of 128 px: 160 px with their margins, all of which a stride of 4, and of 2, thins out.
+  Wall wall(3);
+  PhotometricWorld world = wall.world();
+  const auto count_at = [&](double path_px, bool more_where_sharp) {
+    const double speed_m_per_s = path_px / wall.frame.exposure_s / 500.0 * wall.state.pose.translation().z();
+    wall.state.velocity[0] = speed_m_per_s;
+    ViewPath path(wall.state, wall.frame.exposure_s, world.mode);
+    ActiveTags active;
+    active.find(world, wall.frame, path, {.max_pixels = 700, .more_where_sharp = more_where_sharp});
+    EXPECT_EQ(active.tags().size(), 9U);
+    return static_cast<double>(active.tags()[4].pixels.count);
+  };
+  const double usual = count_at(0.0, false);
+  EXPECT_NEAR(count_at(0.0, true), 4.0 * usual, 0.3 * usual);  // one instant
+  EXPECT_NEAR(count_at(2.0, true), 2.0 * usual, 0.6 * usual);  // two
+  EXPECT_EQ(count_at(4.0, true), count_at(4.0, false));        // four
+}
+
 TEST(ActiveTags, EvidenceOfManyStandsForWhatTheTagsCover) {
   const Wall wall(10);
   PhotometricWorld world = wall.world();

@@ -30,6 +30,8 @@ struct ActiveTagsOptions {
   /// 2).
   int max_pixels = 700;
   double extra_sigma_px = 0.0;  ///< Further blur of the tags' pictures, pixels of level 0.
+  /// A pixel costs as much as its path has instants: where these are fewer than four, as many more pixels.
+  bool more_where_sharp = false;
   TagChoice tags = TagChoice::kShown;
 };
 

@@ -55,7 +55,10 @@ std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const Photometr
   PhotometricScratch& scratch = *world.scratch;
   ViewPath path(state, frame.exposure_s, world.mode);
   scratch.active.find(world, frame, path,
-                      {options.level, options.max_pixels_per_tag, options.extra_sigma_px, options.tags});
+                      {.level = options.level,
+                       .max_pixels = options.max_pixels_per_tag,
+                       .extra_sigma_px = options.extra_sigma_px,
+                       .tags = options.tags});
   std::vector<TagEvidence> evidence;
   evidence.reserve(scratch.active.tags().size());
   for (const ActiveTag& tag : scratch.active.tags()) {

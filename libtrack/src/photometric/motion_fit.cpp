@@ -86,7 +86,7 @@ class Fit {
   /// With all pixels one step more. What explains nothing knows nothing of the state: information is that of
   /// the tags explained.
   MotionFit summary(const MotionState& state) {
-    find(state, {.level = 0, .max_pixels = EvidenceOptions().max_pixels_per_tag});
+    find(state, {.level = 0, .max_pixels = EvidenceOptions().max_pixels_per_tag, .more_where_sharp = true});
     evaluate_found(state);
     const NormalEquations normal = equations();
     const Vector12d step = -normal.H.ldlt().solve(normal.g);

@@ -9,7 +9,10 @@ std::vector<TagEquations> equations_by_tag(PhotometricWorld& world, const Photom
   PhotometricScratch& scratch = *world.scratch;
   ViewPath path(state, frame.exposure_s, world.mode);
   scratch.active.find(world, frame, path,
-                      {options.level, options.max_pixels_per_tag, options.extra_sigma_px, options.tags});
+                      {.level = options.level,
+                       .max_pixels = options.max_pixels_per_tag,
+                       .extra_sigma_px = options.extra_sigma_px,
+                       .tags = options.tags});
   std::vector<TagEquations> result;
   for (const ActiveTag& tag : scratch.active.tags()) {
     const double scale = scale_of(measure_misfit(tag.pixels, tag.predicted, 0.0, &scratch.weights));

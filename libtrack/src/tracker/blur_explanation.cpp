@@ -10,6 +10,7 @@
 #include "apriltrack/camera/pixel_jacobian.h"
 #include "blur_cloud.h"
 #include "blur_corners.h"
+#include "path_bend.h"
 #include "pose_adjustment.h"
 
 namespace apriltrack {
@@ -29,7 +30,6 @@ constexpr double kMaxStartPriorCost =
 /// What a motion that went on as expected costs: 6 on the average, of twelve numbers; one in 200 costs more.
 constexpr double kMaxExpectedPriorCost = 14.0;
 constexpr double kMaxPriorDistance = 6.0;  // standard deviations of the pose
-constexpr double kAccelerationShare = 0.7;
 constexpr double kColdCornerSigma_px = 3.0;
 constexpr double kColdLinear_m_per_s = 1.5;
 constexpr double kColdAngular_rad_per_s = 6.0;
@@ -237,6 +237,8 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
     explanation.prior_cost = prior_cost(start.prior.belief, explanation.fit.state);
     explanation.prior_spread = prior_spread(world_, start.prior.belief, explanation.fit);
   }
+  explanation.bend_covariance =
+      bend_covariance(bend_of(frame, explanation).sigma, frame.photometric.exposure_s);
   explanation.score = log_likelihood(explanation.fit.tags) + start.prior.log_odds -
                       std::min(kMaxStartPriorCost, explanation.prior_cost);
   return explanation;
@@ -244,7 +246,7 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
 
 MotionFit BlurExplainer::fitted(const BlurFrame& frame, const Start& start, MotionFitOptions options) {
   if (frame.interval_s && !start.is_cold)
-    options.acceleration_per_change = kAccelerationShare / *frame.interval_s;
+    options.acceleration_per_change = acceleration_per_change(*frame.interval_s);
   std::vector<CornerObservation> observed = corners(frame, start.state);
   MotionFit fit = fit_motion(world_, frame.photometric, start.state, start.prior.belief, observed, options);
   std::vector<CornerObservation> as_found = corners(frame, fit.state);
@@ -348,6 +350,12 @@ void BlurExplainer::search(const BlurFrame& frame, const std::vector<MotionHypot
   sort_by_score(found);
 }
 
+PathBend BlurExplainer::bend_of(const BlurFrame& frame, const Explanation& explanation) const {
+  std::optional<Vector6d> expected;
+  if (!explanation.is_cold) expected = explanation.prior.belief.mean.velocity;
+  return expected_bend(explanation.fit.state.velocity, expected, frame.interval_s, options_.motion_noise);
+}
+
 void BlurExplainer::mirror(const BlurFrame& frame, std::vector<Explanation>& found) {
   const Explanation& best = found.front();
   const std::vector<TagEvidence> tags = explained_tags(best.fit.tags);
@@ -373,6 +381,7 @@ void BlurExplainer::reverse(const BlurFrame& frame, std::vector<Explanation>& fo
   const MotionState other = predict(state, interval_s);
   if (distance(next, other.pose) < kMinReversedDistance) return;
   Explanation reversed = path_reversed(best);
+  reversed.bend_covariance = bend_covariance(bend_of(frame, reversed).sigma, frame.photometric.exposure_s);
   if (reversed.score > best.score)
     reversed = explained(frame, {state, best.prior, best.is_cold}, {.coarsest_level = 0});
   found.push_back(std::move(reversed));

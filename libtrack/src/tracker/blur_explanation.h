@@ -8,6 +8,7 @@
 #include "apriltrack/tracker/blur_tracker.h"
 #include "blur_corners.h"
 #include "motion_memory.h"
+#include "path_bend.h"
 #include "pose_candidate.h"
 #include "tag_observation.h"
 
@@ -34,6 +35,8 @@ struct Explanation {
   /// How well the prior knew where to look: standard deviation of an explained tag's place in the image over
   /// the tag's size there, of the tag that it knew best. 0 when it is cold.
   double prior_spread = 0.0;
+  /// Of the pose: what the acceleration within the exposure leaves open.
+  Matrix6d bend_covariance = Matrix6d::Zero();
   TagVotes votes;
   double correlation = 0.0;  ///< What most of the quorum reaches: one tag behind something lowers it not.
   /// Log-likelihood of the pixels and, within limits, of the prior.
@@ -91,6 +94,7 @@ class BlurExplainer {
   /// cloud: 0, or 1 for the one after.
   void search(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses, std::size_t cloud,
               std::vector<Explanation>& found);
+  PathBend bend_of(const BlurFrame& frame, const Explanation& explanation) const;
   /// Adds the other tilt of a lone tag where the motion so far does not rule it out.
   void mirror(const BlurFrame& frame, std::vector<Explanation>& found);
   /// Adds the best explanation's reverse where the next frame could tell them apart.

@@ -235,6 +235,7 @@ class BlurTracker::Implementation {
 
   MotionBelief belief_of(const Explanation& explanation) const {
     MotionBelief belief{explanation.fit.state, fit_covariance(*world_, explanation.fit)};
+    belief.covariance.topLeftCorner<6, 6>() += explanation.bend_covariance;
     belief.mean.acceleration.setZero();
     return belief;
   }
