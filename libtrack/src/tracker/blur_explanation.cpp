@@ -116,7 +116,8 @@ Pose mirrored_tilt(const Pose& T_camera_tag) {
 }
 
 bool is_well_explained(const Explanation& explanation) {
-  return explanation.correlation >= (explanation.is_cold ? kGoodColdCorrelation : kGoodCorrelation);
+  if (!explanation.is_cold) return explanation.correlation >= kGoodCorrelation;
+  return explanation.correlation >= kGoodColdCorrelation && explanation.prior_cost <= kMaxExpectedPriorCost;
 }
 
 double longest_path_px(const Explanation& explanation) {
@@ -142,7 +143,7 @@ Explanation path_reversed(const Explanation& best) {
   const Vector12d step = -reversed.fit.information.ldlt().solve(data_gradient + pull);
   state = moved(state, step);
   const double data_cost = data_gradient.dot(step) + 0.5 * step.dot(data * step);
-  const double cost = best.is_cold ? 0.0 : prior_cost(best.prior.belief, state);
+  const double cost = prior_cost(best.prior.belief, state);
   const auto bounded = [](double of_prior) { return std::min(kMaxStartPriorCost, of_prior); };
   reversed.score += bounded(best.prior_cost) - bounded(cost) - data_cost;
   reversed.prior_cost = cost;
@@ -192,9 +193,16 @@ void BlurExplainer::detected(const BlurFrame& frame, const std::vector<MotionHyp
   for (const MotionHypothesis& hypothesis : hypotheses)
     predictions.push_back(camera_from_map(hypothesis.belief.mean.pose, world_.mode));
   const CandidateOptions options{.expected_sigma_px = options_.corner_sigma_px};
-  for (const PoseCandidate& candidate :
-       find_pose_candidates(world_.model, frame.observations, predictions, options)) {
+  const std::vector<PoseCandidate> candidates =
+      find_pose_candidates(world_.model, frame.observations, predictions, options);
+  for (const PoseCandidate& candidate : candidates) {
     for (const Start& start : starts_at(candidate, hypotheses)) found.push_back(explained(frame, start, {}));
+  }
+  if (!candidates.empty() && std::ranges::all_of(found, &Explanation::is_beyond_prior)) {
+    found.clear();  // the motion so far was mistaken
+    for (const PoseCandidate& candidate : candidates) {
+      for (const Start& start : starts_at(candidate, {})) found.push_back(explained(frame, start, {}));
+    }
   }
   sort_by_score(found);
 }
@@ -233,10 +241,8 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
   explanation.votes = votes(frame, explanation.fit.state);
   refit_without_tags_read_as_others(frame, explanation);
   explanation.correlation = widespread_correlation(quorum(explanation.fit.tags, explanation.votes));
-  if (!start.is_cold) {
-    explanation.prior_cost = prior_cost(start.prior.belief, explanation.fit.state);
-    explanation.prior_spread = prior_spread(world_, start.prior.belief, explanation.fit);
-  }
+  explanation.prior_cost = prior_cost(start.prior.belief, explanation.fit.state);
+  if (!start.is_cold) explanation.prior_spread = prior_spread(world_, start.prior.belief, explanation.fit);
   explanation.bend_covariance =
       bend_covariance(bend_of(frame, explanation).sigma, frame.photometric.exposure_s);
   explanation.score = log_likelihood(explanation.fit.tags) + start.prior.log_odds -
@@ -310,7 +316,7 @@ BlurExplainer::Sketch BlurExplainer::sketched(const BlurFrame& frame, Start star
   const std::vector<TagEvidence> tags =
       weigh_evidence(world_, frame.photometric, start.state,
                      {.level = 1, .max_pixels_per_tag = kPixelsPerTag, .is_robust = false});
-  const double of_prior = start.is_cold ? 0.0 : prior_cost(start.prior.belief, start.state);
+  const double of_prior = prior_cost(start.prior.belief, start.state);
   return {start, log_likelihood(tags) - std::min(kMaxStartPriorCost, of_prior)};
 }
 

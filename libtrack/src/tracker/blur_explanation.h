@@ -31,7 +31,7 @@ struct Explanation {
   MotionFit fit;
   MotionHypothesis prior;
   bool is_cold = false;     ///< The prior is that of a detection alone, not of the motion so far.
-  double prior_cost = 0.0;  ///< -log of the prior's density over its peak; 0 when it is cold.
+  double prior_cost = 0.0;  ///< -log of the prior's density over its peak.
   /// How well the prior knew where to look: standard deviation of an explained tag's place in the image over
   /// the tag's size there, of the tag that it knew best. 0 when it is cold.
   double prior_spread = 0.0;
@@ -46,6 +46,8 @@ struct Explanation {
   Eigen::Quaterniond R_light_map = Eigen::Quaterniond::Identity();
 
   bool is_explained() const { return correlation >= TagEvidence::kExplained; }
+  /// So far from what the prior expects that one of the two is wrong: nine standard deviations.
+  bool is_beyond_prior() const { return prior_cost > 0.5 * 9.0 * 9.0; }
 };
 
 /// Finds the states that explain frames: from the motion so far, from detections, and from a cloud of

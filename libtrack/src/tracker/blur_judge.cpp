@@ -9,7 +9,6 @@ constexpr double kMinCorrelationWithDetection = 0.5;
 // Found again without a detection: a wide search also finds what merely looks like a blurred tag. It reached
 // 0.95, and 11 standard deviations of the motion, before a wall of patches; right states reached 7.5 of them.
 constexpr double kMinCorrelationAgain = 0.95;
-constexpr double kMaxSigmas = 9.0;
 // A lone tag found again must also be where the motion expects it, as one in 200 of what went on is not: what
 // was found eight standard deviations off, before that wall, reached 0.96.
 constexpr double kMaxCostAgainAlone = 14.0;
@@ -48,6 +47,7 @@ double samples_of_explained(const std::vector<TagEvidence>& tags) {
 bool BlurJudge::is_convincing(const Explanation& explanation, const std::optional<double>& interval_s) const {
   const TagVotes& votes = explanation.votes;
   if (num_supporting(explanation) <= static_cast<int>(votes.contradicting.size())) return false;
+  if (explanation.is_beyond_prior()) return false;
   const std::vector<TagEvidence> tags = quorum(trusted_tags(explanation), votes);
   if (!votes.agreeing.empty()) return typical_correlation(tags) >= kMinCorrelationWithDetection;
   if (explanation.is_cold) return false;  // it began at a detection, and does not agree with any
@@ -56,8 +56,7 @@ bool BlurJudge::is_convincing(const Explanation& explanation, const std::optiona
   if (!is_followed && num_explained(tags) < 2 && explanation.prior_cost > kMaxCostAgainAlone) return false;
   return samples_of_explained(tags) >= kMinSamples &&
          (is_followed ? typical_correlation(tags) >= TagEvidence::kExplained
-                      : typical_correlation(with_noise(tags)) >= kMinCorrelationAgain) &&
-         explanation.prior_cost <= 0.5 * kMaxSigmas * kMaxSigmas;
+                      : typical_correlation(with_noise(tags)) >= kMinCorrelationAgain);
 }
 
 int BlurJudge::num_supporting(const Explanation& explanation) const {
