@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -41,6 +42,11 @@ constexpr std::size_t kMaxBases = 2;   // of clouds: hypotheses, or cold starts
 constexpr double kMinReversedDistance = 1.0;
 constexpr double kMinReversedPath_px = 2.0;
 constexpr double kUsualInterval_s = 1.0 / 30.0;
+/// Of the velocity found: at rest, and the path's reverse.
+constexpr std::array kOtherVelocities = {0.0, -1.0};
+/// A path that lies within a longer one explains its own pixels nearly as well.
+constexpr std::array kOtherLengths = {0.7, 1.4};
+constexpr double kLongPath_px = 25.0;
 
 /// What a detection alone says of the motion: about where, and nothing of the velocity but that it is usual.
 std::optional<MotionBelief> cold_belief(const PhotometricWorld& world, const PoseCandidate& candidate) {
@@ -117,7 +123,10 @@ Pose mirrored_tilt(const Pose& T_camera_tag) {
 
 bool is_well_explained(const Explanation& explanation) {
   if (!explanation.is_cold) return explanation.correlation >= kGoodCorrelation;
-  return explanation.correlation >= kGoodColdCorrelation && explanation.prior_cost <= kMaxExpectedPriorCost;
+  // Where nothing else is known, all tags count: a lone tag that was read may be tilted far off, with the
+  // others nowhere near.
+  return widespread_correlation(explanation.fit.tags) >= kGoodColdCorrelation &&
+         explanation.prior_cost <= kMaxExpectedPriorCost;
 }
 
 double longest_path_px(const Explanation& explanation) {
@@ -163,10 +172,13 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
   if (found.empty() || !is_settled(frame, found.front())) detected(frame, hypotheses, found);
   if (found.empty()) return found;
   if (!is_well_explained(found.front()) || found.front().prior_cost > kMaxExpectedPriorCost)
-    vary_velocity(frame, found);
+    vary_velocity(frame, kOtherVelocities, found);
+  if (longest_path_px(found.front()) > kLongPath_px) vary_velocity(frame, kOtherLengths, found);
   const bool is_recent = frame.interval_s && *frame.interval_s <= kMaxSecondCloudAge_s;
-  for (std::size_t cloud = 0; cloud < (is_recent ? kMaxClouds : 1); ++cloud) {
-    if (cloud == 0 ? is_well_explained(found.front()) : found.front().correlation >= kPoorCorrelation) break;
+  for (std::size_t cloud = 0; cloud < kMaxClouds; ++cloud) {
+    const Explanation& best = found.front();
+    if (is_well_explained(best)) break;
+    if (cloud > 0 && !best.is_cold && (!is_recent || best.correlation >= kPoorCorrelation)) break;
     search(frame, hypotheses, cloud, found);
   }
   mirror(frame, found);
@@ -293,11 +305,12 @@ TagVotes BlurExplainer::votes(const BlurFrame& frame, const MotionState& state) 
                      options_.corner_sigma_px);
 }
 
-void BlurExplainer::vary_velocity(const BlurFrame& frame, std::vector<Explanation>& found) {
+void BlurExplainer::vary_velocity(const BlurFrame& frame, std::span<const double> factors,
+                                  std::vector<Explanation>& found) {
   const Explanation& best = found.front();
   const Start as_found{best.fit.state, best.prior, best.is_cold};
   std::vector<Sketch> sketches;
-  for (const double factor : {0.0, -1.0}) {
+  for (const double factor : factors) {
     Start start = as_found;
     start.state.velocity *= factor;
     sketches.push_back(sketched(frame, start, 2));

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "apriltrack/photometric/motion_fit.h"
@@ -86,8 +87,9 @@ class BlurExplainer {
   /// The motion went on as expected, the tags look as they should, and every detection agrees: no other start
   /// is needed.
   static bool is_settled(const BlurFrame& frame, const Explanation& explanation);
-  /// The best pose with other velocities: none, and the reverse.
-  void vary_velocity(const BlurFrame& frame, std::vector<Explanation>& found);
+  /// The best pose with its velocity times these factors; the best of them is fitted where it is better.
+  void vary_velocity(const BlurFrame& frame, std::span<const double> factors,
+                     std::vector<Explanation>& found);
   /// On levels coarsest_level to 1.
   Sketch sketched(const BlurFrame& frame, Start start, int coarsest_level);
   /// What the clouds are drawn about.
