@@ -47,6 +47,7 @@ constexpr std::array kOtherVelocities = {0.0, -1.0};
 /// A path that lies within a longer one explains its own pixels nearly as well.
 constexpr std::array kOtherLengths = {0.7, 1.4};
 constexpr double kLongPath_px = 25.0;
+constexpr int kMaxLengthRounds = 3;
 
 /// What a detection alone says of the motion: about where, and nothing of the velocity but that it is usual.
 std::optional<MotionBelief> cold_belief(const PhotometricWorld& world, const PoseCandidate& candidate) {
@@ -173,7 +174,11 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
   if (found.empty()) return found;
   if (!is_well_explained(found.front()) || found.front().prior_cost > kMaxExpectedPriorCost)
     vary_velocity(frame, kOtherVelocities, found);
-  if (longest_path_px(found.front()) > kLongPath_px) vary_velocity(frame, kOtherLengths, found);
+  for (int round = 0; round < kMaxLengthRounds && longest_path_px(found.front()) > kLongPath_px; ++round) {
+    const double score = found.front().score;
+    vary_velocity(frame, kOtherLengths, found);
+    if (found.front().score <= score) break;
+  }
   const bool is_recent = frame.interval_s && *frame.interval_s <= kMaxSecondCloudAge_s;
   for (std::size_t cloud = 0; cloud < kMaxClouds; ++cloud) {
     const Explanation& best = found.front();
