@@ -123,9 +123,9 @@ Pose mirrored_tilt(const Pose& T_camera_tag) {
 }
 
 bool is_well_explained(const Explanation& explanation) {
+  // A lone tag that was read may be tilted far off, with the others in view nowhere near.
+  if (typical_correlation(explanation.fit.tags) < TagEvidence::kExplained) return false;
   if (!explanation.is_cold) return explanation.correlation >= kGoodCorrelation;
-  // Where nothing else is known, all tags count: a lone tag that was read may be tilted far off, with the
-  // others nowhere near.
   return widespread_correlation(explanation.fit.tags) >= kGoodColdCorrelation &&
          explanation.prior_cost <= kMaxExpectedPriorCost;
 }
