@@ -4,7 +4,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -43,9 +42,9 @@ constexpr double kMinReversedDistance = 1.0;
 constexpr double kMinReversedPath_px = 2.0;
 constexpr double kUsualInterval_s = 1.0 / 30.0;
 /// Of the velocity found: at rest, and the path's reverse.
-constexpr std::array kOtherVelocities = {0.0, -1.0};
-/// A path that lies within a longer one explains its own pixels nearly as well.
-constexpr std::array kOtherLengths = {0.7, 1.4};
+constexpr PathVariation kOtherVelocities[] = {{0.0}, {-1.0}};
+/// A path that lies within a longer one, midway or at an end, explains its own pixels nearly as well.
+constexpr PathVariation kOtherLengths[] = {{0.7}, {1.4}, {1.4, 0.2}, {1.4, -0.2}};
 constexpr double kLongPath_px = 25.0;
 constexpr int kMaxLengthRounds = 3;
 
@@ -310,14 +309,15 @@ TagVotes BlurExplainer::votes(const BlurFrame& frame, const MotionState& state) 
                      options_.corner_sigma_px);
 }
 
-void BlurExplainer::vary_velocity(const BlurFrame& frame, std::span<const double> factors,
+void BlurExplainer::vary_velocity(const BlurFrame& frame, std::span<const PathVariation> variations,
                                   std::vector<Explanation>& found) {
   const Explanation& best = found.front();
   const Start as_found{best.fit.state, best.prior, best.is_cold};
   std::vector<Sketch> sketches;
-  for (const double factor : factors) {
+  for (const PathVariation& variation : variations) {
     Start start = as_found;
-    start.state.velocity *= factor;
+    start.state.pose = pose_after(best.fit.state, variation.shift * frame.photometric.exposure_s);
+    start.state.velocity *= variation.factor;
     sketches.push_back(sketched(frame, start, 2));
   }
   const Sketch& better = *std::ranges::max_element(sketches, {}, &Sketch::score);

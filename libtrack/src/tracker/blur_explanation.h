@@ -51,6 +51,12 @@ struct Explanation {
   bool is_beyond_prior() const { return prior_cost > 0.5 * 9.0 * 9.0; }
 };
 
+/// Another path beside one that was found.
+struct PathVariation {
+  double factor;       ///< Of the velocity.
+  double shift = 0.0;  ///< Of the middle, forward, in exposures.
+};
+
 /// Finds the states that explain frames: from the motion so far, from detections, and from a cloud of
 /// particles where neither does.
 class BlurExplainer {
@@ -87,8 +93,8 @@ class BlurExplainer {
   /// The motion went on as expected, the tags look as they should, and every detection agrees: no other start
   /// is needed.
   static bool is_settled(const BlurFrame& frame, const Explanation& explanation);
-  /// The best pose with its velocity times these factors; the best of them is fitted where it is better.
-  void vary_velocity(const BlurFrame& frame, std::span<const double> factors,
+  /// The best path in these variations; the best of them is fitted where it is better.
+  void vary_velocity(const BlurFrame& frame, std::span<const PathVariation> variations,
                      std::vector<Explanation>& found);
   /// On levels coarsest_level to 1.
   Sketch sketched(const BlurFrame& frame, Start start, int coarsest_level);
