@@ -1,16 +1,15 @@
 #include "blur_explanation.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "apriltrack/camera/pixel_jacobian.h"
 #include "blur_cloud.h"
 #include "blur_corners.h"
 #include "path_bend.h"
+#include "place_spread.h"
 #include "pose_adjustment.h"
 
 namespace apriltrack {
@@ -92,20 +91,15 @@ bool is_noise_alike(const std::vector<CornerObservation>& a, const std::vector<C
 
 /// As Explanation::prior_spread.
 double prior_spread(const PhotometricWorld& world, const MotionBelief& prior, const MotionFit& fit) {
-  const Matrix6d covariance = prior.covariance.topLeftCorner<6, 6>();
   const Pose view = camera_from_map(fit.state.pose, world.mode);
   double least = std::numeric_limits<double>::infinity();
   for (const TagEvidence& evidence : explained_tags(fit.tags)) {
-    const MapTag& tag = world.tags[static_cast<std::size_t>(evidence.tag_index)].tag;
-    const Eigen::Vector3d centre = view * tag.T_map_tag.translation();
-    Eigen::Matrix<double, 2, 3> by_point;
-    if (!world.model.project(centre, &by_point)) continue;
-    const Eigen::Matrix<double, 2, 6> J =
-        pixel_jacobian(by_point, centre) * view_by_pose(fit.state.pose, world.mode);
-    const double size_px = world.focal_px() * tag.size_m / centre.norm();
-    const Eigen::Matrix2d spread_px2 = J * covariance * J.transpose();
-    const double largest_px2 = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread_px2).eigenvalues()[1];
-    least = std::min(least, std::sqrt(largest_px2) / size_px);
+    const PhotometricTag& tag = world.tags[static_cast<std::size_t>(evidence.tag_index)];
+    const double distance_m = (view * tag.tag.T_map_tag.translation()).norm();
+    const double size_px = world.focal_px() * tag.tag.size_m / distance_m;
+    const double sigma_px =
+        place_sigma_px(world, tag, fit.state.pose, prior.covariance.topLeftCorner<6, 6>());
+    if (sigma_px > 0.0) least = std::min(least, sigma_px / size_px);
   }
   return least;
 }

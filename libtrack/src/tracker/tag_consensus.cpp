@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <iterator>
 
+#include "blur_covariance.h"
+#include "place_spread.h"
+
 namespace apriltrack {
 namespace {
 
@@ -17,6 +20,9 @@ constexpr double kMinSpreadOfMistakes = 0.3;
 /// Nats, of each tag: right ones reached 24 and more in a page full of tags, another's 7.
 constexpr double kMinIdentityLogOdds = 20.0;
 constexpr double kWeightOfMotion = 0.5;  // as a witness against a tag
+/// Of a tag that a start should show and does not; and what the place of such a one may be open by, pixels.
+constexpr double kSamplesToBeMissed = 100.0;
+constexpr double kMaxSigmaOfMissed_px = 3.0;
 /// What is asked of tags that take no part: whether they are there, not where to a hundredth of a pixel.
 constexpr int kPixelsOfHiddenTags = 250;
 
@@ -108,7 +114,19 @@ std::vector<int> TagConsensus::strained_tags() const {
 
 bool TagConsensus::allows(const BlurFrame& frame, const Explanation& best,
                           const std::vector<MotionHypothesis>& expected) {
-  return !is_torn_ && !jumps_alone(best, expected) && !may_be_mistaken(frame, best);
+  return !is_torn_ && !is_vague(best) && !jumps_alone(best, expected) && !may_be_mistaken(frame, best);
+}
+
+/// A start from a far tag alone: its tilt, and with it the place of all others, is known to degrees only.
+/// Where these are not where it has them, nothing says which of its tilts is right.
+bool TagConsensus::is_vague(const Explanation& best) const {
+  if (!best.is_cold) return false;
+  const Matrix6d covariance = fit_covariance(world_, best.fit).topLeftCorner<6, 6>() + best.bend_covariance;
+  return std::ranges::any_of(best.fit.tags, [&](const TagEvidence& tag) {
+    if (tag.is_explained() || tag.independent_samples() < kSamplesToBeMissed) return false;
+    const PhotometricTag& missed = world_.tags[static_cast<std::size_t>(tag.tag_index)];
+    return place_sigma_px(world_, missed, best.fit.state.pose, covariance) > kMaxSigmaOfMissed_px;
+  });
 }
 
 /// A tag that never fitted another, alone where the motion that others showed does not expect it.

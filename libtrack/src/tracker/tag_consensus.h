@@ -55,6 +55,7 @@ class TagConsensus {
   std::vector<Doubted> doubted_tags() const;
   std::vector<int> strained_tags() const;
   bool jumps_alone(const Explanation& best, const std::vector<MotionHypothesis>& expected);
+  bool is_vague(const Explanation& best) const;
   bool may_be_mistaken(const BlurFrame& frame, const Explanation& best) const;
   void learn_hidden_tags(const BlurFrame& frame, const Explanation& best, bool has_rival);
   TagReport report_of(const BlurFrame& frame, const TagEvidence& evidence, const TagVotes& votes) const;

@@ -1,6 +1,5 @@
 #include "tag_regions.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -8,8 +7,8 @@
 #include <limits>
 #include <optional>
 
-#include "apriltrack/camera/pixel_jacobian.h"
 #include "apriltrack/tags/tag_corners.h"
+#include "place_spread.h"
 
 namespace apriltrack {
 namespace {
@@ -57,19 +56,6 @@ std::optional<Outline> outline(const CameraModel& model, const PhotometricTag& t
     outline.shortest_edge_px = std::min(outline.shortest_edge_px, edge_px);
   }
   return outline;
-}
-
-/// Largest standard deviation of the tag's centre in the image.
-double place_sigma_px(const PhotometricWorld& world, const PhotometricTag& tag,
-                      const MotionBelief& expected) {
-  const Eigen::Vector3d centre =
-      camera_from_map(expected.mean.pose, world.mode) * tag.tag.T_map_tag.translation();
-  Eigen::Matrix<double, 2, 3> by_point;
-  if (!world.model.project(centre, &by_point)) return 0.0;
-  const Eigen::Matrix<double, 2, 6> J =
-      pixel_jacobian(by_point, centre) * view_by_pose(expected.mean.pose, world.mode);
-  const Eigen::Matrix2d spread = J * expected.covariance.topLeftCorner<6, 6>() * J.transpose();
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvalues()[1]);
 }
 
 /// The pixels of the box, widened, that lie in the image; empty where none does.
@@ -125,7 +111,8 @@ std::vector<TagRegions::Place> TagRegions::readable_places(PhotometricWorld& wor
     if (!seen || !image.intersects(seen->box_px)) continue;
     const double cell_px = 0.5 * world.textures.pattern(tag.index).cell_size() * seen->shortest_edge_px;
     if (cell_px < kMinCell_px || seen->path_px > kMaxPathInCells * cell_px) continue;
-    const double margin_px = kMargin_px + kSigmas * place_sigma_px(world, tag, expected);
+    const double margin_px = kMargin_px + kSigmas * place_sigma_px(world, tag, expected.mean.pose,
+                                                                   expected.covariance.topLeftCorner<6, 6>());
     places.push_back({i, region_in_image(seen->box_px, margin_px, width, height)});
   }
   return places;
