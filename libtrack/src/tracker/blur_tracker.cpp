@@ -8,6 +8,7 @@
 #include "blur_covariance.h"
 #include "blur_explanation.h"
 #include "blur_judge.h"
+#include "frame_exposures.h"
 #include "image_size.h"
 #include "known_exposure.h"
 #include "map_detection.h"
@@ -38,7 +39,8 @@ class BlurTracker::Implementation {
       : camera_(camera),
         map_(map),
         options_(options),
-        motion_(options.motion_noise, options.max_prediction_s) {
+        motion_(options.motion_noise, options.max_prediction_s),
+        exposures_(options.motion_noise, options.default_exposure_s) {
     options.check();
     detector_options_ = detector_options_for(camera, map, options.detector);
     // The tags' ids are checked now; without a size in the camera file, rays wait for the first image.
@@ -69,7 +71,9 @@ class BlurTracker::Implementation {
     fit_size(frame.image);
     TrackResult result;
     result.timestamp = frame.timestamp;
-    const std::vector<MotionHypothesis> expected = motion_.predict(frame.timestamp);
+    exposure_ = exposures_.next(frame.timestamp, known_exposure_s(frame.exposure_s, camera_.exposure_s));
+    const std::vector<MotionHypothesis> expected = motion_.predict(frame.timestamp, exposure_.sigma);
+    result.exposure = exposure_.report();
     if (expected.empty()) judge_.missed();
     BlurFrame blur_frame = prepared(frame);
     if (detections != nullptr) {
@@ -105,6 +109,7 @@ class BlurTracker::Implementation {
       motion_.forget();
       judge_ = BlurJudge();
       consensus_->forget();
+      exposures_.forget();
     }
     last_time_ = time;
   }
@@ -121,12 +126,10 @@ class BlurTracker::Implementation {
     BlurFrame result;
     result.photometric.light =
         light_pyramid(to_linear_light(frame.image, camera_.response), PhotometricWorld::kNumLevels);
-    result.photometric.exposure_s =
-        known_exposure_s(frame.exposure_s, camera_.exposure_s).value_or(options_.default_exposure_s);
+    result.photometric.exposure_s = exposure_.exposure_s;
     result.index = num_frames_++;
     result.interval_s = motion_.age_s(frame.timestamp);
-    if (result.photometric.exposure_s > 0.0 && frame.gain > 0.0)
-      result.sensitivity = result.photometric.exposure_s * frame.gain;
+    if (exposure_.base_s > 0.0 && frame.gain > 0.0) result.sensitivity = exposure_.base_s * frame.gain;
     return result;
   }
 
@@ -217,7 +220,8 @@ class BlurTracker::Implementation {
     });
     if (second != found.end()) report_second_pose(second->fit.state.pose, second->score - best.score, result);
     judge_.claimed(best);
-    motion_.remember(result.timestamp, motions(belief, found));
+    const double slower = exposures_.claimed(result.timestamp, exposure_, *world_, best.fit);
+    motion_.remember(result.timestamp, motions(belief, found), slower);
   }
 
   /// The motion found, and the likeliest other one where the next frame may decide for it.
@@ -271,6 +275,8 @@ class BlurTracker::Implementation {
   std::optional<PhotometricWorld> world_;
   std::optional<BlurExplainer> explainer_;
   MotionMemory motion_;
+  FrameExposures exposures_;
+  FrameExposure exposure_;  ///< Of this frame.
   BlurJudge judge_;
   std::optional<TagConsensus> consensus_;
   Matrix6d map_covariance_ = Matrix6d::Zero();  ///< What the map adds to that of the last evidence,

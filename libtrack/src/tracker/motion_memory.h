@@ -21,13 +21,14 @@ class MotionMemory {
   MotionMemory(const MotionNoise& noise, double max_age_s) : noise_(noise), max_age_s_(max_age_s) {}
 
   /// What is expected at `time`, the likeliest first; nothing when the evidence is too old, or time does not
-  /// run forward.
-  std::vector<MotionHypothesis> predict(Timestamp time) const;
+  /// run forward. speed_sigma: of the logarithm of what all velocities may be off by together: the poses that
+  /// they lead to are as uncertain.
+  std::vector<MotionHypothesis> predict(Timestamp time, double speed_sigma = 0.0) const;
   /// Since the evidence; none where nothing is expected.
   std::optional<double> age_s(Timestamp time) const;
 
-  /// hypotheses: the likeliest first.
-  void remember(Timestamp time, std::vector<MotionHypothesis> hypotheses);
+  /// hypotheses: the likeliest first. speed: what their velocities are to be multiplied by.
+  void remember(Timestamp time, std::vector<MotionHypothesis> hypotheses, double speed = 1.0);
   void forget() { hypotheses_.clear(); }
 
  private:

@@ -28,7 +28,7 @@ struct BlurTrackerOptions {
   std::uint64_t seed = 0;
   /// How long a pose is predicted without evidence before it is lost.
   double max_prediction_s = 0.5;
-  /// Exposure where neither the frame nor the camera tells one.
+  /// Exposure where neither the frame nor the camera tells one, until the motion does.
   double default_exposure_s = 0.01;
 
   /// Throws Error(kInvalidInput) that names the option, its value and its range.

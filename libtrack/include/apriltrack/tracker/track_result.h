@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,6 +48,22 @@ struct TagReport {
   bool is_read = false;  ///< Its code was decoded in this frame.
 };
 
+/// The exposure that a frame's blur was explained with.
+struct ExposureReport {
+  double exposure_s = 0.0;       ///< As told, or usual, times what the motion so far makes of it.
+  std::optional<double> told_s;  ///< By the frame, else by the camera.
+  bool is_estimated = false;     ///< The motion has said something of it.
+  double sigma = 0.0;            ///< Standard deviation of the logarithm of exposure_s.
+
+  /// Over what was told; 1 where nothing was.
+  double factor() const { return told_s && *told_s > 0.0 ? exposure_s / *told_s : 1.0; }
+  /// What was told is not what the motion says: by more than 10 %, and surely so.
+  bool is_doubted() const {
+    const double off = std::abs(std::log(factor()));
+    return is_estimated && off > 0.1 && off > 3.0 * sigma;
+  }
+};
+
 /// What one frame says of the pose.
 struct TrackResult {
   Timestamp timestamp;
@@ -70,9 +87,10 @@ struct TrackResult {
   /// Another pose that explains the frame (the mirrored tilt of a lone tag; the reverse of a blurred path),
   /// where it cannot be ruled out.
   std::optional<Pose> second_pose;
-  double second_mode_odds = 0.0;  ///< Weight of second_pose over pose; 0 when there is none.
-  double latency_s = 0.0;         ///< From the decoded image to the result.
-  std::string reason;             ///< Why there is no pose; empty otherwise.
+  double second_mode_odds = 0.0;           ///< Weight of second_pose over pose; 0 when there is none.
+  std::optional<ExposureReport> exposure;  ///< Of trackers that look for blur.
+  double latency_s = 0.0;                  ///< From the decoded image to the result.
+  std::string reason;                      ///< Why there is no pose; empty otherwise.
 };
 
 }  // namespace apriltrack
