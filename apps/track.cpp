@@ -133,6 +133,16 @@ void warn_of_contradictions(const TrackRecord& record, const std::string& method
   }
 }
 
+/// Poses do not suffer much, but predictions do, until the motion has told.
+void warn_of_exposure(const TrackRecord& record, Warnings& warnings) {
+  const std::optional<ExposureReport>& last = record.last_exposure();
+  if (!last || !last->is_doubted()) return;
+  warnings.add(fmt::format(
+      "the exposure told, {:.3g} ms, is not what blur and motion show: {:.3g} ms, to {:.0f} %; is "
+      "exposure_time right, or exposure_s of frames.csv?",
+      1e3 * *last->told_s, 1e3 * last->exposure_s, 100.0 * last->sigma));
+}
+
 void finish(const TrackArguments& arguments, const TrackRecord& record, bool was_interrupted,
             const Warnings& warnings) {
   nlohmann::json summary = record.summary();
@@ -196,6 +206,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   const bool was_interrupted = has_images ? track_images(arguments, camera, method, warnings, record, video)
                                           : track_detections(arguments, detections, method, record);
   warn_of_contradictions(record, arguments.method(), warnings);
+  warn_of_exposure(record, warnings);
   write_outputs(arguments,
                 {command_line_of(command), arguments, camera_file(arguments), map_file(arguments), camera,
                  map, record, was_interrupted},

@@ -47,16 +47,17 @@ Method blur_method(const MethodOptions& given, const Camera& camera, const TagMa
   // Frames of a recording may bring an exposure each: told once, by the first that does not.
   const auto has_warned = std::make_shared<bool>(camera.exposure_s.has_value());
   tracker->prepare();
-  return {std::nullopt, [=, &warnings](const Frame& frame, const std::vector<Detection>&) {
-            if (!frame.exposure_s && !*has_warned) {
-              warnings.add(fmt::format(
-                  "no exposure is known: {} s is assumed, and blur fits the worse the more it is off; give "
-                  "exposure_time in the camera file",
-                  options.default_exposure_s));
-              *has_warned = true;
-            }
-            return tracker->track(frame);
-          }};
+  return {
+      std::nullopt, [=, &warnings](const Frame& frame, const std::vector<Detection>&) {
+        if (!frame.exposure_s && !*has_warned) {
+          warnings.add(fmt::format(
+              "no exposure is known: {} s is assumed until the motion tells; blur fits the worse the more it "
+              "is off: give exposure_time in the camera file",
+              options.default_exposure_s));
+          *has_warned = true;
+        }
+        return tracker->track(frame);
+      }};
 }
 
 }  // namespace

@@ -57,6 +57,12 @@ std::string why_without_pose(const MapContents& map, const std::set<TagKey>& see
 
 }  // namespace
 
+std::string exposure_not_told(const ExposureReport& exposure) {
+  const double exposure_ms = 1e3 * exposure.exposure_s;
+  if (!exposure.is_estimated) return fmt::format("{:.3g} ms assumed (not told)", exposure_ms);
+  return fmt::format("{:.3g} ms estimated, to {:.0f} % (not told)", exposure_ms, 100.0 * exposure.sigma);
+}
+
 std::string list_of_tags(const std::set<TagKey>& keys) {
   std::string text;
   for (auto first = keys.begin(); first != keys.end();) {
@@ -91,6 +97,7 @@ void TrackRecord::add(const FrameDetections& frame, const TrackResult& result, d
   latencies_ms_.push_back(1e3 * latency_s);
   reasons_.push_back(result.pose ? "" : result.reason);
   if (exposure_s) exposures_s_.push_back(*exposure_s);
+  if (result.exposure) last_exposure_ = result.exposure;
   if (result.pose) {
     trajectory_.push_back({result.timestamp, *result.pose});
   } else {
@@ -143,17 +150,24 @@ double TrackRecord::latency_ms(double fraction) const {
 }
 
 nlohmann::json TrackRecord::summary() const {
-  return {{"frames", rows_.size()},
-          {"with_pose", trajectory_.size()},
-          {"detected", count(TrackStatus::kDetected)},
-          {"tracked", count(TrackStatus::kTracked)},
-          {"predicted", count(TrackStatus::kPredicted)},
-          {"lost", num_lost()},
-          {"unreadable", num_unreadable_},
-          {"lost_reasons", lost_reasons_},
-          {"tags_seen", frames_by_tag_.size()},
-          {"latency_p50_ms", latency_ms(0.50)},
-          {"latency_p99_ms", latency_ms(0.99)}};
+  nlohmann::json summary = {{"frames", rows_.size()},
+                            {"with_pose", trajectory_.size()},
+                            {"detected", count(TrackStatus::kDetected)},
+                            {"tracked", count(TrackStatus::kTracked)},
+                            {"predicted", count(TrackStatus::kPredicted)},
+                            {"lost", num_lost()},
+                            {"unreadable", num_unreadable_},
+                            {"lost_reasons", lost_reasons_},
+                            {"tags_seen", frames_by_tag_.size()},
+                            {"latency_p50_ms", latency_ms(0.50)},
+                            {"latency_p99_ms", latency_ms(0.99)}};
+  if (last_exposure_) {
+    summary["exposure"] = {{"used_s", last_exposure_->exposure_s},
+                           {"is_told", last_exposure_->told_s.has_value()},
+                           {"is_estimated", last_exposure_->is_estimated},
+                           {"relative_sigma", last_exposure_->sigma}};
+  }
+  return summary;
 }
 
 std::string TrackRecord::text() const {
@@ -161,10 +175,11 @@ std::string TrackRecord::text() const {
   const std::size_t tracked = count(TrackStatus::kTracked), predicted = count(TrackStatus::kPredicted);
   const std::string kinds =
       tracked + predicted == 0 ? "" : fmt::format(" ({} tracked, {} predicted)", tracked, predicted);
+  const bool is_untold = last_exposure_ && !last_exposure_->told_s;
   return fmt::format(
-      "{} frames: {} with a pose{}, {} lost, {} unreadable; latency {:.1f} ms (p50), {:.1f} ms (p99)",
+      "{} frames: {} with a pose{}, {} lost, {} unreadable; latency {:.1f} ms (p50), {:.1f} ms (p99){}",
       rows_.size(), trajectory_.size(), kinds, num_lost(), num_unreadable_, latency_ms(0.50),
-      latency_ms(0.99));
+      latency_ms(0.99), is_untold ? "; exposure: " + exposure_not_told(*last_exposure_) : "");
 }
 
 }  // namespace apriltrack::app

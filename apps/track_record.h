@@ -18,6 +18,9 @@ namespace apriltrack::app {
 /// "tag36h11/0 to 13, tag16h5/2": sorted keys with runs drawn together.
 std::string list_of_tags(const std::set<TagKey>& keys);
 
+/// "7.94 ms estimated, to 3 % (not told)", or what was assumed where the motion did not tell.
+std::string exposure_not_told(const ExposureReport& exposure);
+
 /// What a run of `track` leaves behind, frame by frame.
 class TrackRecord {
  public:
@@ -52,6 +55,8 @@ class TrackRecord {
   const std::map<std::string, int>& lost_reasons() const { return lost_reasons_; }
   /// Of the frames that told their own.
   const std::vector<double>& exposures_s() const { return exposures_s_; }
+  /// What the blur of the last frame was explained with; none where the method looks for none.
+  const std::optional<ExposureReport>& last_exposure() const { return last_exposure_; }
   /// Frames in which a tag was detected, mapped or not.
   const std::map<TagKey, int>& frames_by_tag() const { return frames_by_tag_; }
 
@@ -68,6 +73,7 @@ class TrackRecord {
   std::vector<FrameLogRow> rows_;
   std::vector<std::string> reasons_;
   std::vector<double> exposures_s_;
+  std::optional<ExposureReport> last_exposure_;
   std::vector<double> latencies_ms_;
   std::map<TagKey, int> frames_by_tag_;  ///< Everything detected, mapped or not.
   std::vector<bool> has_strays_;         ///< For each row.

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "apriltrack/eval/statistics.h"
-#include "apriltrack/tracker/blur_tracker.h"
 #include "degrees.h"
 
 namespace apriltrack::app {
@@ -44,11 +43,13 @@ std::string range_of_exposures(const std::vector<double>& exposures_s) {
 /// A frame's own exposure goes before the camera file's.
 std::string exposure(const TrackRun& run) {
   const std::vector<double>& told = run.record.exposures_s();
-  if (!told.empty()) return range_of_exposures(told) + " (told by the frames)";
+  const std::optional<ExposureReport>& last = run.record.last_exposure();
+  const std::string blur =
+      last && last->is_doubted() ? fmt::format("; blur shows {:.2g} times as much", last->factor()) : "";
+  if (!told.empty()) return range_of_exposures(told) + " (told by the frames)" + blur;
   if (run.camera.exposure_s)
-    return fmt::format("{:.3g} ms (told by the camera file)", 1e3 * *run.camera.exposure_s);
-  if (run.arguments.method() != "blur") return "not told";
-  return fmt::format("not told: {:.3g} ms assumed", 1e3 * BlurTrackerOptions().default_exposure_s);
+    return fmt::format("{:.3g} ms (told by the camera file)", 1e3 * *run.camera.exposure_s) + blur;
+  return last ? exposure_not_told(*last) : "not told";
 }
 
 std::string median_and_worst(const std::optional<ClaimedSigma>& sigma) {
