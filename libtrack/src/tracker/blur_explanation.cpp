@@ -153,9 +153,12 @@ Explanation path_reversed(const Explanation& best) {
   return reversed;
 }
 
+/// What lies beyond its prior is no better for explaining the pixels: one of the two is wrong.
 void sort_by_score(std::vector<Explanation>& found) {
-  std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.score > b.score; });
+  std::ranges::stable_sort(found, [](const Explanation& a, const Explanation& b) {
+    if (a.is_beyond_prior() != b.is_beyond_prior()) return b.is_beyond_prior();
+    return a.score > b.score;
+  });
 }
 
 }  // namespace

@@ -218,7 +218,8 @@ class BlurTracker::Implementation {
     const auto second = std::ranges::find_if(found, [&](const Explanation& other) {
       return distance(belief, other.fit.state.pose) > kDistinctSigmas;
     });
-    if (second != found.end()) report_second_pose(second->fit.state.pose, second->score - best.score, result);
+    if (second != found.end())
+      report_second_pose(second->fit.state.pose, std::min(0.0, second->score - best.score), result);
     judge_.claimed(best);
     const double slower = exposures_.claimed(result.timestamp, exposure_, *world_, best.fit);
     motion_.remember(result.timestamp, motions(belief, found), slower);
@@ -229,7 +230,7 @@ class BlurTracker::Implementation {
                                         const std::vector<Explanation>& found) const {
     std::vector<MotionHypothesis> result = {{belief, 0.0}};
     for (const Explanation& other : found) {
-      const double less = other.score - found.front().score;
+      const double less = std::min(0.0, other.score - found.front().score);
       if (less < kLeastScoreCarried || result.size() > 1) break;
       if (distance(belief, other.fit.state) > kDistinctSigmas)
         result.push_back({belief_of(other), kTrustInScores * less});
