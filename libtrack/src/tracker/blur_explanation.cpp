@@ -3,35 +3,21 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "blur_cloud.h"
 #include "blur_corners.h"
+#include "motion_start.h"
 #include "path_bend.h"
-#include "place_spread.h"
 #include "pose_adjustment.h"
 
 namespace apriltrack {
 namespace {
 
-/// Explained well enough to look no further: what a right state reaches where nothing hides the tags.
-constexpr double kGoodCorrelation = 0.94;
-/// Of a cold start more is asked: it begins at rest, and where it is not, a slow path is a good second best.
-constexpr double kGoodColdCorrelation = 0.97;
 /// Explained so badly that a second, larger cloud may find what the first missed; later after the last
 /// evidence than this the prior is too wide for any.
 constexpr double kPoorCorrelation = 0.85;
 constexpr double kMaxSecondCloudAge_s = 0.1;
 constexpr std::uint64_t kMaxClouds = 2;
-constexpr double kMaxStartPriorCost =
-    30.0;  // -log of the prior, beyond which its Gaussian is not to be trusted
-/// What a motion that went on as expected costs: 6 on the average, of twelve numbers; one in 200 costs more.
-constexpr double kMaxExpectedPriorCost = 14.0;
-constexpr double kMaxPriorDistance = 6.0;  // standard deviations of the pose
-constexpr double kColdCornerSigma_px = 3.0;
-constexpr double kColdLinear_m_per_s = 1.5;
-constexpr double kColdAngular_rad_per_s = 6.0;
 /// On a coarse level: of 684 fits that ended well, 10 had less there, of 281 others one in twenty had more.
 constexpr double kLeastCorrelationCoarse = 0.5;
 constexpr std::size_t kMaxFitted = 2;  // of a cloud's survivors
@@ -47,38 +33,6 @@ constexpr PathVariation kOtherLengths[] = {{0.7}, {1.4}, {1.4, 0.2}, {1.4, -0.2}
 constexpr double kLongPath_px = 25.0;
 constexpr int kMaxLengthRounds = 3;
 
-/// What a detection alone says of the motion: about where, and nothing of the velocity but that it is usual.
-std::optional<MotionBelief> cold_belief(const PhotometricWorld& world, const PoseCandidate& candidate) {
-  const Matrix6d information = corner_information(world.model, candidate.inliers, candidate.T_camera_map);
-  const Eigen::LLT<Matrix6d> factor(information);
-  if (factor.info() != Eigen::Success) return std::nullopt;
-  Matrix6d covariance = kColdCornerSigma_px * kColdCornerSigma_px * factor.solve(Matrix6d::Identity());
-  if (!covariance.allFinite()) return std::nullopt;
-  covariance = pose_covariance_from_camera(candidate.T_camera_map, covariance, world.mode);
-  MotionBelief belief;
-  belief.mean.pose = pose_from_camera(candidate.T_camera_map, world.mode);
-  belief.covariance.topLeftCorner<6, 6>() = 0.5 * (covariance + covariance.transpose());
-  belief.covariance.diagonal().segment<3>(6).setConstant(kColdLinear_m_per_s * kColdLinear_m_per_s);
-  belief.covariance.diagonal().segment<3>(9).setConstant(kColdAngular_rad_per_s * kColdAngular_rad_per_s);
-  return belief;
-}
-
-/// The velocity that the belief expects where the pose is known; nullopt when the pose is beyond belief.
-std::optional<MotionState> conditioned(const MotionBelief& belief, const Pose& pose) {
-  const Vector6d off = (belief.mean.pose.inverse() * pose).log();
-  const Vector6d weighted = Matrix6d(belief.covariance.topLeftCorner<6, 6>()).ldlt().solve(off);
-  if (!(off.dot(weighted) < kMaxPriorDistance * kMaxPriorDistance)) return std::nullopt;
-  MotionState state = belief.mean;
-  state.pose = pose;
-  state.velocity += belief.covariance.bottomLeftCorner<6, 6>() * weighted;
-  return state;
-}
-
-double prior_cost(const MotionBelief& prior, const MotionState& state) {
-  const double sigmas = distance(prior, state);
-  return 0.5 * sigmas * sigmas;
-}
-
 /// Whether what the corners weigh is about the same; they are the same corners.
 bool is_noise_alike(const std::vector<CornerObservation>& a, const std::vector<CornerObservation>& b) {
   constexpr double kMaxRatio = 1.5;
@@ -89,78 +43,6 @@ bool is_noise_alike(const std::vector<CornerObservation>& a, const std::vector<C
   return true;
 }
 
-/// As Explanation::prior_spread.
-double prior_spread(const PhotometricWorld& world, const MotionBelief& prior, const MotionFit& fit) {
-  const Pose view = camera_from_map(fit.state.pose, world.mode);
-  double least = std::numeric_limits<double>::infinity();
-  for (const TagEvidence& evidence : explained_tags(fit.tags)) {
-    const PhotometricTag& tag = world.tags[static_cast<std::size_t>(evidence.tag_index)];
-    const double distance_m = (view * tag.tag.T_map_tag.translation()).norm();
-    const double size_px = world.focal_px() * tag.tag.size_m / distance_m;
-    const double sigma_px =
-        place_sigma_px(world, tag, fit.state.pose, prior.covariance.topLeftCorner<6, 6>());
-    if (sigma_px > 0.0) least = std::min(least, sigma_px / size_px);
-  }
-  return least;
-}
-
-/// The tag tilted the other way about its centre: from far off it looks the same. As seen along the line of
-/// sight, D R D with D = diag(1, 1, -1) has the same upper left block, and so the same scaled orthographic
-/// picture (Oberkampf, DeMenthon, Davis, "Iterative pose estimation using coplanar feature points", 1996).
-Pose mirrored_tilt(const Pose& T_camera_tag) {
-  const Eigen::Quaterniond to_sight =
-      Eigen::Quaterniond::FromTwoVectors(T_camera_tag.translation(), Eigen::Vector3d::UnitZ());
-  const Eigen::DiagonalMatrix<double, 3> D(1.0, 1.0, -1.0);
-  const Eigen::Matrix3d mirrored = D * (to_sight * T_camera_tag.rotation()).toRotationMatrix() * D;
-  return {to_sight.conjugate() * Eigen::Quaterniond(mirrored), T_camera_tag.translation()};
-}
-
-bool is_well_explained(const Explanation& explanation) {
-  // A lone tag that was read may be tilted far off, with the others in view nowhere near.
-  if (typical_correlation(explanation.fit.tags) < TagEvidence::kExplained) return false;
-  if (!explanation.is_cold) return explanation.correlation >= kGoodCorrelation;
-  return widespread_correlation(explanation.fit.tags) >= kGoodColdCorrelation &&
-         explanation.prior_cost <= kMaxExpectedPriorCost;
-}
-
-double longest_path_px(const Explanation& explanation) {
-  double longest_px = 0.0;
-  for (const TagEvidence& tag : explanation.fit.tags) longest_px = std::max(longest_px, tag.path_px);
-  return longest_px;
-}
-
-/// The same places in the other order: the same picture, so that the pixels' equations are the same but for
-/// the sign of the velocity. What the prior pulls differs, and moves the state by one step of Newton.
-Explanation path_reversed(const Explanation& best) {
-  const Matrix12d prior = best.prior.belief.covariance.ldlt().solve(Matrix12d::Identity());
-  Vector12d sign = Vector12d::Ones();
-  sign.tail<6>().setConstant(-1.0);
-  const Matrix12d data = sign.asDiagonal() * (best.fit.information - prior) * sign.asDiagonal();
-  const Vector12d data_gradient =  // where the fit ended, that of the prior balances it
-      -(sign.asDiagonal() * (prior * difference(best.prior.belief.mean, best.fit.state)));
-  Explanation reversed = best;
-  MotionState& state = reversed.fit.state;
-  state.velocity = -state.velocity;
-  const Vector12d pull = prior * difference(best.prior.belief.mean, state);
-  reversed.fit.information = data + prior;
-  const Vector12d step = -reversed.fit.information.ldlt().solve(data_gradient + pull);
-  state = moved(state, step);
-  const double data_cost = data_gradient.dot(step) + 0.5 * step.dot(data * step);
-  const double cost = prior_cost(best.prior.belief, state);
-  const auto bounded = [](double of_prior) { return std::min(kMaxStartPriorCost, of_prior); };
-  reversed.score += bounded(best.prior_cost) - bounded(cost) - data_cost;
-  reversed.prior_cost = cost;
-  return reversed;
-}
-
-/// What lies beyond its prior is no better for explaining the pixels: one of the two is wrong.
-void sort_by_score(std::vector<Explanation>& found) {
-  std::ranges::stable_sort(found, [](const Explanation& a, const Explanation& b) {
-    if (a.is_beyond_prior() != b.is_beyond_prior()) return b.is_beyond_prior();
-    return a.score > b.score;
-  });
-}
-
 }  // namespace
 
 std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
@@ -169,19 +51,9 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
   if (found.empty() || !is_settled(frame, found.front())) detected(frame, hypotheses, found);
   if (found.empty()) return found;
   if (!is_well_explained(found.front()) || found.front().prior_cost > kMaxExpectedPriorCost)
-    vary_velocity(frame, kOtherVelocities, found);
-  for (int round = 0; round < kMaxLengthRounds && longest_path_px(found.front()) > kLongPath_px; ++round) {
-    const double score = found.front().score;
-    vary_velocity(frame, kOtherLengths, found);
-    if (found.front().score <= score) break;
-  }
-  const bool is_recent = frame.interval_s && *frame.interval_s <= kMaxSecondCloudAge_s;
-  for (std::size_t cloud = 0; cloud < kMaxClouds; ++cloud) {
-    const Explanation& best = found.front();
-    if (is_well_explained(best)) break;
-    if (cloud > 0 && !best.is_cold && (!is_recent || best.correlation >= kPoorCorrelation)) break;
-    search(frame, hypotheses, cloud, found);
-  }
+    vary_path(frame, kOtherVelocities, found);
+  vary_length(frame, found);
+  search(frame, hypotheses, found);
   mirror(frame, found);
   reverse(frame, found);
   return found;
@@ -230,7 +102,7 @@ std::vector<BlurExplainer::Start> BlurExplainer::starts_at(
   }
   if (!starts.empty()) return starts;
   // A detection that the motion so far did not expect pays as much as any surprise may cost.
-  const double log_odds = hypotheses.empty() ? 0.0 : -kMaxStartPriorCost;
+  const double log_odds = hypotheses.empty() ? 0.0 : -kMaxScoredPriorCost;
   if (const auto cold = cold_belief(world_, candidate))
     starts.push_back({cold->mean, {*cold, log_odds}, true});
   return starts;
@@ -258,8 +130,8 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
   if (!start.is_cold) explanation.prior_spread = prior_spread(world_, start.prior.belief, explanation.fit);
   explanation.bend_covariance =
       bend_covariance(bend_of(frame, explanation).sigma, frame.photometric.exposure_s);
-  explanation.score = log_likelihood(explanation.fit.tags) + start.prior.log_odds -
-                      std::min(kMaxStartPriorCost, explanation.prior_cost);
+  explanation.score =
+      log_likelihood(explanation.fit.tags) + start.prior.log_odds - scored_prior_cost(explanation.prior_cost);
   return explanation;
 }
 
@@ -306,8 +178,16 @@ TagVotes BlurExplainer::votes(const BlurFrame& frame, const MotionState& state) 
                      options_.corner_sigma_px);
 }
 
-void BlurExplainer::vary_velocity(const BlurFrame& frame, std::span<const PathVariation> variations,
-                                  std::vector<Explanation>& found) {
+void BlurExplainer::vary_length(const BlurFrame& frame, std::vector<Explanation>& found) {
+  for (int round = 0; round < kMaxLengthRounds && longest_path_px(found.front()) > kLongPath_px; ++round) {
+    const double score = found.front().score;
+    vary_path(frame, kOtherLengths, found);
+    if (found.front().score <= score) return;
+  }
+}
+
+void BlurExplainer::vary_path(const BlurFrame& frame, std::span<const PathVariation> variations,
+                              std::vector<Explanation>& found) {
   const Explanation& best = found.front();
   const Start as_found{best.fit.state, best.prior, best.is_cold};
   std::vector<Sketch> sketches;
@@ -332,7 +212,7 @@ BlurExplainer::Sketch BlurExplainer::sketched(const BlurFrame& frame, Start star
       weigh_evidence(world_, frame.photometric, start.state,
                      {.level = 1, .max_pixels_per_tag = kPixelsPerTag, .is_robust = false});
   const double of_prior = prior_cost(start.prior.belief, start.state);
-  return {start, log_likelihood(tags) - std::min(kMaxStartPriorCost, of_prior)};
+  return {start, log_likelihood(tags) - scored_prior_cost(of_prior)};
 }
 
 std::vector<BlurExplainer::Start> BlurExplainer::search_bases(const std::vector<MotionHypothesis>& hypotheses,
@@ -352,7 +232,18 @@ std::vector<BlurExplainer::Start> BlurExplainer::search_bases(const std::vector<
 }
 
 void BlurExplainer::search(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses,
-                           std::size_t cloud, std::vector<Explanation>& found) {
+                           std::vector<Explanation>& found) {
+  const bool is_recent = frame.interval_s && *frame.interval_s <= kMaxSecondCloudAge_s;
+  for (std::size_t cloud = 0; cloud < kMaxClouds; ++cloud) {
+    const Explanation& best = found.front();
+    if (is_well_explained(best)) return;
+    if (cloud > 0 && !best.is_cold && (!is_recent || best.correlation >= kPoorCorrelation)) return;
+    search_in_cloud(frame, hypotheses, cloud, found);
+  }
+}
+
+void BlurExplainer::search_in_cloud(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses,
+                                    std::size_t cloud, std::vector<Explanation>& found) {
   std::vector<MotionState> seeds;
   for (const Explanation& explanation : found) seeds.push_back(explanation.fit.state);
   const std::vector<Start> bases = search_bases(hypotheses, found);

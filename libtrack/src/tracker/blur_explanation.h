@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "apriltrack/photometric/motion_fit.h"
 #include "apriltrack/tracker/blur_tracker.h"
 #include "blur_corners.h"
+#include "explanation.h"
 #include "motion_memory.h"
 #include "path_bend.h"
 #include "pose_candidate.h"
@@ -25,30 +25,6 @@ struct BlurFrame {
   std::uint64_t index = 0;           ///< In the recording: the key of its random numbers.
   std::optional<double> interval_s;  ///< Since the frame before that was explained.
   double sensitivity = 1.0;          ///< Light in the image for light in the scene: exposure times gain. > 0.
-};
-
-/// A state that explains a frame, and why.
-struct Explanation {
-  MotionFit fit;
-  MotionHypothesis prior;
-  bool is_cold = false;     ///< The prior is that of a detection alone, not of the motion so far.
-  double prior_cost = 0.0;  ///< -log of the prior's density over its peak.
-  /// How well the prior knew where to look: standard deviation of an explained tag's place in the image over
-  /// the tag's size there, of the tag that it knew best. 0 when it is cold.
-  double prior_spread = 0.0;
-  /// Of the pose: what the acceleration within the exposure leaves open.
-  Matrix6d bend_covariance = Matrix6d::Zero();
-  TagVotes votes;
-  double correlation = 0.0;  ///< What most of the quorum reaches: one tag behind something lowers it not.
-  /// Log-likelihood of the pixels and, within limits, of the prior.
-  double score = 0.0;
-  double sensitivity = 1.0;  ///< Of its frame.
-  /// How the map is turned to what lights it, which stands still: with a body before a fixed camera it turns.
-  Eigen::Quaterniond R_light_map = Eigen::Quaterniond::Identity();
-
-  bool is_explained() const { return correlation >= TagEvidence::kExplained; }
-  /// So far from what the prior expects that one of the two is wrong: nine standard deviations.
-  bool is_beyond_prior() const { return prior_cost > 0.5 * 9.0 * 9.0; }
 };
 
 /// Another path beside one that was found.
@@ -94,16 +70,21 @@ class BlurExplainer {
   /// is needed.
   static bool is_settled(const BlurFrame& frame, const Explanation& explanation);
   /// The best path in these variations; the best of them is fitted where it is better.
-  void vary_velocity(const BlurFrame& frame, std::span<const PathVariation> variations,
-                     std::vector<Explanation>& found);
+  void vary_path(const BlurFrame& frame, std::span<const PathVariation> variations,
+                 std::vector<Explanation>& found);
+  /// Where the blur is long: shorter and longer paths, while one is better.
+  void vary_length(const BlurFrame& frame, std::vector<Explanation>& found);
   /// On levels coarsest_level to 1.
   Sketch sketched(const BlurFrame& frame, Start start, int coarsest_level);
   /// What the clouds are drawn about.
   static std::vector<Start> search_bases(const std::vector<MotionHypothesis>& hypotheses,
                                          const std::vector<Explanation>& found);
-  /// cloud: 0, or 1 for the one after.
-  void search(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses, std::size_t cloud,
+  /// In clouds of particles, until something explains the frame.
+  void search(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses,
               std::vector<Explanation>& found);
+  /// cloud: 0, or 1 for the one after.
+  void search_in_cloud(const BlurFrame& frame, const std::vector<MotionHypothesis>& hypotheses,
+                       std::size_t cloud, std::vector<Explanation>& found);
   PathBend bend_of(const BlurFrame& frame, const Explanation& explanation) const;
   /// Adds the other tilt of a lone tag where the motion so far does not rule it out.
   void mirror(const BlurFrame& frame, std::vector<Explanation>& found);
