@@ -70,8 +70,10 @@ TEST(BlurJudge, WithADetectionHalfATagBehindAHandIsEnough) {
   // Only those that agree are asked, however large the others.
   EXPECT_TRUE(is_convincing({evidence_of(0, 0.6), evidence_of(1, 0.0, 300)}));
   EXPECT_FALSE(is_convincing({evidence_of(0, 0.4), evidence_of(1, 0.99, 300)}));
-  // However small it is, and however unexpected.
-  EXPECT_TRUE(is_convincing({evidence_of(0, 0.6, 5)}, 1000.0));
+  EXPECT_TRUE(is_convincing({evidence_of(0, 0.6, 5)}));  // however small it is
+  // Nine standard deviations and more off the motion, one of the two is wrong.
+  EXPECT_TRUE(is_convincing({evidence_of(0, 0.6)}, 0.5 * 8.99 * 8.99));
+  EXPECT_FALSE(is_convincing({evidence_of(0, 0.6)}, 0.5 * 9.01 * 9.01));
 }
 
 TEST(BlurJudge, AFollowedStateIsClaimedWhereHalfOfTheSamplesAreExplained) {

@@ -15,7 +15,7 @@ constexpr int kPixelsPerFrame = 10'000;
 constexpr int kLeastPixelsPerTag = 64;
 /// Of a pixel's path, as ActiveTagsOptions::more_where_sharp: a tag of 60 px at rest then shows all its
 /// pixels.
-constexpr int kInstantsPaidFor = 4;
+constexpr double kInstantsPaidFor = 4.0;
 /// What a perfect model would still miss: print, glare, a lens that is sharper here than there.
 constexpr double kModelErrorOfContrast = 0.03;
 constexpr double kMinScale = 2e-3;
@@ -39,10 +39,10 @@ void ActiveTags::find(PhotometricWorld& world, const PhotometricFrame& frame, Vi
   count_ = 0;
   for (const TagInImage& shown : in_image_) {
     ActiveTag& tag = next_slot();
-    const auto num_instants = static_cast<int>(shown.prediction.num_instants());
-    const int times = options.more_where_sharp ? std::max(1, kInstantsPaidFor / num_instants) : 1;
-    select_pixels(world, frame.light, shown.prediction, shown.swept, options.level, times * share,
-                  &tag.pixels, &tag.predicted);
+    const auto num_instants = static_cast<double>(shown.prediction.num_instants());
+    const double times = options.more_where_sharp ? std::max(1.0, kInstantsPaidFor / num_instants) : 1.0;
+    select_pixels(world, frame.light, shown.prediction, shown.swept, options.level,
+                  static_cast<int>(times * share), &tag.pixels, &tag.predicted);
     if (tag.pixels.count < kMinPixels) continue;
     tag.index = shown.index;
     tag.scale = 0.0;

@@ -81,7 +81,7 @@ double identity_log_odds(PhotometricWorld& world, const PhotometricFrame& frame,
     }
   };
   wear(world.tags.size());  // the mean of each one's family
-  std::vector<TagEvidence> as_any = weigh_evidence(world, frame, state, {.max_pixels_per_tag = 350});
+  std::vector<TagEvidence> as_any = weigh_evidence(world, frame, state);
   wear(0);
   std::erase_if(as_any, [&](const TagEvidence& one) {
     return std::ranges::count(tags, one.tag_index, &TagEvidence::tag_index) == 0;

@@ -8,10 +8,10 @@ namespace apriltrack {
 namespace {
 
 // Against the exact truth of hand-held and thrown recordings at 30 Hz: the change of velocity since the last
-// frame is the acceleration times 0.96 to 1.03, off by a quarter of its length (0.15 on each axis) where it
-// is large, and by about this share of what the motion's noise allows where it is small.
-constexpr double kRelativeSigma = 0.15;
-constexpr double kLeastShareOfNoise = 0.05;
+// frame is the acceleration times 0.96 to 1.03, off by 0.18 to 0.37 of its length where it is large,
+// and by up to this share of what the motion's noise allows where it is small.
+constexpr double kRelativeSigma = 0.2;
+constexpr double kLeastShareOfNoise = 0.1;
 /// Of the motion's noise, where nothing was seen before: what films show all together.
 constexpr double kUnknownShareOfNoise = 0.5;
 constexpr double kUsualInterval_s = 1.0 / 30.0;
