@@ -43,6 +43,12 @@ bool is_noise_alike(const std::vector<CornerObservation>& a, const std::vector<C
   return true;
 }
 
+/// Since the frame before: no exposure is longer, whatever is told of it.
+std::optional<double> time_to_bend_s(const BlurFrame& frame) {
+  if (!frame.interval_s) return std::nullopt;
+  return std::max(*frame.interval_s, frame.photometric.exposure_s);
+}
+
 }  // namespace
 
 std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
@@ -136,8 +142,8 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
 }
 
 MotionFit BlurExplainer::fitted(const BlurFrame& frame, const Start& start, MotionFitOptions options) {
-  if (frame.interval_s && !start.is_cold)
-    options.acceleration_per_change = acceleration_per_change(*frame.interval_s);
+  const auto bent_over_s = time_to_bend_s(frame);
+  if (bent_over_s && !start.is_cold) options.acceleration_per_change = acceleration_per_change(*bent_over_s);
   std::vector<CornerObservation> observed = corners(frame, start.state);
   MotionFit fit = fit_motion(world_, frame.photometric, start.state, start.prior.belief, observed, options);
   std::vector<CornerObservation> as_found = corners(frame, fit.state);
@@ -265,7 +271,8 @@ void BlurExplainer::search_in_cloud(const BlurFrame& frame, const std::vector<Mo
 PathBend BlurExplainer::bend_of(const BlurFrame& frame, const Explanation& explanation) const {
   std::optional<Vector6d> expected;
   if (!explanation.is_cold) expected = explanation.prior.belief.mean.velocity;
-  return expected_bend(explanation.fit.state.velocity, expected, frame.interval_s, options_.motion_noise);
+  return expected_bend(explanation.fit.state.velocity, expected, time_to_bend_s(frame),
+                       options_.motion_noise);
 }
 
 void BlurExplainer::mirror(const BlurFrame& frame, std::vector<Explanation>& found) {
