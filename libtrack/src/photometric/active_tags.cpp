@@ -67,6 +67,18 @@ void ActiveTags::find_in_image(PhotometricWorld& world, const PhotometricFrame& 
   }
 }
 
+std::span<const ActiveTag> find_active_tags(PhotometricWorld& world, const PhotometricFrame& frame,
+                                            const MotionState& state, const EvidenceOptions& options) {
+  ViewPath path(state, frame.exposure_s, world.mode);
+  ActiveTags& active = world.scratch->active;
+  active.find(world, frame, path,
+              {.level = options.level,
+               .max_pixels = options.max_pixels_per_tag,
+               .extra_sigma_px = options.extra_sigma_px,
+               .tags = options.tags});
+  return active.tags();
+}
+
 TagEvidence evidence_of(const ActiveTag& tag, const TagMisfit& misfit) {
   return {.tag_index = tag.index,
           .num_pixels = static_cast<int>(tag.pixels.count),

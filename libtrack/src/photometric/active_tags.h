@@ -64,6 +64,10 @@ class ActiveTags {
   std::size_t count_ = 0;
 };
 
+/// The tags that the state shows, in the world's memory until others are looked for.
+std::span<const ActiveTag> find_active_tags(PhotometricWorld& world, const PhotometricFrame& frame,
+                                            const MotionState& state, const EvidenceOptions& options);
+
 /// What its pixels say of the state that it was found for.
 TagEvidence evidence_of(const ActiveTag& tag, const TagMisfit& misfit);
 

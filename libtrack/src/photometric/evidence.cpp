@@ -52,18 +52,11 @@ std::vector<TagEvidence> explained_tags(const std::vector<TagEvidence>& tags) {
 
 std::vector<TagEvidence> weigh_evidence(PhotometricWorld& world, const PhotometricFrame& frame,
                                         const MotionState& state, const EvidenceOptions& options) {
-  PhotometricScratch& scratch = *world.scratch;
-  ViewPath path(state, frame.exposure_s, world.mode);
-  scratch.active.find(world, frame, path,
-                      {.level = options.level,
-                       .max_pixels = options.max_pixels_per_tag,
-                       .extra_sigma_px = options.extra_sigma_px,
-                       .tags = options.tags});
+  std::vector<float>& weights = world.scratch->weights;
   std::vector<TagEvidence> evidence;
-  evidence.reserve(scratch.active.tags().size());
-  for (const ActiveTag& tag : scratch.active.tags()) {
+  for (const ActiveTag& tag : find_active_tags(world, frame, state, options)) {
     const auto misfit_at = [&](double scale) {
-      return measure_misfit(tag.pixels, tag.predicted, scale, &scratch.weights);
+      return measure_misfit(tag.pixels, tag.predicted, scale, &weights);
     };
     TagMisfit misfit = misfit_at(0.0);
     if (options.is_robust) misfit = misfit_at(scale_of(misfit));
