@@ -211,6 +211,7 @@ class BlurTracker::Implementation {
     const MotionBelief belief = belief_of(best);
     result.status = best.votes.agreeing.empty() ? TrackStatus::kTracked : TrackStatus::kDetected;
     result.pose = belief.mean.pose;
+    result.velocity = belief.mean.velocity;
     map_covariance_ = map_covariance(*world_, best.fit);
     evidence_pose_ = belief.mean.pose;
     result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_;
@@ -250,6 +251,7 @@ class BlurTracker::Implementation {
     const MotionBelief& belief = expected.front().belief;
     result.status = TrackStatus::kPredicted;
     result.pose = belief.mean.pose;
+    result.velocity = belief.mean.velocity;
     result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_at(belief.mean.pose);
     if (expected.size() > 1) report_second_pose(expected[1].belief.mean.pose, expected[1].log_odds, result);
   }

@@ -72,6 +72,9 @@ struct TrackResult {
   std::optional<Pose> pose;
   /// Of the right perturbation of `pose`, [translation; rotation], m and rad.
   std::optional<Matrix6d> covariance;
+  /// In the middle of the exposure, [linear; angular], m/s and rad/s, both in the frame on the right of `pose`:
+  /// the camera's own (ego), or the body's (joint). Wherever the blur tracker has a pose.
+  std::optional<Vector6d> velocity;
   /// All tags that were read in this frame, mapped or not. A tracker that knows where it is looks only where
   /// tags are expected, and not at all at what is too blurred to be read.
   std::vector<Detection> detections;
