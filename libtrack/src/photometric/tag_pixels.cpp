@@ -8,9 +8,9 @@
 namespace apriltrack {
 namespace {
 
-constexpr float kMinPresence = 0.25F;
+constexpr float kMinPresence = 0.05F;
 /// Standard deviation of the surroundings over that of the tag's own pixels.
-constexpr float kBackgroundSigma = 6.0F;
+constexpr float kBackgroundSigma = 3.0F;
 constexpr float kSaturatedLight = 0.985F;
 
 /// Cuts off what lies beyond `count`, and fills up to whole blocks.
