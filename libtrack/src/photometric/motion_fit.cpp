@@ -72,7 +72,7 @@ class Fit {
     return state;
   }
 
-  /// Where the path is better without the acceleration that the prior suggests, it is fitted without.
+  /// Where the path is better without the acceleration that the options suggest, it is fitted without.
   MotionFit straightened(MotionFit bent) {
     if (bent.state.acceleration.isZero() || options_.acceleration_per_change == 0.0) return bent;
     MotionState straight = bent.state;
@@ -123,8 +123,8 @@ class Fit {
   }
 
   void bend(MotionState& state) const {
-    if (!prior_ || is_straight_ || options_.acceleration_per_change == 0.0) return;
-    state.acceleration = options_.acceleration_per_change * (state.velocity - prior_->mean.velocity);
+    if (is_straight_ || options_.acceleration_per_change == 0.0) return;
+    state.acceleration = options_.acceleration_per_change * (state.velocity - options_.velocity_before);
   }
 
   static constexpr int kStepsPerSelection = 4;
@@ -309,7 +309,7 @@ class Fit {
   std::vector<TagMisfit> misfits_;  ///< Of the active tags, where they were found.
   Evaluated current_, next_;
   Matrix12d prior_information_ = Matrix12d::Zero();
-  bool is_straight_ = false;  ///< The prior's acceleration was tried, and is not used.
+  bool is_straight_ = false;  ///< The acceleration was tried, and is not used.
 };
 
 }  // namespace

@@ -45,8 +45,8 @@ bool is_noise_alike(const std::vector<CornerObservation>& a, const std::vector<C
 
 /// Since the frame before: no exposure is longer, whatever is told of it.
 std::optional<double> time_to_bend_s(const BlurFrame& frame) {
-  if (!frame.interval_s) return std::nullopt;
-  return std::max(*frame.interval_s, frame.photometric.exposure_s);
+  if (!frame.step_s) return std::nullopt;
+  return std::max(*frame.step_s, frame.photometric.exposure_s);
 }
 
 }  // namespace
@@ -133,7 +133,8 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
   refit_without_tags_read_as_others(frame, explanation);
   explanation.correlation = widespread_correlation(quorum(explanation.fit.tags, explanation.votes));
   explanation.prior_cost = prior_cost(start.prior.belief, explanation.fit.state);
-  if (!start.is_cold) explanation.prior_spread = prior_spread(world_, start.prior.belief, explanation.fit);
+  if (!start.is_cold)
+    explanation.prior_spread = prior_spread(world_, start.prior.by_evidence(), explanation.fit);
   explanation.bend_covariance =
       bend_covariance(bend_of(frame, explanation).sigma, frame.photometric.exposure_s);
   explanation.score =
@@ -143,7 +144,10 @@ Explanation BlurExplainer::explained(const BlurFrame& frame, const Start& start,
 
 MotionFit BlurExplainer::fitted(const BlurFrame& frame, const Start& start, MotionFitOptions options) {
   const auto bent_over_s = time_to_bend_s(frame);
-  if (bent_over_s && !start.is_cold) options.acceleration_per_change = acceleration_per_change(*bent_over_s);
+  if (bent_over_s && !start.is_cold) {
+    options.acceleration_per_change = acceleration_per_change(*bent_over_s);
+    options.velocity_before = start.prior.expected_velocity();
+  }
   std::vector<CornerObservation> observed = corners(frame, start.state);
   MotionFit fit = fit_motion(world_, frame.photometric, start.state, start.prior.belief, observed, options);
   std::vector<CornerObservation> as_found = corners(frame, fit.state);
@@ -270,7 +274,7 @@ void BlurExplainer::search_in_cloud(const BlurFrame& frame, const std::vector<Mo
 
 PathBend BlurExplainer::bend_of(const BlurFrame& frame, const Explanation& explanation) const {
   std::optional<Vector6d> expected;
-  if (!explanation.is_cold) expected = explanation.prior.belief.mean.velocity;
+  if (!explanation.is_cold) expected = explanation.prior.expected_velocity();
   return expected_bend(explanation.fit.state.velocity, expected, time_to_bend_s(frame),
                        options_.motion_noise);
 }

@@ -40,6 +40,7 @@ class BlurTracker::Implementation {
         map_(map),
         options_(options),
         motion_(options.motion_noise, options.max_prediction_s),
+        gyroscope_(camera.model),
         exposures_(options.motion_noise, options.default_exposure_s) {
     options.check();
     detector_options_ = detector_options_for(camera, map, options.detector);
@@ -72,10 +73,11 @@ class BlurTracker::Implementation {
     TrackResult result;
     result.timestamp = frame.timestamp;
     exposure_ = exposures_.next(frame.timestamp, known_exposure_s(frame.exposure_s, camera_.exposure_s));
-    const std::vector<MotionHypothesis> expected = motion_.predict(frame.timestamp, exposure_.sigma);
     result.exposure = exposure_.report();
-    if (expected.empty()) judge_.missed();
     BlurFrame blur_frame = prepared(frame);
+    const std::vector<MotionHypothesis> expected =
+        motion_.predict(frame.timestamp, exposure_.sigma, seen_turn(blur_frame.photometric.light));
+    if (expected.empty()) judge_.missed();
     if (detections != nullptr) {
       see(*detections, blur_frame);
       blur_frame.is_searched = true;
@@ -93,6 +95,7 @@ class BlurTracker::Implementation {
       if (!found.empty()) consensus_->learn_contradictions(found.front());
       judge_.missed();
       report_prediction(expected, result);
+      if (is_turn_seen_) motion_.step(frame.timestamp, expected);
       if (!result.pose) result.reason = why_lost(blur_frame, found);
     }
     result.detections = std::move(blur_frame.detections);
@@ -110,6 +113,7 @@ class BlurTracker::Implementation {
       judge_ = BlurJudge();
       consensus_->forget();
       exposures_.forget();
+      gyroscope_.forget();
     }
     last_time_ = time;
   }
@@ -129,8 +133,26 @@ class BlurTracker::Implementation {
     result.photometric.exposure_s = exposure_.exposure_s;
     result.index = num_frames_++;
     result.interval_s = motion_.age_s(frame.timestamp);
+    result.step_s = motion_.step_s(frame.timestamp);
     if (exposure_.base_s > 0.0 && frame.gain > 0.0) result.sensitivity = exposure_.base_s * frame.gain;
     return result;
+  }
+
+  /// Of a camera among things at rest; what a body before a camera does is not seen in the scene.
+  std::optional<SeenTurn> seen_turn(const LightPyramid& light) {
+    is_turn_seen_ = false;
+    if (options_.mode != TrackMode::kEgo) return std::nullopt;
+    const std::optional<CameraTurn> turn = gyroscope_.turn(light);
+    const MotionState* last = motion_.last();
+    if (!turn || last == nullptr) return std::nullopt;
+    const std::vector<std::size_t> tags = world_->tags_in_sight(*last);
+    if (tags.empty()) return std::nullopt;
+    const Pose view = camera_from_map(last->pose, options_.mode);
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const std::size_t k : tags)
+      middle += view * world_->tags[k].tag.T_map_tag.translation() / static_cast<double>(tags.size());
+    is_turn_seen_ = true;
+    return SeenTurn{*turn, middle};
   }
 
   void see(std::vector<Detection> detections, BlurFrame& blur_frame) const {
@@ -278,6 +300,8 @@ class BlurTracker::Implementation {
   std::optional<PhotometricWorld> world_;
   std::optional<BlurExplainer> explainer_;
   MotionMemory motion_;
+  VisualGyroscope gyroscope_;
+  bool is_turn_seen_ = false;  ///< In this frame.
   FrameExposures exposures_;
   FrameExposure exposure_;  ///< Of this frame.
   BlurJudge judge_;

@@ -23,7 +23,7 @@ struct MotionFit {
   /// Of [right perturbation of the pose; change of velocity]: prior, corners and the pixels of the tags
   /// that are explained (of all, where none is).
   Matrix12d information = Matrix12d::Zero();
-  std::vector<TagEvidence> tags;  ///< Those that show enough of themselves.
+  std::vector<TagEvidence> tags;        ///< Those that show enough of themselves.
   std::vector<TagEquations> equations;  ///< What each of them adds to the information, at the state.
 };
 
@@ -35,17 +35,18 @@ struct MotionFitOptions {
   int max_pixels_per_tag = 350;
   /// Widespread, of a level that is worth the next finer one: what explains nothing coarsely is not refined.
   double least_correlation = 0.0;
-  /// Acceleration within the exposure per change of velocity since the prior, 1/s; on the finest level, and
-  /// only where the path is not better without it.
+  /// Acceleration within the exposure per change of velocity, 1/s; on the finest level, and only where the
+  /// path is not better without it.
   double acceleration_per_change = 0.0;
+  Vector6d velocity_before = Vector6d::Zero();  ///< What the velocity has changed from, in the state's frame.
   double extra_sigma_px = 0.0;  ///< Further blur of the tags' pictures, pixels of level 0: a wider basin.
 };
 
 /// Maximises the joint photometric likelihood of all visible tags over pose and velocity, coarse to fine,
 /// together with the prior and the detected corners (docs/algorithms/blur_tracker.md).
 ///
-/// start: where the search begins; its acceleration is kept, unless the options tell another. prior: none when nothing is known; its mean's
-/// pose must be of the same mode.
+/// start: where the search begins; its acceleration is kept, unless the options tell another. prior: none
+/// when nothing is known; its mean's pose must be of the same mode.
 ///
 /// At the end one step more, and the evidence, with the pixels that EvidenceOptions asks for.
 MotionFit fit_motion(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& start,
