@@ -68,10 +68,10 @@ TEST(LikelihoodAgreement, TheSameShareOfThePictureIsExplained) {
   int num_long = 0;
   for (const TagFilm& film : all_films()) {
     const TwoViews view = views_of(film, {film.truth})[0];
-    EXPECT_GT(view.tracker_correlation, 0.98);
+    EXPECT_GT(view.tracker_correlation, 0.97);
     // Of tags of 53 and 107 px. The longer the path, the less are they the same samples: the square where it
     // is at mid-exposure here, all pixels that the print passes there.
-    EXPECT_NEAR(view.correlation, view.tracker_correlation, view.path_px < 20.0 ? 0.01 : 0.03);
+    EXPECT_NEAR(view.correlation, view.tracker_correlation, view.path_px < 20.0 ? 0.015 : 0.03);
     num_long += view.path_px < 20.0 ? 0 : 1;
   }
   EXPECT_EQ(num_long, 4);

@@ -52,9 +52,10 @@ TEST(TagPrediction, ExplainsARenderedPictureOnEveryLevel) {
     ASSERT_GT(pixels.count, 300U);
     std::vector<float> scratch;
     const TagMisfit misfit = measure_misfit(pixels, predicted, 0.0, &scratch);
-    EXPECT_GT(misfit.correlation, 0.996) << "level " << level;
+    // The ends of the path count, where mostly the wall is seen, which is not of one colour.
+    EXPECT_GT(misfit.correlation, 0.99) << "level " << level;
     // Where only the way is sought, instants are farther apart.
-    EXPECT_LT(misfit.residual_scale, (level == 0 ? 0.02 : 0.03) * misfit.colours.gain) << "level " << level;
+    EXPECT_LT(misfit.residual_scale, (level == 0 ? 0.025 : 0.03) * misfit.colours.gain) << "level " << level;
   }
 }
 

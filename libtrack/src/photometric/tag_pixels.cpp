@@ -8,7 +8,11 @@
 namespace apriltrack {
 namespace {
 
-constexpr float kMinPresence = 0.05F;
+/// A pixel at the end of the path counts once the tag has passed it by so much, but for what lens and pixel
+/// smear beyond a sharp tag. Without these faint ends a path too short may choose its own pixels, and look
+/// better than the right one.
+constexpr double kPassed_px = 1.0;
+constexpr double kMinPresence = 0.05, kMinPresenceSharp = 0.25;
 /// Standard deviation of the surroundings over that of the tag's own pixels.
 constexpr float kBackgroundSigma = 3.0F;
 constexpr float kSaturatedLight = 0.985F;
@@ -56,11 +60,13 @@ void find_candidates(const PhotometricWorld& world, const LightPyramid& light, c
 }
 
 /// Those that the tag covers, with the errors to expect of them.
-void keep_covered(TagPixels& pixels, PredictedPixels& predicted) {
+void keep_covered(double path_px, TagPixels& pixels, PredictedPixels& predicted) {
+  const auto min_presence =
+      static_cast<float>(std::clamp(kPassed_px / path_px, kMinPresence, kMinPresenceSharp));
   std::size_t kept = 0;
   for (std::size_t i = 0; i < pixels.count; ++i) {
     const float presence = predicted.presence[i];
-    if (presence < kMinPresence) continue;
+    if (presence < min_presence) continue;
     pixels.ray_x[kept] = pixels.ray_x[i];
     pixels.ray_y[kept] = pixels.ray_y[i];
     pixels.image[kept] = pixels.image[i];
@@ -89,7 +95,7 @@ void select_pixels(const PhotometricWorld& world, const LightPyramid& light, con
                    PredictedPixels* predicted) {
   find_candidates(world, light, swept, level, max_pixels, *pixels);
   predict(prediction, *pixels, predicted);
-  keep_covered(*pixels, *predicted);
+  keep_covered(prediction.path_px(), *pixels, *predicted);
   const double pixel = pixels->stride * (1 << level);
   pixels->area_px = static_cast<double>(pixels->count) * pixel * pixel;
 }

@@ -42,10 +42,10 @@ struct PredictedPixels {
 /// predicted: overwritten, its memory used again.
 void predict(const TagPrediction& prediction, const TagPixels& pixels, PredictedPixels* predicted);
 
-/// Pixels of which the tag covers at least a quarter during the exposure, thinned out evenly to about
-/// max_pixels: twice as many where it fills its box. Saturated pixels are left out: what light they stand for
-/// is not known. predicted: what these pixels should show. Both are overwritten, and their
-/// memory is used again.
+/// Pixels that the tag passes by a pixel or more during the exposure, or covers to a quarter, thinned out
+/// evenly to about max_pixels: twice as many where it fills its box. Saturated pixels are left out: what
+/// light they stand for is not known. predicted: what these pixels should show. Both are overwritten, and
+/// their memory is used again.
 void select_pixels(const PhotometricWorld& world, const LightPyramid& light, const TagPrediction& prediction,
                    const SweptArea& swept, int level, int max_pixels, TagPixels* pixels,
                    PredictedPixels* predicted);
