@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -26,8 +27,8 @@ class HandMadeFit : public ::testing::TestWithParam<TrackMode> {
     Matrix12d root;
     for (double& value : root.reshaped()) value = random.normal();
     fit_.information = 50.0 * (root * root.transpose() + Matrix12d::Identity());
-    fit_.tags = {{.tag_index = 1, .correlation = 0.96, .path_px = 12.0},
-                 {.tag_index = 0, .correlation = 0.9, .path_px = 3.0}};
+    fit_.tags = {{.tag_index = 1, .correlation = std::sqrt(1.0 - 0.006), .path_px = 12.0},
+                 {.tag_index = 0, .correlation = std::sqrt(1.0 - 0.002), .path_px = 3.0}};
   }
 
   static Camera camera() { return {.model = CameraModel({200.0, 190.0, 79.5, 59.5}, NoDistortion{})}; }
@@ -58,10 +59,10 @@ class HandMadeFit : public ::testing::TestWithParam<TrackMode> {
     return result;
   }
   /// J' J / s^2 of equation (10), by central differences.
-  Matrix6d shared_information(std::size_t index, double path_px) const {
+  Matrix6d shared_information(std::size_t index, double path_px, double unexplained_over_usual) const {
     const Eigen::MatrixXd J =
         test::numeric_jacobian([&](const Eigen::VectorXd& xi) { return pixels(index, xi); }, 6);
-    const double variance_px2 = 0.03 * 0.03 + 0.01 * 0.01 * path_px * path_px;
+    const double variance_px2 = unexplained_over_usual * (0.03 * 0.03 + 0.006 * 0.006 * path_px * path_px);
     return J.transpose() * J / variance_px2;
   }
   /// What the information alone says, and what these corners add.
@@ -88,15 +89,23 @@ void expect_covariance(const Matrix12d& covariance, const Matrix12d& truth) {
 
 TEST_P(HandMadeFit, AddsTheSharedErrorsOfTheTagsToTheInverseOfItsInformation) {
   expect_covariance(fit_covariance(world_, fit_),
-                    expected(shared_information(1, 12.0) + shared_information(0, 3.0)));
+                    expected(shared_information(1, 12.0, 1.5) + shared_information(0, 3.0, 0.5)));
 }
 
 TEST_P(HandMadeFit, SharesNothingWithTagsThatAreNotExplained) {
   fit_.tags[0].correlation = 0.84;
-  expect_covariance(fit_covariance(world_, fit_), expected(shared_information(0, 3.0)));
+  expect_covariance(fit_covariance(world_, fit_), expected(shared_information(0, 3.0, 0.5)));
   fit_.tags[1].correlation = 0.84;  // none is: all of them
+  constexpr double kMost = 10.0;
   expect_covariance(fit_covariance(world_, fit_),
-                    expected(shared_information(1, 12.0) + shared_information(0, 3.0)));
+                    expected(shared_information(1, 12.0, kMost) + shared_information(0, 3.0, kMost)));
+}
+
+TEST_P(HandMadeFit, LeavesSomethingToTagsThatAreExplainedWholly) {
+  for (TagEvidence& tag : fit_.tags) tag.correlation = 1.0;
+  constexpr double kLeast = 0.02;
+  expect_covariance(fit_covariance(world_, fit_),
+                    expected(shared_information(1, 12.0, kLeast) + shared_information(0, 3.0, kLeast)));
 }
 
 TEST_P(HandMadeFit, IsTheInverseOfTheInformationWhereNoTagIsSeen) {
@@ -118,7 +127,7 @@ MotionBelief prior_about(const MotionState& truth, RandomStream& random) {
 }
 
 /// How far a tag is led off whose corners are off by s each, (10): least squares over the four of them.
-Vector6d shared_error(const test::TagPicture& picture, double path_px, RandomStream& random) {
+Vector6d shared_error(const test::TagPicture& picture, const TagEvidence& tag, RandomStream& random) {
   const auto corners_at = [&](const Eigen::VectorXd& xi) {
     Eigen::VectorXd pixels(8);
     Eigen::Index row = 0;
@@ -129,8 +138,11 @@ Vector6d shared_error(const test::TagPicture& picture, double path_px, RandomStr
     }
     return pixels;
   };
+  const double unexplained = 1.0 - tag.clean_correlation() * tag.clean_correlation();
+  const double sigma_px =
+      std::hypot(0.03, 0.006 * tag.path_px) * std::sqrt(std::clamp(unexplained / 0.004, 0.02, 10.0));
   Eigen::VectorXd off_px(8);
-  for (double& value : off_px) value = std::hypot(0.03, 0.01 * path_px) * random.normal();
+  for (double& value : off_px) value = sigma_px * random.normal();
   return test::numeric_jacobian(corners_at, 6).colPivHouseholderQr().solve(off_px);
 }
 
@@ -149,7 +161,7 @@ TEST(FitCovariance, IsThatOfTheScatterOverNoisePriorAndSharedErrors) {
     ASSERT_EQ(fit.tags.size(), 1U);
     covariances.push_back(fit_covariance(world, fit));
     errors.push_back(difference(picture.truth, fit.state));
-    errors.back().head<6>() += shared_error(picture, fit.tags[0].path_px, random);
+    errors.back().head<6>() += shared_error(picture, fit.tags[0], random);
   }
   Vector12d mean = Vector12d::Zero();
   for (const Vector12d& error : errors) mean += error / kNumRuns;

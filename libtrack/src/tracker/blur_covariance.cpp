@@ -14,7 +14,8 @@ namespace {
 /// J' J / sigma^2 of a tag's corners, J by the right perturbation of the pose.
 Matrix6d shared_information(const PhotometricWorld& world, const MotionFit& fit,
                             const TagEvidence& evidence) {
-  const double sigma_px = shared_sigma_px(evidence.path_px);
+  const double explained = evidence.clean_correlation() * evidence.clean_correlation();
+  const double sigma_px = shared_sigma_px(evidence.path_px, 1.0 - explained);
   const Pose view = camera_from_map(fit.state.pose, world.mode);
   const Matrix6d left_by_right = view_by_pose(fit.state.pose, world.mode);
   Matrix6d information = Matrix6d::Zero();

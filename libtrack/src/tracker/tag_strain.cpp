@@ -63,7 +63,7 @@ TagStrain strain_of(const PhotometricWorld& world, const Pose& view, const TagEq
 
   const MapTag& mapped = world.tags[static_cast<std::size_t>(tag.evidence.tag_index)].tag;
   const CornerJacobian J = corner_jacobian(world.model, mapped, view);
-  const double sigma_px = shared_sigma_px(tag.evidence.path_px);
+  const double sigma_px = usual_shared_sigma_px(tag.evidence.path_px);
   const Matrix6d in_camera = (view * mapped.T_map_tag).adjoint();
   const auto from_tag = [&](const Matrix6d& covariance) {
     return Matrix6d(in_camera * covariance * in_camera.transpose());
