@@ -61,6 +61,17 @@ TEST(TurnFit, LikensNoNegative) {
   EXPECT_LE(fit_turn({before, now, kFocal_px}, Eigen::Quaterniond::Identity()).correlation, 0.0);
 }
 
+TEST(TurnFit, StaysWherePicturesAreTheSame) {
+  // To the last bit: what a camera at rest shows in a simulation, and a frame that is delivered twice. With a
+  // focal length that divides without rounding, nothing at all is left over.
+  constexpr float kFocal_px = 64.0F;
+  const Image<float> picture = hills(Eigen::Quaterniond::Identity(), kFocal_px);
+  const FittedTurn fit = fit_turn({picture, picture, kFocal_px}, Eigen::Quaterniond::Identity());
+  EXPECT_LT(rotation_log(fit.R_before_now).norm(), 1e-4);
+  EXPECT_GT(fit.correlation, 0.999);
+  EXPECT_GT(fit.common_share, 0.9);
+}
+
 TEST(TurnFit, TellsNothingWhereNothingIsInCommon) {
   constexpr float kFocal_px = 70.0F;
   const Image<float> picture = hills(Eigen::Quaterniond::Identity(), kFocal_px);

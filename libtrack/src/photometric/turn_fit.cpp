@@ -15,6 +15,7 @@ constexpr int kMaxSteps = 8;
 constexpr double kSettled_rad = 1e-3;
 constexpr int kStride = 4;  // every fourth pixel, in a pattern
 constexpr float kLeastDepth = 0.1F;
+constexpr float kLeastScale = 1e-4F;  // a fortieth of a grey level: two pictures may be the same
 
 /// Turn, gain and offset; then the residual.
 constexpr int kUnknowns = 5;
@@ -105,7 +106,7 @@ FittedTurn fit_turn(const TurnedPictures& pictures, const Eigen::Quaterniond& st
     state.R_before_now = (state.R_before_now * rotation_exp(move.head<3>())).normalized();
     state.gain += static_cast<float>(move[3]);
     state.offset += static_cast<float>(move[4]);
-    scale = static_cast<float>(2.0 * sums.rms());
+    scale = std::max(kLeastScale, static_cast<float>(2.0 * sums.rms()));
   }
 }
 
