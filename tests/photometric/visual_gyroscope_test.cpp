@@ -335,6 +335,14 @@ TEST_F(UnseenTurns, OfTinyImages) {
   }
 }
 
+TEST_F(UnseenTurns, AcrossAFrameThatWasTooSmall) {
+  // The frame before is the small one, whatever came before it.
+  EXPECT_FALSE(gyroscope_.turn(here_));
+  EXPECT_FALSE(gyroscope_.turn(dark(8, 8)));
+  EXPECT_FALSE(gyroscope_.turn(here_));
+  EXPECT_TRUE(gyroscope_.turn(here_));
+}
+
 TEST_F(UnseenTurns, AfterItForgets) {
   EXPECT_FALSE(gyroscope_.turn(here_));
   EXPECT_TRUE(gyroscope_.turn(here_));

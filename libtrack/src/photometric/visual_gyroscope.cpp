@@ -44,7 +44,10 @@ class VisualGyroscope::Implementation {
 
   std::optional<CameraTurn> turn(const LightPyramid& light) {
     const Image<float>& level = light[kLevel];
-    if (std::min(level.width(), level.height()) < kLeastLevelSize) return std::nullopt;
+    if (std::min(level.width(), level.height()) < kLeastLevelSize) {
+      forget();
+      return std::nullopt;
+    }
     if (level.width() != source_width_ || level.height() != source_height_) fit_size(level);
     std::swap(before_, now_);
     look(level);
