@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -52,6 +53,105 @@ TEST(MotionMemory, KeepsSeveralMotionsForAsLongAsAllowed) {
     EXPECT_TRUE(memory.predict({time_ns}).empty()) << time_ns;
     EXPECT_FALSE(memory.age_s({time_ns})) << time_ns;
   }
+}
+
+constexpr std::int64_t kFrame_ns = 40'000'000;
+constexpr double kFrame_s = 0.04;
+
+/// Turns about y at rate_per_s, or the other way.
+std::vector<MotionHypothesis> there_and_back(double rate_per_s, double log_odds_back) {
+  MotionBelief there, back;
+  there.mean.velocity[4] = rate_per_s;
+  back.mean.velocity[4] = -rate_per_s;
+  there.covariance.diagonal() << Vector6d::Constant(1e-6), Vector6d::Constant(0.01);
+  back.covariance = there.covariance;
+  return {{there, 0.0}, {back, log_odds_back}};
+}
+
+SeenTurn turn_about_y(double angle_rad) {
+  return {{Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitY())), 0.02},
+          {0.0, 0.0, 2.0}};
+}
+
+TEST(MotionMemory, ExpectsTheMotionThatTheTurnAgreesWith) {
+  MotionMemory memory({}, 0.5);
+  memory.remember({0}, there_and_back(1.5, -2.0));
+  const std::vector<MotionHypothesis> alone = memory.predict({kFrame_ns});
+  EXPECT_GT(alone[0].belief.mean.velocity[4], 0.0);
+  EXPECT_FALSE(alone[0].unaided);
+  EXPECT_EQ(alone[0].expected_velocity(), alone[0].belief.mean.velocity);
+
+  const std::vector<MotionHypothesis> turned =
+      memory.predict({kFrame_ns}, 0.0, turn_about_y(-1.5 * kFrame_s));
+  ASSERT_EQ(turned.size(), 2U);
+  EXPECT_NEAR(turned[0].belief.mean.velocity[4], -1.5, 1e-6);
+  EXPECT_EQ(turned[0].log_odds, 0.0);
+  // The one is as expected, the other off by twice the angle; of the angle's variance, in closed form: what
+  // was known of the rate, its noise since, and what the turn leaves open. Nothing is known of how the camera
+  // goes but that it hardly does: less than 0.2 m/s, or 4 mm at 2 m, besides noise.
+  const MotionNoise noise;
+  const double variance =
+      0.01 * kFrame_s * kFrame_s + noise.angular_rad2_per_s3 * std::pow(kFrame_s, 3) / 3.0 + 0.02 * 0.02 +
+      (0.01 * kFrame_s * kFrame_s + noise.linear_m2_per_s3 * std::pow(kFrame_s, 3) / 3.0) / 4.0;
+  const double off = 2.0 * 1.5 * kFrame_s;
+  EXPECT_NEAR(turned[1].log_odds, -0.5 * off * off / variance + 2.0, 0.02);
+}
+
+TEST(MotionMemory, KeepsWhatEvidenceAloneLeadsTo) {
+  MotionMemory memory({}, 0.5);
+  MotionBelief alone = there_and_back(1.0, 0.0)[1].belief;
+  memory.remember({0}, {{alone}});
+  double rate_before = alone.mean.velocity[4];
+  for (int frame = 1; frame <= 3; ++frame) {
+    alone = predict(alone, MotionNoise(), kFrame_s);
+    const std::vector<MotionHypothesis> expected =
+        memory.predict({frame * kFrame_ns}, 0.0, turn_about_y(-1.4 * kFrame_s));
+    ASSERT_TRUE(expected[0].unaided) << frame;
+    EXPECT_EQ(expected[0].unaided->mean.velocity, alone.mean.velocity) << frame;
+    EXPECT_LT((expected[0].unaided->covariance - alone.covariance).norm(), 1e-12) << frame;
+    EXPECT_EQ(&expected[0].by_evidence(), &*expected[0].unaided);
+    EXPECT_LT(expected[0].belief.mean.velocity[4], -1.05) << frame;  // the turn was faster
+    EXPECT_NEAR(expected[0].expected_velocity()[4], rate_before, 1e-12) << frame;
+    rate_before = expected[0].belief.mean.velocity[4];
+    memory.step({frame * kFrame_ns}, expected);
+  }
+  // A frame whose turn was not seen goes on from there.
+  const std::vector<MotionHypothesis> expected = memory.predict({4 * kFrame_ns});
+  ASSERT_TRUE(expected[0].unaided);
+  EXPECT_LT((expected[0].unaided->covariance - predict(alone, MotionNoise(), kFrame_s).covariance).norm(),
+            1e-12);
+  EXPECT_EQ(expected[0].expected_velocity(), expected[0].belief.mean.velocity);
+}
+
+TEST(MotionMemory, GoesOnFromTheLastStep) {
+  MotionMemory memory({}, 0.5);
+  memory.remember({0}, there_and_back(1.0, -2.0));
+  // The camera stands still from now on, and its turns say so.
+  for (int frame = 1; frame <= 5; ++frame)
+    memory.step({frame * kFrame_ns}, memory.predict({frame * kFrame_ns}, 0.0, turn_about_y(0.0)));
+  ASSERT_TRUE(memory.last());
+  const double angle = 2.0 * std::asin(memory.last()->pose.rotation().y());
+  EXPECT_LT(std::abs(memory.last()->velocity[4]), 0.2);
+  EXPECT_LT(std::abs(angle), 0.03);  // 0.2 without
+  EXPECT_NEAR(2.0 * std::asin(memory.predict({6 * kFrame_ns})[0].belief.mean.pose.rotation().y()),
+              angle + kFrame_s * memory.last()->velocity[4], 1e-9);
+}
+
+TEST(MotionMemory, GrowsOldFromTheEvidenceOn) {
+  MotionMemory memory({}, 0.1);
+  memory.remember({0}, there_and_back(1.0, -2.0));
+  for (int frame = 1; frame <= 2; ++frame) {
+    const Timestamp time{frame * kFrame_ns};
+    EXPECT_NEAR(memory.age_s(time).value_or(0.0), frame * kFrame_s, 1e-12);
+    EXPECT_NEAR(memory.step_s(time).value_or(0.0), kFrame_s, 1e-12);
+    memory.step(time, memory.predict(time, 0.0, turn_about_y(0.04)));
+  }
+  const Timestamp late{3 * kFrame_ns};
+  EXPECT_FALSE(memory.age_s(late));
+  EXPECT_FALSE(memory.step_s(late));
+  EXPECT_TRUE(memory.predict(late, 0.0, turn_about_y(0.04)).empty());
+  memory.forget();
+  EXPECT_FALSE(memory.last());
 }
 
 /// Two tags of 0.2 m, 0.5 m apart, square before a camera, 2 m away.
