@@ -132,6 +132,28 @@ TEST(SeenTurn, TellsOfTheMotionWhatBayesRuleDoes) {
   }
 }
 
+TEST(SeenTurn, TellsOfAPlaceThatIsTiedToTheVelocityWhatBayesRuleDoes) {
+  // After frames without evidence, who went faster is farther.
+  RandomStream random(2);
+  for (int i = 0; i < 20; ++i) {
+    const MotionBelief before = any_motion(random, true);
+    const MotionStep step{.noise = {}, .dt_s = kStep.dt_s, .speed_sigma = i % 2 == 0 ? 0.0 : 0.3};
+    const SeenTurn seen = any_turn(random, before, 0.03);
+    const TurnedBelief turned = turned_by(before, step, seen);
+    const WholeUpdate expected(before, step, seen);
+    ASSERT_LT(expected.sigmas, 4.5);
+    EXPECT_LT(sigmas_apart(expected.belief, turned.belief), kLinearised) << i;
+    EXPECT_LT((in_sigmas(turned.belief.covariance, expected.belief.covariance) -
+               in_sigmas(expected.belief.covariance, expected.belief.covariance))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              kLinearised)
+        << i;
+    const Matrix12d correlations = in_sigmas(turned.belief.covariance, turned.belief.covariance);
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix12d>(correlations).eigenvalues().minCoeff(), 0.0) << i;
+  }
+}
+
 TEST(SeenTurn, LeavesACovarianceThatIsOne) {
   // Frame after frame without evidence, as the tracker goes through them.
   MotionBelief belief;

@@ -22,14 +22,16 @@ MotionBelief predicted(const MotionBelief& belief, const MotionStep& step) {
 }
 
 TurnedBelief turned_by(const MotionBelief& before, const MotionStep& step, const SeenTurn& seen) {
-  // What is seen is the way since: where the camera was before is no part of it, and as uncertain after.
+  // What is seen is the way since: where the camera was before is no part of it, and is known better only as
+  // far as it is tied to the velocity.
+  const MotionBelief alone = predicted(before, step);
   MotionBelief from_here = before;
-  from_here.covariance.topRows<6>().setZero();
   from_here.covariance.leftCols<6>().setZero();
-  MotionBelief since = predicted(from_here, step);
-  const Matrix12d of_place = predicted(before, step).covariance - since.covariance;
+  const Matrix12d with_way = predicted(from_here, step).covariance;  // of the state now, and the way to it
+  from_here.covariance.topRows<6>().setZero();
+  const MotionBelief since = predicted(from_here, step);
 
-  const Pose way = before.mean.pose.inverse() * since.mean.pose;
+  const Pose way = before.mean.pose.inverse() * alone.mean.pose;
   // A point p ahead moves by -t where the camera goes by t: as if it had turned by p x t / |p|^2.
   const Eigen::Matrix3d turn_by_way = skew(seen.scene_camera) / seen.scene_camera.squaredNorm();
   const Eigen::Vector3d expected = rotation_log(way.rotation()) + turn_by_way * way.translation();
@@ -38,19 +40,18 @@ TurnedBelief turned_by(const MotionBelief& before, const MotionStep& step, const
   by_state.block<3, 3>(0, 0) = turn_by_way * way.rotation();
   by_state.block<3, 3>(0, 3).setIdentity();
 
-  TurnedBelief result{since, since.mean.velocity, 0.0};
-  const Eigen::Matrix<double, 12, 3> cross = since.covariance * by_state.transpose();
-  const Eigen::Matrix3d covariance =
-      by_state * cross + seen.turn.sigma_rad * seen.turn.sigma_rad * Eigen::Matrix3d::Identity();
+  TurnedBelief result{alone, alone.mean.velocity, 0.0};
+  const Eigen::Matrix<double, 12, 3> cross = with_way * by_state.transpose();
+  const Eigen::Matrix3d covariance = by_state * since.covariance * by_state.transpose() +
+                                     seen.turn.sigma_rad * seen.turn.sigma_rad * Eigen::Matrix3d::Identity();
   const Eigen::LDLT<Eigen::Matrix3d> factor(covariance);
   const double sigmas2 = off.dot(factor.solve(off));
   result.log_likelihood =
       -0.5 * (std::min(sigmas2, kMaxSigmas * kMaxSigmas) + factor.vectorD().array().log().sum());
   if (sigmas2 < kMaxSigmas * kMaxSigmas) {
-    result.belief.mean = moved(since.mean, cross * factor.solve(off));
+    result.belief.mean = moved(alone.mean, cross * factor.solve(off));
     result.belief.covariance -= cross * factor.solve(cross.transpose());
   }
-  result.belief.covariance += of_place;
   return result;
 }
 
