@@ -63,7 +63,7 @@ bool track_detections(const TrackArguments& arguments, const std::vector<FrameDe
       Frame without_image;
       without_image.timestamp = frame.timestamp;
       const TrackResult result = method.track(without_image, frame.detections);
-      record.add(frame, result, result.latency_s);
+      record.add(frame, result);
       progress.advance();
     }
   }
@@ -92,10 +92,12 @@ bool track_images(const TrackArguments& arguments, const Camera& camera, const M
       exposures.add(image.timestamp, image.exposure_s, image.exposure_where);
     else
       exposures.add(image.timestamp, camera.exposure_s, exposure_of_camera);
-    const TrackResult result = method.track(image.frame(), detected.detections);
+    TrackResult result = method.track(image.frame(), detected.detections);
+    result.latency_s += detected.latency_s;
+    result.detection_s += detected.latency_s;
     const FrameDetections frame{image.timestamp, camera.name,
                                 method.detector ? std::move(detected.detections) : result.detections};
-    record.add(frame, result, detected.latency_s + result.latency_s, image.exposure_s);
+    record.add(frame, result, image.exposure_s);
     if (video) video->add(image, result);
   };
   return detect_frames(*source, options, arguments.console, track).is_interrupted;

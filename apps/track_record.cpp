@@ -79,7 +79,7 @@ std::string list_of_tags(const std::set<TagKey>& keys) {
   return text;
 }
 
-void TrackRecord::add(const FrameDetections& frame, const TrackResult& result, double latency_s,
+void TrackRecord::add(const FrameDetections& frame, const TrackResult& result,
                       const std::optional<double>& exposure_s) {
   std::set<TagKey> tags;
   for (const Detection& detection : frame.detections) tags.insert(detection.tag);
@@ -89,12 +89,13 @@ void TrackRecord::add(const FrameDetections& frame, const TrackResult& result, d
                    .pose = result.pose,
                    .tags_detected = result.tags_detected,
                    .tags_tracked = result.tags_tracked,
-                   .latency_ms = 1e3 * latency_s,
+                   .latency_ms = 1e3 * result.latency_s,
                    .second_mode_odds = result.second_mode_odds,
-                   .covariance = result.covariance});
+                   .covariance = result.covariance,
+                   .detection_ms = 1e3 * result.detection_s});
   has_strays_.push_back(!result.contradicting_tags.empty());
   for (const TagKey& tag : result.contradicting_tags) ++strays_[tag];
-  latencies_ms_.push_back(1e3 * latency_s);
+  latencies_ms_.push_back(1e3 * result.latency_s);
   reasons_.push_back(result.pose ? "" : result.reason);
   if (exposure_s) exposures_s_.push_back(*exposure_s);
   if (result.exposure) last_exposure_ = result.exposure;

@@ -24,8 +24,8 @@ std::string exposure_not_told(const ExposureReport& exposure);
 /// What a run of `track` leaves behind, frame by frame.
 class TrackRecord {
  public:
-  /// latency_s: from the decoded image to the result. exposure_s: where the frame tells its own.
-  void add(const FrameDetections& frame, const TrackResult& result, double latency_s,
+  /// exposure_s: where the frame tells its own.
+  void add(const FrameDetections& frame, const TrackResult& result,
            const std::optional<double>& exposure_s = std::nullopt);
   void add_unreadable(Timestamp timestamp);
 

@@ -83,7 +83,7 @@ TEST(FrameLog, HeaderIsTheContracts) {
             "rotation_rad,"
             "latency_ms,second_mode_odds,cov_00,cov_01,cov_02,cov_03,cov_04,cov_05,cov_11,cov_12,cov_13,cov_"
             "14,cov_15,"
-            "cov_22,cov_23,cov_24,cov_25,cov_33,cov_34,cov_35,cov_44,cov_45,cov_55\n");
+            "cov_22,cov_23,cov_24,cov_25,cov_33,cov_34,cov_35,cov_44,cov_45,cov_55,detection_ms\n");
 }
 
 TEST(FrameLog, FindsColumnsByName) {

@@ -35,7 +35,7 @@ std::string header() {
   for (int i = 0; i < 6; ++i) {
     for (int j = i; j < 6; ++j) text.append(",").append(covariance_column(i, j));
   }
-  text += '\n';
+  text += ",detection_ms\n";
   return text;
 }
 
@@ -77,7 +77,7 @@ void append_row(std::string& text, const FrameLogRow& row) {
   text += row.latency_ms ? fmt::format(",{:.3f}", *row.latency_ms) : ",";
   fmt::format_to(std::back_inserter(text), ",{:.6g}", row.second_mode_odds);
   append_covariance(text, row.covariance);
-  text += '\n';
+  text += row.detection_ms ? fmt::format(",{:.3f}\n", *row.detection_ms) : ",\n";
 }
 
 /// One row of the file; a column that is not there reads as empty.
@@ -161,6 +161,7 @@ FrameLogRow read_row(const CsvTable& table, std::size_t index) {
   row.covariance = reader.covariance();
   row.sigma_position_m = reader.sigma("sigma_position_m");
   row.sigma_rotation_rad = reader.sigma("sigma_rotation_rad");
+  row.detection_ms = reader.number("detection_ms");
   return row;
 }
 

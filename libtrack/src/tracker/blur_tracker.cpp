@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "blur_covariance.h"
 #include "blur_explanation.h"
@@ -70,13 +71,14 @@ class BlurTracker::Implementation {
       return *lost;
     }
     fit_size(frame.image);
+    detection_s_ = 0.0;
     TrackResult result;
     result.timestamp = frame.timestamp;
     exposure_ = exposures_.next(frame.timestamp, known_exposure_s(frame.exposure_s, camera_.exposure_s));
     result.exposure = exposure_.report();
     BlurFrame blur_frame = prepared(frame);
     const std::vector<MotionHypothesis> expected =
-        motion_.predict(frame.timestamp, exposure_.sigma, seen_turn(blur_frame.photometric.light));
+        motion_.predict(frame.timestamp, exposure_.sigma, seen_turn(frame.timestamp, blur_frame));
     if (expected.empty()) judge_.missed();
     if (detections != nullptr) {
       see(*detections, blur_frame);
@@ -99,6 +101,7 @@ class BlurTracker::Implementation {
       if (!result.pose) result.reason = why_lost(blur_frame, found);
     }
     result.detections = std::move(blur_frame.detections);
+    result.detection_s = detection_s_;
     result.latency_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return result;
   }
@@ -139,11 +142,13 @@ class BlurTracker::Implementation {
   }
 
   /// Of a camera among things at rest; what a body before a camera does is not seen in the scene.
-  std::optional<SeenTurn> seen_turn(const LightPyramid& light) {
+  std::optional<SeenTurn> seen_turn(Timestamp time, const BlurFrame& frame) {
     is_turn_seen_ = false;
+    const Timestamp before = std::exchange(turn_time_, time);
     if (options_.mode != TrackMode::kEgo) return std::nullopt;
-    const std::optional<CameraTurn> turn = gyroscope_.turn(light);
-    const MotionState* last = motion_.last();
+    const std::optional<CameraTurn> turn = gyroscope_.turn(frame.photometric.light);
+    // A turn of the last frame alone is none of a longer step.
+    const MotionState* last = motion_.at(before);
     if (!turn || last == nullptr) return std::nullopt;
     const std::vector<std::size_t> tags = world_->tags_in_sight(*last);
     if (tags.empty()) return std::nullopt;
@@ -168,17 +173,25 @@ class BlurTracker::Implementation {
     if (seconds_between(last_search_, frame.timestamp) >= kGlanceInterval_s) {
       last_search_ = frame.timestamp;
       const std::array whole = {ImageRegion{0, 0, image.width(), image.height()}};
-      return see(detector_->detect_in(image, whole, kGlanceDecimate), blur_frame);
+      return see(timed([&] { return detector_->detect_in(image, whole, kGlanceDecimate); }), blur_frame);
     }
-    see(detector_->detect_in(
-            image, regions_.choose(*world_, expected.front().belief, blur_frame.photometric.exposure_s,
-                                   image.width(), image.height())),
-        blur_frame);
+    const std::vector<ImageRegion> regions = regions_.choose(
+        *world_, expected.front().belief, blur_frame.photometric.exposure_s, image.width(), image.height());
+    see(timed([&] { return detector_->detect_in(image, regions); }), blur_frame);
+  }
+
+  /// What `detect` finds; its time is counted.
+  template <class Detect>
+  std::vector<Detection> timed(const Detect& detect) {
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<Detection> found = detect();
+    detection_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return found;
   }
 
   void search(const Frame& frame, BlurFrame& blur_frame) {
     last_search_ = frame.timestamp;
-    see(detector_->detect(frame.image), blur_frame);
+    see(timed([&] { return detector_->detect(frame.image); }), blur_frame);
     blur_frame.is_searched = true;
   }
 
@@ -301,6 +314,7 @@ class BlurTracker::Implementation {
   std::optional<BlurExplainer> explainer_;
   MotionMemory motion_;
   VisualGyroscope gyroscope_;
+  Timestamp turn_time_;        ///< Of the frame that it saw last.
   bool is_turn_seen_ = false;  ///< In this frame.
   FrameExposures exposures_;
   FrameExposure exposure_;  ///< Of this frame.
@@ -309,7 +323,8 @@ class BlurTracker::Implementation {
   Matrix6d map_covariance_ = Matrix6d::Zero();  ///< What the map adds to that of the last evidence,
   Pose evidence_pose_;                          ///< at that pose.
   TagRegions regions_;
-  Timestamp last_search_;  ///< Of the whole image.
+  Timestamp last_search_;     ///< Of the whole image.
+  double detection_s_ = 0.0;  ///< In this frame.
   std::optional<Timestamp> last_time_;
   std::uint64_t num_frames_ = 0;
 };

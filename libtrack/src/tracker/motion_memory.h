@@ -39,8 +39,10 @@ class MotionMemory {
   std::optional<double> age_s(Timestamp time) const;
   /// Since the evidence, or the last step without.
   std::optional<double> step_s(Timestamp time) const;
-  /// The likeliest state then; null where there is none.
-  const MotionState* last() const { return hypotheses_.empty() ? nullptr : &hypotheses_.front().belief.mean; }
+  /// The likeliest state of that very time; null where it was another that was remembered, or stepped to.
+  const MotionState* at(Timestamp time) const {
+    return hypotheses_.empty() || time_ != time ? nullptr : &hypotheses_.front().belief.mean;
+  }
 
   /// hypotheses: the likeliest first. speed: what their velocities are to be multiplied by.
   void remember(Timestamp time, std::vector<MotionHypothesis> hypotheses, double speed = 1.0);

@@ -24,6 +24,7 @@ struct FrameLogRow {
   /// file's own columns; writing derives them from the covariance where there is one.
   std::optional<double> sigma_position_m = std::nullopt;
   std::optional<double> sigma_rotation_rad = std::nullopt;
+  std::optional<double> detection_ms = std::nullopt;  ///< Of latency_ms, looking for tags that can be read.
 };
 
 /// True for `detected` and `tracked`: the tracker claims to see a tag in this frame.

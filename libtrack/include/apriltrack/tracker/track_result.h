@@ -72,8 +72,8 @@ struct TrackResult {
   std::optional<Pose> pose;
   /// Of the right perturbation of `pose`, [translation; rotation], m and rad.
   std::optional<Matrix6d> covariance;
-  /// In the middle of the exposure, [linear; angular], m/s and rad/s, both in the frame on the right of `pose`:
-  /// the camera's own (ego), or the body's (joint). Wherever the blur tracker has a pose.
+  /// In the middle of the exposure, [linear; angular], m/s and rad/s, both in the frame on the right of
+  /// `pose`: the camera's own (ego), or the body's (joint). Wherever the blur tracker has a pose.
   std::optional<Vector6d> velocity;
   /// All tags that were read in this frame, mapped or not. A tracker that knows where it is looks only where
   /// tags are expected, and not at all at what is too blurred to be read.
@@ -92,7 +92,8 @@ struct TrackResult {
   std::optional<Pose> second_pose;
   double second_mode_odds = 0.0;           ///< Weight of second_pose over pose; 0 when there is none.
   std::optional<ExposureReport> exposure;  ///< Of trackers that look for blur.
-  double latency_s = 0.0;                  ///< From the decoded image to the result.
+  double latency_s = 0.0;                  ///< From the decoded image to the result;
+  double detection_s = 0.0;                ///< of that, looking for tags that can be read.
   std::string reason;                      ///< Why there is no pose; empty otherwise.
 };
 
