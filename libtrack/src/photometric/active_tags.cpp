@@ -9,9 +9,6 @@ namespace apriltrack {
 namespace {
 
 constexpr std::size_t kMinPixels = 12;
-/// All tags of a frame together: 14 with all that is asked for, as many as a room shows; what a frame of
-/// hundreds costs does not grow with them, until they are down to what still tells one tag from another.
-constexpr int kPixelsPerFrame = 10'000;
 constexpr int kLeastPixelsPerTag = 64;
 /// Of a pixel's path, as ActiveTagsOptions::more_where_sharp: a tag of 60 px at rest then shows all its
 /// pixels.
@@ -21,9 +18,9 @@ constexpr double kModelErrorOfContrast = 0.03;
 constexpr double kMinScale = 2e-3;
 
 /// Of what is asked for, a tag's share when `num_tags` show.
-int pixels_per_tag(int max_pixels, std::size_t num_tags) {
-  const int share = kPixelsPerFrame / static_cast<int>(std::max<std::size_t>(1, num_tags));
-  return std::min(max_pixels, std::max(kLeastPixelsPerTag, share));
+int pixels_per_tag(const ActiveTagsOptions& options, std::size_t num_tags) {
+  const int share = options.max_pixels_in_all / static_cast<int>(std::max<std::size_t>(1, num_tags));
+  return std::min(options.max_pixels, std::max(kLeastPixelsPerTag, share));
 }
 
 bool is_chosen(const PhotometricTag& tag, TagChoice choice) {
@@ -35,7 +32,7 @@ bool is_chosen(const PhotometricTag& tag, TagChoice choice) {
 void ActiveTags::find(PhotometricWorld& world, const PhotometricFrame& frame, ViewPath& path,
                       const ActiveTagsOptions& options) {
   find_in_image(world, frame, path, options);
-  const int share = pixels_per_tag(options.max_pixels, in_image_.size());
+  const int share = pixels_per_tag(options, in_image_.size());
   count_ = 0;
   for (const TagInImage& shown : in_image_) {
     ActiveTag& tag = next_slot();

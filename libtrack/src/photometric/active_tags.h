@@ -26,9 +26,11 @@ struct ActiveTag {
 /// What is looked at of the tags.
 struct ActiveTagsOptions {
   int level = 0;
-  /// Of each tag; less where more than 14 share a frame's budget (docs/algorithms/blur_tracker.md, section
-  /// 2).
-  int max_pixels = 700;
+  int max_pixels = 700;  ///< Of each tag.
+  /// Of all tags together, who share them where these are fewer: 14 have all that is asked for, as many as a
+  /// room shows. What a frame of hundreds costs does not grow with them, until they are down to what still
+  /// tells one tag from another.
+  int max_pixels_in_all = 10'000;
   double extra_sigma_px = 0.0;  ///< Further blur of the tags' pictures, pixels of level 0.
   /// A pixel costs as much as its path has instants: where these are fewer than four, as many more pixels.
   bool more_where_sharp = false;

@@ -111,6 +111,7 @@ class Fit {
       if (level == 0) bend(state);
       find(state, {.level = level,
                    .max_pixels = options_.max_pixels_per_tag,
+                   .max_pixels_in_all = kTagsInFull * options_.max_pixels_per_tag,
                    .extra_sigma_px = options_.extra_sigma_px});
       // Too coarse for what is seen: the prior alone would pull the state off.
       if (active_.tags().empty()) return state;
@@ -128,6 +129,8 @@ class Fit {
   }
 
   static constexpr int kStepsPerSelection = 4;
+  /// While the state moves: more tags than these share the pixels of so many.
+  static constexpr int kTagsInFull = 5;
   /// Squared standard deviations that the step ahead would still move the state: nobody sees them.
   static constexpr double kNegligibleStep2 = 0.01;
   static constexpr double kNegligibleStep2Coarse = 0.25;

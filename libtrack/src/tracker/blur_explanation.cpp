@@ -31,6 +31,8 @@ constexpr PathVariation kOtherVelocities[] = {{0.0}, {-1.0}};
 /// A path that lies within a longer one, midway or at an end, explains its own pixels nearly as well.
 constexpr PathVariation kOtherLengths[] = {{0.7}, {1.4}, {1.4, 0.2}, {1.4, -0.2}};
 constexpr double kLongPath_px = 25.0;
+/// Where the turn seen says about how long it is.
+constexpr double kLongPathWhereSeen_px = 60.0;
 constexpr int kMaxLengthRounds = 3;
 
 /// Whether what the corners weigh is about the same; they are the same corners.
@@ -189,7 +191,10 @@ TagVotes BlurExplainer::votes(const BlurFrame& frame, const MotionState& state) 
 }
 
 void BlurExplainer::vary_length(const BlurFrame& frame, std::vector<Explanation>& found) {
-  for (int round = 0; round < kMaxLengthRounds && longest_path_px(found.front()) > kLongPath_px; ++round) {
+  const auto is_long = [](const Explanation& explanation) {
+    return longest_path_px(explanation) > (is_where_seen(explanation) ? kLongPathWhereSeen_px : kLongPath_px);
+  };
+  for (int round = 0; round < kMaxLengthRounds && is_long(found.front()); ++round) {
     const double score = found.front().score;
     vary_path(frame, kOtherLengths, found);
     if (found.front().score <= score) return;

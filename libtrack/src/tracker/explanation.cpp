@@ -35,10 +35,16 @@ double prior_spread(const PhotometricWorld& world, const MotionBelief& prior, co
   return least;
 }
 
+bool is_where_seen(const Explanation& explanation) {
+  return explanation.prior.unaided && explanation.prior_cost <= kMaxExpectedPriorCost;
+}
+
 bool is_well_explained(const Explanation& explanation) {
   // A lone tag that was read may be tilted far off, with the others in view nowhere near.
   if (typical_correlation(explanation.fit.tags) < TagEvidence::kExplained) return false;
-  if (!explanation.is_cold) return explanation.correlation >= kGoodCorrelation;
+  if (!explanation.is_cold)
+    return is_where_seen(explanation) ? explanation.is_explained()
+                                      : explanation.correlation >= kGoodCorrelation;
   return widespread_correlation(explanation.fit.tags) >= kGoodColdCorrelation &&
          explanation.prior_cost <= kMaxExpectedPriorCost;
 }

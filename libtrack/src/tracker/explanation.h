@@ -46,6 +46,9 @@ inline constexpr double kMaxExpectedPriorCost = 14.0;
 /// As Explanation::prior_spread.
 double prior_spread(const PhotometricWorld& world, const MotionBelief& prior, const MotionFit& fit);
 
+/// Where the motion so far and the turn that was seen since agree on.
+bool is_where_seen(const Explanation& explanation);
+
 /// Well enough to look no further.
 bool is_well_explained(const Explanation& explanation);
 
