@@ -71,9 +71,14 @@ std::vector<Explanation> BlurExplainer::expected(const BlurFrame& frame,
                                                  const std::vector<MotionHypothesis>& hypotheses) {
   std::vector<Explanation> found;
   for (const MotionHypothesis& hypothesis : hypotheses) {
-    found.push_back(explained(frame, {hypothesis.belief.mean, hypothesis, false},
-                              {.least_correlation = kLeastCorrelationCoarse}));
-    if (is_settled(frame, found.back())) break;
+    const auto explain_from = [&](const MotionState& state) {
+      found.push_back(
+          explained(frame, {state, hypothesis, false}, {.least_correlation = kLeastCorrelationCoarse}));
+      return is_settled(frame, found.back());
+    };
+    if (explain_from(hypothesis.belief.mean)) break;
+    // What was seen to turn may have been something near.
+    if (hypothesis.unaided && !found.back().is_explained() && explain_from(hypothesis.unaided->mean)) break;
   }
   sort_by_score(found);
   return found;
