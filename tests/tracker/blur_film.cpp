@@ -89,6 +89,14 @@ Scene far_scene() {
   return scene;
 }
 
+/// As far_tag(), nearer, and for longer.
+Scene still_scene() {
+  Scene scene = far_scene();
+  scene.bodies[0].T_world_body.position_m[2].offset = 1.2;
+  scene.num_frames = 30;
+  return scene;
+}
+
 Scene shaken_scene() {
   Scene scene;
   scene.truth = TruthKind::kEgo;
@@ -166,6 +174,11 @@ const BlurFilm& waved_tag() {
 
 const BlurFilm& far_tag() {
   static const BlurFilm film(far_scene(), 4);
+  return film;
+}
+
+const BlurFilm& still_tag() {
+  static const BlurFilm film(still_scene(), 6);
   return film;
 }
 

@@ -31,6 +31,8 @@ const BlurFilm& waved_tag();
 const BlurFilm& wild_tag();
 /// A small tag at rest, sharp: its corners fit two poses.
 const BlurFilm& far_tag();
+/// The same tag at rest for 30 frames, nearer.
+const BlurFilm& still_tag();
 /// Three tags on two walls of a corner, in a camera that is shaken: up to 34 px.
 const BlurFilm& shaken_camera();
 /// The tags of shaken_camera(), in a camera that swings to and fro in 9.5 frames: sharp at first, where it

@@ -129,12 +129,14 @@ TEST(MotionMemory, GoesOnFromTheLastStep) {
   // The camera stands still from now on, and its turns say so.
   for (int frame = 1; frame <= 5; ++frame)
     memory.step({frame * kFrame_ns}, memory.predict({frame * kFrame_ns}, 0.0, turn_about_y(0.0)));
-  ASSERT_TRUE(memory.last());
-  const double angle = 2.0 * std::asin(memory.last()->pose.rotation().y());
-  EXPECT_LT(std::abs(memory.last()->velocity[4]), 0.2);
+  EXPECT_FALSE(memory.at({4 * kFrame_ns}));
+  const MotionState* last = memory.at({5 * kFrame_ns});
+  ASSERT_TRUE(last);
+  const double angle = 2.0 * std::asin(last->pose.rotation().y());
+  EXPECT_LT(std::abs(last->velocity[4]), 0.2);
   EXPECT_LT(std::abs(angle), 0.03);  // 0.2 without
   EXPECT_NEAR(2.0 * std::asin(memory.predict({6 * kFrame_ns})[0].belief.mean.pose.rotation().y()),
-              angle + kFrame_s * memory.last()->velocity[4], 1e-9);
+              angle + kFrame_s * last->velocity[4], 1e-9);
 }
 
 TEST(MotionMemory, GrowsOldFromTheEvidenceOn) {
@@ -150,8 +152,9 @@ TEST(MotionMemory, GrowsOldFromTheEvidenceOn) {
   EXPECT_FALSE(memory.age_s(late));
   EXPECT_FALSE(memory.step_s(late));
   EXPECT_TRUE(memory.predict(late, 0.0, turn_about_y(0.04)).empty());
+  EXPECT_TRUE(memory.at({2 * kFrame_ns}));
   memory.forget();
-  EXPECT_FALSE(memory.last());
+  EXPECT_FALSE(memory.at({2 * kFrame_ns}));
 }
 
 /// Two tags of 0.2 m, 0.5 m apart, square before a camera, 2 m away.

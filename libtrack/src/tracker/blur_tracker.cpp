@@ -14,6 +14,7 @@
 #include "known_exposure.h"
 #include "map_detection.h"
 #include "motion_memory.h"
+#include "resting_pose.h"
 #include "tag_consensus.h"
 #include "tag_regions.h"
 
@@ -96,6 +97,7 @@ class BlurTracker::Implementation {
     } else {
       if (!found.empty()) consensus_->learn_contradictions(found.front());
       judge_.missed();
+      at_rest_.forget();
       report_prediction(expected, result);
       if (is_turn_seen_) motion_.step(frame.timestamp, expected);
       if (!result.pose) result.reason = why_lost(blur_frame, found);
@@ -117,6 +119,7 @@ class BlurTracker::Implementation {
       consensus_->forget();
       exposures_.forget();
       gyroscope_.forget();
+      at_rest_.forget();
     }
     last_time_ = time;
   }
@@ -250,6 +253,7 @@ class BlurTracker::Implementation {
     map_covariance_ = map_covariance(*world_, best.fit);
     evidence_pose_ = belief.mean.pose;
     result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_;
+    average_at_rest(best.fit, result);
     result.tags_tracked = judge_.num_supporting(best);
     const auto second = std::ranges::find_if(found, [&](const Explanation& other) {
       return distance(belief, other.fit.state.pose) > kDistinctSigmas;
@@ -299,6 +303,16 @@ class BlurTracker::Implementation {
     return adjoint * map_covariance_ * adjoint.transpose();
   }
 
+  /// Where nothing moves, frames are averaged. What they err alike by stays in the covariance.
+  void average_at_rest(const MotionFit& fit, TrackResult& result) {
+    const Matrix12d noise = fit.information.ldlt().solve(Matrix12d::Identity());
+    const Matrix6d of_pose = noise.topLeftCorner<6, 6>();
+    const auto mean = at_rest_.add(fit.state.pose, of_pose);
+    if (!mean) return;
+    result.pose = mean->pose;
+    *result.covariance += mean->covariance - of_pose;
+  }
+
   static void report_second_pose(const Pose& pose, double log_odds, TrackResult& result) {
     if (std::exp(log_odds) < kLeastOdds) return;
     result.second_pose = pose;
@@ -313,6 +327,7 @@ class BlurTracker::Implementation {
   std::optional<PhotometricWorld> world_;
   std::optional<BlurExplainer> explainer_;
   MotionMemory motion_;
+  RestingPose at_rest_;
   VisualGyroscope gyroscope_;
   Timestamp turn_time_;        ///< Of the frame that it saw last.
   bool is_turn_seen_ = false;  ///< In this frame.
