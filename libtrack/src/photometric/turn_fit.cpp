@@ -91,7 +91,8 @@ FittedTurn fit_turn(const TurnedPictures& pictures, const Eigen::Quaterniond& st
   float scale = std::numeric_limits<float>::infinity();
   for (int step = 0;; ++step) {
     const TurnSums sums = sums_at(pictures, state, scale);
-    const Eigen::MatrixXd moments = Moments(sums.moments.selfadjointView<Eigen::Lower>()).cast<double>();
+    const Eigen::Matrix<double, kUnknowns + 1, kUnknowns + 1> moments =
+        Moments(sums.moments.selfadjointView<Eigen::Lower>()).cast<double>();
     Matrix5d H = moments.topLeftCorner<kUnknowns, kUnknowns>();
     H.diagonal().array() += 1e-9 * H.trace() + 1e-12;
     const Eigen::LDLT<Matrix5d> factor(H);

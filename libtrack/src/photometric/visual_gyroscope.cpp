@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "apriltrack/base/check.h"
 #include "picture_shift.h"
 #include "small_picture.h"
 #include "turn_fit.h"
@@ -43,7 +44,9 @@ class VisualGyroscope::Implementation {
   explicit Implementation(const CameraModel& model) : model_(model) {}
 
   std::optional<CameraTurn> turn(const LightPyramid& light) {
-    const Image<float>& level = light[kLevel];
+    APRILTRACK_CHECK(static_cast<int>(light.size()) > kLevel,
+                     "pictures are made of the third level of a pyramid");
+    const Image<float>& level = light[static_cast<std::size_t>(kLevel)];
     if (std::min(level.width(), level.height()) < kLeastLevelSize) {
       forget();
       return std::nullopt;

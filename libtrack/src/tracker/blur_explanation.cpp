@@ -26,6 +26,7 @@ constexpr std::size_t kMaxBases = 2;   // of clouds: hypotheses, or cold starts
 constexpr double kMinReversedDistance = 1.0;
 constexpr double kMinReversedPath_px = 2.0;
 constexpr double kUsualInterval_s = 1.0 / 30.0;
+constexpr double kLogOddsOfFalseTurn = -3.0;  // one in twenty
 /// Of the velocity found: at rest, and the path's reverse.
 constexpr PathVariation kOtherVelocities[] = {{0.0}, {-1.0}};
 /// A path that lies within a longer one, midway or at an end, explains its own pixels nearly as well.
@@ -71,14 +72,15 @@ std::vector<Explanation> BlurExplainer::expected(const BlurFrame& frame,
                                                  const std::vector<MotionHypothesis>& hypotheses) {
   std::vector<Explanation> found;
   for (const MotionHypothesis& hypothesis : hypotheses) {
-    const auto explain_from = [&](const MotionState& state) {
-      found.push_back(
-          explained(frame, {state, hypothesis, false}, {.least_correlation = kLeastCorrelationCoarse}));
+    const auto is_settled_from = [&](const MotionHypothesis& prior) {
+      found.push_back(explained(frame, {prior.belief.mean, prior, false},
+                                {.least_correlation = kLeastCorrelationCoarse}));
       return is_settled(frame, found.back());
     };
-    if (explain_from(hypothesis.belief.mean)) break;
+    if (is_settled_from(hypothesis)) break;
     // What was seen to turn may have been something near.
-    if (hypothesis.unaided && !found.back().is_explained() && explain_from(hypothesis.unaided->mean)) break;
+    if (!hypothesis.unaided || (found.back().is_explained() && is_where_seen(found.back()))) continue;
+    if (is_settled_from({*hypothesis.unaided, hypothesis.log_odds + kLogOddsOfFalseTurn})) break;
   }
   sort_by_score(found);
   return found;
@@ -232,7 +234,7 @@ BlurExplainer::Sketch BlurExplainer::sketched(const BlurFrame& frame, Start star
       weigh_evidence(world_, frame.photometric, start.state,
                      {.level = 1, .max_pixels_per_tag = kPixelsPerTag, .is_robust = false});
   const double of_prior = prior_cost(start.prior.belief, start.state);
-  return {start, log_likelihood(tags) - scored_prior_cost(of_prior)};
+  return {start, log_likelihood(tags) + start.prior.log_odds - scored_prior_cost(of_prior)};
 }
 
 std::vector<BlurExplainer::Start> BlurExplainer::search_bases(const std::vector<MotionHypothesis>& hypotheses,
@@ -315,7 +317,7 @@ void BlurExplainer::reverse(const BlurFrame& frame, std::vector<Explanation>& fo
   if (distance(next, other.pose) < kMinReversedDistance) return;
   Explanation reversed = path_reversed(best);
   reversed.bend_covariance = bend_covariance(bend_of(frame, reversed).sigma, frame.photometric.exposure_s);
-  if (reversed.score > best.score)
+  if (is_better(reversed, best))
     reversed = explained(frame, {state, best.prior, best.is_cold}, {.coarsest_level = 0});
   found.push_back(std::move(reversed));
   sort_by_score(found);

@@ -36,6 +36,12 @@ std::vector<TagEvidence> with_noise(std::vector<TagEvidence> tags) {
   return tags;
 }
 
+/// Of what the evidence alone expects: a turn that was seen may have been something near.
+double cost_by_evidence(const Explanation& explanation) {
+  if (!explanation.prior.unaided) return explanation.prior_cost;
+  return prior_cost(*explanation.prior.unaided, explanation.fit.state);
+}
+
 double samples_of_explained(const std::vector<TagEvidence>& tags) {
   double sum = 0.0;
   for (const TagEvidence& tag : tags) sum += tag.is_explained() ? tag.independent_samples() : 0.0;
@@ -53,7 +59,8 @@ bool BlurJudge::is_convincing(const Explanation& explanation, const std::optiona
   if (explanation.is_cold) return false;  // it began at a detection, and does not agree with any
   if (num_explained(tags) < 2 && explanation.prior_spread > kMaxSpreadAlone) return false;
   const bool is_followed = is_confirmed_ && interval_s && *interval_s <= kMaxFollowed_s;
-  if (!is_followed && num_explained(tags) < 2 && explanation.prior_cost > kMaxCostAgainAlone) return false;
+  if (!is_followed && num_explained(tags) < 2 && !(cost_by_evidence(explanation) <= kMaxCostAgainAlone))
+    return false;
   return samples_of_explained(tags) >= kMinSamples &&
          (is_followed ? typical_correlation(tags) >= TagEvidence::kExplained
                       : typical_correlation(with_noise(tags)) >= kMinCorrelationAgain);

@@ -29,6 +29,8 @@ constexpr double kLeastOdds = 1e-3;  // what is less likely than this is ruled o
 constexpr double kLeastScoreCarried = -40.0;
 constexpr double kTrustInScores = 0.25;
 constexpr double kDistinctSigmas = 5.0;
+/// From here on a second pose is a rival: seven nats of difference.
+constexpr double kRivalOdds = 0.18;
 /// How often the whole image is glanced at for tags that nothing expects, and how coarsely.
 constexpr double kGlanceInterval_s = 1.0;
 constexpr double kGlanceDecimate = 2.0;
@@ -80,6 +82,7 @@ class BlurTracker::Implementation {
     BlurFrame blur_frame = prepared(frame);
     const std::vector<MotionHypothesis> expected =
         motion_.predict(frame.timestamp, exposure_.sigma, seen_turn(frame.timestamp, blur_frame));
+    blur_frame.step_s = is_turn_seen_ ? motion_.step_s(frame.timestamp) : blur_frame.interval_s;
     if (expected.empty()) judge_.missed();
     if (detections != nullptr) {
       see(*detections, blur_frame);
@@ -93,13 +96,13 @@ class BlurTracker::Implementation {
     if (is_convincing(found, blur_frame) && consensus_->allows(blur_frame, found.front(), expected)) {
       report_evidence(found, result);
       consensus_->report(blur_frame, found.front(), result);
-      consensus_->learn(blur_frame, found.front(), result.second_pose.has_value());
+      consensus_->learn(blur_frame, found.front(), result.second_mode_odds > kRivalOdds);
     } else {
       if (!found.empty()) consensus_->learn_contradictions(found.front());
       judge_.missed();
       at_rest_.forget();
       report_prediction(expected, result);
-      if (is_turn_seen_) motion_.step(frame.timestamp, expected);
+      if (options_.mode == TrackMode::kEgo && !expected.empty()) motion_.step(frame.timestamp, expected);
       if (!result.pose) result.reason = why_lost(blur_frame, found);
     }
     result.detections = std::move(blur_frame.detections);
@@ -120,6 +123,10 @@ class BlurTracker::Implementation {
       exposures_.forget();
       gyroscope_.forget();
       at_rest_.forget();
+      regions_ = {};
+      last_search_ = {};
+      num_frames_ = 0;
+      map_covariance_.setZero();
     }
     last_time_ = time;
   }
@@ -139,7 +146,6 @@ class BlurTracker::Implementation {
     result.photometric.exposure_s = exposure_.exposure_s;
     result.index = num_frames_++;
     result.interval_s = motion_.age_s(frame.timestamp);
-    result.step_s = motion_.step_s(frame.timestamp);
     if (exposure_.base_s > 0.0 && frame.gain > 0.0) result.sensitivity = exposure_.base_s * frame.gain;
     return result;
   }
@@ -148,7 +154,7 @@ class BlurTracker::Implementation {
   std::optional<SeenTurn> seen_turn(Timestamp time, const BlurFrame& frame) {
     is_turn_seen_ = false;
     const Timestamp before = std::exchange(turn_time_, time);
-    if (options_.mode != TrackMode::kEgo) return std::nullopt;
+    if (options_.mode != TrackMode::kEgo || !options_.is_scene_at_rest) return std::nullopt;
     const std::optional<CameraTurn> turn = gyroscope_.turn(frame.photometric.light);
     // A turn of the last frame alone is none of a longer step.
     const MotionState* last = motion_.at(before);
@@ -159,7 +165,9 @@ class BlurTracker::Implementation {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (const std::size_t k : tags)
       middle += view * world_->tags[k].tag.T_map_tag.translation() / static_cast<double>(tags.size());
-    is_turn_seen_ = true;
+    constexpr double kLeastDistance_m = 0.1;  // nearer, any way would look like a large turn
+    is_turn_seen_ = middle.norm() >= kLeastDistance_m;
+    if (!is_turn_seen_) return std::nullopt;
     return SeenTurn{*turn, middle};
   }
 
@@ -259,7 +267,8 @@ class BlurTracker::Implementation {
       return distance(belief, other.fit.state.pose) > kDistinctSigmas;
     });
     if (second != found.end())
-      report_second_pose(second->fit.state.pose, std::min(0.0, second->score - best.score), result);
+      report_second_pose(second->fit.state.pose, kTrustInScores * std::min(0.0, second->score - best.score),
+                         result);
     judge_.claimed(best);
     const double slower = exposures_.claimed(result.timestamp, exposure_, *world_, best.fit);
     motion_.remember(result.timestamp, motions(belief, found), slower);
@@ -303,14 +312,10 @@ class BlurTracker::Implementation {
     return adjoint * map_covariance_ * adjoint.transpose();
   }
 
-  /// Where nothing moves, frames are averaged. What they err alike by stays in the covariance.
+  /// Where nothing moves, frames are averaged.
   void average_at_rest(const MotionFit& fit, TrackResult& result) {
     const Matrix12d noise = fit.information.ldlt().solve(Matrix12d::Identity());
-    const Matrix6d of_pose = noise.topLeftCorner<6, 6>();
-    const auto mean = at_rest_.add(fit.state.pose, of_pose);
-    if (!mean) return;
-    result.pose = mean->pose;
-    *result.covariance += mean->covariance - of_pose;
+    if (const auto mean = at_rest_.add(fit.state.pose, noise.topLeftCorner<6, 6>())) result.pose = *mean;
   }
 
   static void report_second_pose(const Pose& pose, double log_odds, TrackResult& result) {

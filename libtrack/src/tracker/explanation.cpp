@@ -36,7 +36,7 @@ double prior_spread(const PhotometricWorld& world, const MotionBelief& prior, co
 }
 
 bool is_where_seen(const Explanation& explanation) {
-  return explanation.prior.unaided && explanation.prior_cost <= kMaxExpectedPriorCost;
+  return explanation.prior.agrees_with_turn && explanation.prior_cost <= kMaxExpectedPriorCost;
 }
 
 bool is_well_explained(const Explanation& explanation) {
@@ -69,6 +69,10 @@ Explanation path_reversed(const Explanation& best) {
   reversed.fit.information = data + prior;
   const Vector12d step = -reversed.fit.information.ldlt().solve(data_gradient + pull);
   state = moved(state, step);
+  for (TagEquations& tag : reversed.fit.equations) {
+    tag.H = sign.asDiagonal() * tag.H * sign.asDiagonal();
+    tag.g = sign.asDiagonal() * tag.g;
+  }
   const double data_cost = data_gradient.dot(step) + 0.5 * step.dot(data * step);
   const double cost = prior_cost(best.prior.belief, state);
   reversed.score += scored_prior_cost(best.prior_cost) - scored_prior_cost(cost) - data_cost;
@@ -76,11 +80,13 @@ Explanation path_reversed(const Explanation& best) {
   return reversed;
 }
 
+bool is_better(const Explanation& a, const Explanation& b) {
+  if (a.is_beyond_prior() != b.is_beyond_prior()) return b.is_beyond_prior();
+  return a.score > b.score;
+}
+
 void sort_by_score(std::vector<Explanation>& found) {
-  std::ranges::stable_sort(found, [](const Explanation& a, const Explanation& b) {
-    if (a.is_beyond_prior() != b.is_beyond_prior()) return b.is_beyond_prior();
-    return a.score > b.score;
-  });
+  std::ranges::stable_sort(found, is_better);
 }
 
 }  // namespace apriltrack

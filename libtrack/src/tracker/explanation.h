@@ -30,7 +30,7 @@ struct Explanation {
 
   bool is_explained() const { return correlation >= TagEvidence::kExplained; }
   /// So far from what the prior expects that one of the two is wrong: nine standard deviations.
-  bool is_beyond_prior() const { return prior_cost > 0.5 * 9.0 * 9.0; }
+  bool is_beyond_prior() const { return !(prior_cost <= 0.5 * 9.0 * 9.0); }
 };
 
 /// -log of the prior's density at the state over its peak.
@@ -59,7 +59,9 @@ double longest_path_px(const Explanation& explanation);
 /// the sign of the velocity. What the prior pulls differs, and moves the state by one step of Newton.
 Explanation path_reversed(const Explanation& explanation);
 
-/// Best first. What lies beyond its prior is no better for explaining the pixels: one of the two is wrong.
+/// What lies beyond its prior is no better for explaining the pixels: one of the two is wrong.
+bool is_better(const Explanation& a, const Explanation& b);
+/// Best first.
 void sort_by_score(std::vector<Explanation>& found);
 
 }  // namespace apriltrack

@@ -44,7 +44,7 @@ FrameExposures::FrameExposures(const MotionNoise& noise, double usual_s)
 
 FrameExposure FrameExposures::next(Timestamp time, const std::optional<double>& told_s) {
   if (last_time_ && time.ns > last_time_->ns) {
-    pace_.add(time.ns - last_time_->ns);
+    pace_.add(static_cast<std::int64_t>(nanoseconds_apart(time, *last_time_)));
     if (usual_s_ >= kLeastUsual_s)
       untold_.limit(1e-9 * static_cast<double>(pace_.frame_interval_ns()) / usual_s_);
   }

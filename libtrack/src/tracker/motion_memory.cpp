@@ -1,6 +1,7 @@
 #include "motion_memory.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -17,7 +18,7 @@ MotionHypothesis stepped(const MotionHypothesis& known, const MotionStep& step) 
 MotionHypothesis stepped(const MotionHypothesis& known, const MotionStep& step, const SeenTurn& turn) {
   TurnedBelief turned = turned_by(known.belief, step, turn);
   return {std::move(turned.belief), known.log_odds + turned.log_likelihood,
-          predicted(known.by_evidence(), step), turned.velocity_before};
+          predicted(known.by_evidence(), step), turned.is_believed, turned.velocity_before};
 }
 
 }  // namespace
@@ -38,7 +39,10 @@ std::vector<MotionHypothesis> MotionMemory::predict(Timestamp time, double speed
   std::vector<MotionHypothesis> expected;
   const std::optional<double> dt_s = step_s(time);
   if (!dt_s) return expected;
-  const MotionStep step{noise_, *dt_s, speed_sigma};
+  // What velocities may be off by is the same in all steps: poses are off by its sum, not by that of squares.
+  const double before_s = *age_s(time) - *dt_s;
+  const double share = std::sqrt(1.0 + 2.0 * before_s / *dt_s);
+  const MotionStep step{noise_, *dt_s, share * speed_sigma};
   for (const MotionHypothesis& known : hypotheses_)
     expected.push_back(turn ? stepped(known, step, *turn) : stepped(known, step));
   std::ranges::stable_sort(expected, std::greater(), &MotionHypothesis::log_odds);

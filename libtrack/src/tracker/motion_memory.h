@@ -16,6 +16,7 @@ struct MotionHypothesis {
   double log_odds = 0.0;  ///< Over the likeliest; 0 for that one.
   /// What the evidence alone leads to where `belief` also knows of turns that were seen since.
   std::optional<MotionBelief> unaided = {};
+  bool agrees_with_turn = false;  ///< That was seen in the last step.
   /// What the velocity would be now, had it not changed in the last step; of `belief` where it has none.
   std::optional<Vector6d> velocity_before = {};
 

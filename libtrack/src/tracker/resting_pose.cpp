@@ -16,23 +16,24 @@ constexpr double kDriftShare = 1.0 / 8.0;
 
 }  // namespace
 
-std::optional<RestingPose::Mean> RestingPose::add(const Pose& pose, const Matrix6d& covariance) {
-  if (num_frames_ > 0) mean_.covariance += kWander * kWander * covariance;
-  const Vector6d off = (mean_.pose.inverse() * pose).log();
-  if (num_frames_ == 0 || !agrees(off, mean_.covariance + covariance)) {
+std::optional<Pose> RestingPose::add(const Pose& pose, const Matrix6d& covariance) {
+  if (num_frames_ > 0) covariance_ += kWander * kWander * covariance;
+  const Vector6d off = (mean_.inverse() * pose).log();
+  if (num_frames_ == 0 || !agrees(off, covariance_ + covariance)) {
     start(pose, covariance);
     return std::nullopt;
   }
-  const Matrix6d gain = mean_.covariance * (mean_.covariance + covariance).inverse();
-  mean_.pose = mean_.pose * Pose::exp(gain * off);
-  mean_.covariance = gain * covariance;
-  mean_.covariance = 0.5 * (mean_.covariance + mean_.covariance.transpose()).eval();
+  const Matrix6d gain = covariance_ * (covariance_ + covariance).inverse();
+  mean_ = mean_ * Pose::exp(gain * off);
+  covariance_ = gain * covariance;
+  covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
   if (++num_frames_ < kLeastFrames) return std::nullopt;
   return mean_;
 }
 
 void RestingPose::start(const Pose& pose, const Matrix6d& covariance) {
-  mean_ = {pose, covariance};
+  mean_ = pose;
+  covariance_ = covariance;
   drift_.setZero();
   num_frames_ = 1;
 }

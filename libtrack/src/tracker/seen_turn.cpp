@@ -11,6 +11,8 @@ namespace apriltrack {
 namespace {
 
 constexpr double kMaxSigmas = 5.0;
+/// Of what a way looks like as a turn: things stand nearer and farther than the tags.
+constexpr double kDepthSigma = 0.7;
 
 }  // namespace
 
@@ -40,15 +42,18 @@ TurnedBelief turned_by(const MotionBelief& before, const MotionStep& step, const
   by_state.block<3, 3>(0, 0) = turn_by_way * way.rotation();
   by_state.block<3, 3>(0, 3).setIdentity();
 
-  TurnedBelief result{alone, alone.mean.velocity, 0.0};
+  TurnedBelief result{alone, alone.mean.velocity};
   const Eigen::Matrix<double, 12, 3> cross = with_way * by_state.transpose();
+  const Eigen::Vector3d by_depth = kDepthSigma * turn_by_way * way.translation();
   const Eigen::Matrix3d covariance = by_state * since.covariance * by_state.transpose() +
+                                     by_depth * by_depth.transpose() +
                                      seen.turn.sigma_rad * seen.turn.sigma_rad * Eigen::Matrix3d::Identity();
   const Eigen::LDLT<Eigen::Matrix3d> factor(covariance);
   const double sigmas2 = off.dot(factor.solve(off));
   result.log_likelihood =
       -0.5 * (std::min(sigmas2, kMaxSigmas * kMaxSigmas) + factor.vectorD().array().log().sum());
-  if (sigmas2 < kMaxSigmas * kMaxSigmas) {
+  result.is_believed = sigmas2 < kMaxSigmas * kMaxSigmas;
+  if (result.is_believed) {
     result.belief.mean = moved(alone.mean, cross * factor.solve(off));
     result.belief.covariance -= cross * factor.solve(cross.transpose());
   }

@@ -6,7 +6,7 @@
 namespace apriltrack {
 
 /// By how much a tag's corners err together, per axis, where nothing else is known: response, lens, path,
-/// print (docs/algorithms/blur_tracker.md, equation 11).
+/// print (docs/algorithms/blur_tracker.md, section 7).
 inline double usual_shared_sigma_px(double path_px) {
   constexpr double kSharp_px = 0.03;
   constexpr double kPerBlur = 0.01;

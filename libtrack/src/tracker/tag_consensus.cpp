@@ -125,7 +125,7 @@ bool TagConsensus::is_vague(const Explanation& best) const {
   return std::ranges::any_of(best.fit.tags, [&](const TagEvidence& tag) {
     if (tag.is_explained() || tag.independent_samples() < kSamplesToBeMissed) return false;
     const PhotometricTag& missed = world_.tags[static_cast<std::size_t>(tag.tag_index)];
-    return place_sigma_px(world_, missed, best.fit.state.pose, covariance) > kMaxSigmaOfMissed_px;
+    return !(place_sigma_px(world_, missed, best.fit.state.pose, covariance) <= kMaxSigmaOfMissed_px);
   });
 }
 
@@ -135,7 +135,7 @@ bool TagConsensus::jumps_alone(const Explanation& best, const std::vector<Motion
   if (expected.empty() || supporting.size() != 1 || trust_.is_confirmed(supporting.front())) return false;
   if (witnesses_.empty() || contains(witnesses_, supporting.front())) return false;
   const bool is_expected = std::ranges::any_of(expected, [&](const MotionHypothesis& hypothesis) {
-    return distance(hypothesis.belief, best.fit.state.pose) < kMaxSigmasOfUnknown;
+    return distance(hypothesis.by_evidence(), best.fit.state.pose) < kMaxSigmasOfUnknown;
   });
   if (!is_expected) trust_.disagree(witnesses_, supporting, kWeightOfMotion);
   return !is_expected;

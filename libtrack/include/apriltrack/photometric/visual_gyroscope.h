@@ -35,6 +35,7 @@ class VisualGyroscope {
   /// Since the frame of the call before. None at the first frame, after one of another size, where images are
   /// too small, and where the two do not resemble each other: in the dark, or where it is not one scene at
   /// rest that is seen.
+  /// light: of three levels at least.
   std::optional<CameraTurn> turn(const LightPyramid& light);
   void forget();
 

@@ -16,14 +16,16 @@ namespace apriltrack {
 
 struct BlurTrackerOptions {
   TrackMode mode = TrackMode::kEgo;
+  /// Ego: what lies behind the tags does not move, so that the whole scene tells how the camera turns. Not so
+  /// in a cockpit, or of tags that are waved before a camera that stands.
+  bool is_scene_at_rest = true;
   /// families and response are taken from the map and the camera.
   DetectorOptions detector;
   /// How fast the motion changes, for prediction.
   MotionNoise motion_noise;
   /// Expected corner error per axis, from the detector's own tests: sharp frames, linear light.
   double corner_sigma_px = 0.1;
-  /// Where a frame is not explained at once: how many states are tried around the prediction, in each of five
-  /// rounds.
+  /// Where a frame is not explained at once: how many states are tried around the prediction at first.
   int num_particles = 240;
   std::uint64_t seed = 0;
   /// How long a pose is predicted without evidence before it is lost.
