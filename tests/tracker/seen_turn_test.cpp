@@ -53,12 +53,11 @@ struct WholeUpdate {
         [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return difference(now, state_now(x)); }, 24);
     const Vector3d off = rotation_log(seen.turn.R_before_now) - Vector3d(shown(Vector24d::Zero()));
     // The scene may be nearer or farther than it is taken for, by 0.7 of what the way looks like.
-    const Vector3d way = before.mean.pose.rotation().conjugate() *
-                         (now.pose.translation() - before.mean.pose.translation());
+    const Vector3d way =
+        before.mean.pose.rotation().conjugate() * (now.pose.translation() - before.mean.pose.translation());
     const Vector3d by_depth = 0.7 * seen.scene_camera.cross(way) / seen.scene_camera.squaredNorm();
-    const Eigen::Matrix3d S =
-        H * P * H.transpose() + by_depth * by_depth.transpose() +
-        seen.turn.sigma_rad * seen.turn.sigma_rad * Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d S = H * P * H.transpose() + by_depth * by_depth.transpose() +
+                              seen.turn.sigma_rad * seen.turn.sigma_rad * Eigen::Matrix3d::Identity();
     const Eigen::MatrixXd gain = P * H.transpose() * S.inverse();
     belief.mean = moved(now, G * gain * off);
     belief.covariance = G * (P - gain * H * P) * G.transpose();

@@ -16,7 +16,7 @@ namespace apriltrack {
 namespace {
 
 constexpr int kLevel = 2;            // of the pyramid, that the small pictures are made of
-constexpr int kWidth = 80;           // of the small pictures
+constexpr int kLongerSide = 80;      // of the small pictures, pixels
 constexpr int kLeastLevelSize = 16;  // pixels: below, the pictures would be of nothing
 constexpr double kMaxTangent =
     1.2;  // 50 degrees off the axis: farther, a picture without distortion stretches
@@ -74,19 +74,21 @@ class VisualGyroscope::Implementation {
     source_height_ = level.height();
     has_before_ = false;
     const Eigen::Vector2d half = half_extent(level);
-    focal_px_ = static_cast<float>(0.5 * kWidth / half.x());
-    const int height =
-        2 * std::clamp(static_cast<int>(std::lround(half.y() * static_cast<double>(focal_px_))), 4, kWidth);
-    before_ = now_ = {Image<float>(kWidth, height), Image<float>(kWidth / 2, height / 2)};
+    focal_px_ = static_cast<float>(0.5 * kLongerSide / half.maxCoeff());
+    const auto pixels = [&](double half_side) {
+      return 2 * std::max(4, static_cast<int>(std::lround(half_side * static_cast<double>(focal_px_))));
+    };
+    const int width = pixels(half.x()), height = pixels(half.y());
+    before_ = now_ = {Image<float>(width, height), Image<float>(width / 2, height / 2)};
     places_.clear();
     for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
+      for (int x = 0; x < width; ++x) {
         places_.emplace_back();
         for (std::size_t k = 0; k < 4; ++k) {
           const Eigen::Vector2d quarter(x + 0.25 + 0.5 * static_cast<double>(k % 2),
                                         y + 0.25 + 0.5 * static_cast<double>(k / 2));
           places_.back()[k] =
-              place((quarter - 0.5 * Eigen::Vector2d(kWidth, height)) / static_cast<double>(focal_px_));
+              place((quarter - 0.5 * Eigen::Vector2d(width, height)) / static_cast<double>(focal_px_));
         }
       }
     }

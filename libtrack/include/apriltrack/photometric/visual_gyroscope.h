@@ -19,7 +19,7 @@ struct CameraTurn {
 
 /// Tells a camera's turn between frames by the whole scene, tags or not, from pictures so small that blur
 /// hardly shows in them (Klein, Murray, "Improving the agility of keyframe-based SLAM", ECCV 2008, section
-/// 4): the shift of pictures 40 pixels wide that correlates best, among all that leave them enough in common,
+/// 4): the shift of pictures of 40 pixels that correlates best, among all that leave them enough in common,
 /// and from there a turn about three axes, fitted on twice as many (docs/algorithms/blur_tracker.md, section
 /// 4).
 ///
