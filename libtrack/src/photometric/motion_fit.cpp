@@ -132,7 +132,7 @@ class Fit {
   /// While the state moves: more tags than these share the pixels of so many.
   static constexpr int kTagsInFull = 5;
   /// Squared standard deviations that the step ahead would still move the state: nobody sees them.
-  static constexpr double kNegligibleStep2 = 0.05;
+  static constexpr double kNegligibleStep2 = 0.01;
   static constexpr double kNegligibleStep2Coarse = 0.25;
 
   void find(const MotionState& state, const ActiveTagsOptions& options) {
