@@ -186,6 +186,23 @@ TEST(BlurJudge, AStateFoundFromADetectionAloneMustAgreeWithOne) {
   }
 }
 
+TEST(BlurJudge, AgainstAMotionThatIsKnownMostOfWhatShouldBeSeenMustBe) {
+  const BlurJudge judge = confirmed_judge();
+  Explanation elsewhere =
+      explanation_of({evidence_of(0, 0.97), evidence_of(1, 0.3), evidence_of(2, 0.2)}, {{0}, {}});
+  elsewhere.is_cold = true;
+  EXPECT_FALSE(judge.is_convincing(elsewhere, kNextFrame_s));
+  EXPECT_TRUE(judge.is_convincing(elsewhere, std::nullopt));  // a hand may cover the others
+  elsewhere.fit.tags[1].correlation = 0.97;
+  EXPECT_TRUE(judge.is_convincing(elsewhere, kNextFrame_s));
+}
+
+TEST(BlurJudge, ACostThatIsNoNumberIsNoReasonToBelieve) {
+  const BlurJudge judge = confirmed_judge();
+  EXPECT_FALSE(
+      judge.is_convincing(explanation_of({evidence_of(0, 0.97)}, {{0}, {}}, std::nan("")), kNextFrame_s));
+}
+
 TEST(BlurJudge, ALoneTagIsFollowedOnlyWhereTheMotionSaysWithinATagWhereItIs) {
   const BlurJudge judge = confirmed_judge();
   const auto is_convincing = [&](std::vector<TagEvidence> tags, double spread, const TagVotes& votes = {}) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -39,6 +41,33 @@ TEST(BlurTracker, StartsColdAtTheFirstTagThatIsRead) {
     }
   }
   EXPECT_GE(num_waiting, 2) << "no test of waiting";
+}
+
+TEST(BlurTracker, LosesFramesThatAreNoImage) {
+  const BlurFilm& film = waved_tag();
+  BlurTracker tracker = tracker_of(film);
+  Frame frame = film.frames[0].frame();
+  const std::uint8_t* pixels = frame.image.data();
+  frame.image = {nullptr, 320, 240, 320};
+  EXPECT_EQ(tracker.track(frame).reason, "the image has no pixels: its data is null");
+  frame.image = {pixels, 320, 240, 100};
+  EXPECT_EQ(tracker.track(frame).reason,
+            "the image's rows of 320 pixels are 100 bytes apart: rows cannot overlap");
+  EXPECT_EQ(tracker.track(film.frames[0].frame(), film.detections[0]).status, TrackStatus::kDetected);
+}
+
+TEST(BlurTracker, GoesOnAfterTheMostExtremeTimeStamps) {
+  const BlurFilm& film = waved_tag();
+  BlurTracker tracker = tracker_of(film);
+  for (const std::int64_t time_ns :
+       {std::numeric_limits<std::int64_t>::min(), std::int64_t{0}, std::numeric_limits<std::int64_t>::max(),
+        std::numeric_limits<std::int64_t>::min()}) {
+    Frame frame = film.frames[0].frame();
+    frame.timestamp.ns = time_ns;
+    EXPECT_EQ(tracker.track(frame, film.detections[0]).status, TrackStatus::kDetected) << time_ns;
+  }
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(tracker.track(film.frames[i].frame(), film.detections[i]).status, TrackStatus::kDetected) << i;
 }
 
 /// A dark room's image, with grain.

@@ -294,14 +294,19 @@ PathBend BlurExplainer::bend_of(const BlurFrame& frame, const Explanation& expla
 void BlurExplainer::mirror(const BlurFrame& frame, std::vector<Explanation>& found) {
   const Explanation& best = found.front();
   const std::vector<TagEvidence> tags = explained_tags(best.fit.tags);
-  // A detection brings both of its tilts along.
-  if (best.is_cold || !best.votes.agreeing.empty() || tags.size() != 1) return;
+  if (tags.size() != 1) return;
   const Pose& T_map_tag = tag_of(tags.front()).tag.T_map_tag;
-  const Pose view = camera_from_map(best.fit.state.pose, world_.mode);
-  const Pose other = mirrored_tilt(view * T_map_tag) * T_map_tag.inverse();
-  const auto state = conditioned(best.prior.belief, pose_from_camera(other, world_.mode));
-  if (!state) return;
-  found.push_back(explained(frame, {*state, best.prior, false}, {.coarsest_level = 1}));
+  const MotionState other = mirrored_state(best.fit.state, T_map_tag, world_.mode);
+  if (best.is_cold) {
+    // Both tilts were looked at, at rest; but only one of them, perhaps, with this motion.
+    Start start{other, best.prior, true};
+    start.prior.belief.mean = mirrored_state(best.prior.belief.mean, T_map_tag, world_.mode);
+    found.push_back(explained(frame, start, {.coarsest_level = 1}));
+  } else if (best.votes.agreeing.empty()) {  // a detection brings both of its tilts along
+    const auto state = conditioned(best.prior.belief, other.pose);
+    if (!state) return;
+    found.push_back(explained(frame, {*state, best.prior, false}, {.coarsest_level = 1}));
+  }
   sort_by_score(found);
 }
 

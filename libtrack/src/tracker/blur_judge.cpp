@@ -54,6 +54,10 @@ bool BlurJudge::is_convincing(const Explanation& explanation, const std::optiona
   const TagVotes& votes = explanation.votes;
   if (num_supporting(explanation) <= static_cast<int>(votes.contradicting.size())) return false;
   if (explanation.is_beyond_prior()) return false;
+  // Against a motion that is known, most of what should be seen must be: not the few that nothing covers.
+  if (explanation.is_cold && interval_s &&
+      typical_correlation(explanation.fit.tags) < TagEvidence::kExplained)
+    return false;
   const std::vector<TagEvidence> tags = quorum(trusted_tags(explanation), votes);
   if (!votes.agreeing.empty()) return typical_correlation(tags) >= kMinCorrelationWithDetection;
   if (explanation.is_cold) return false;  // it began at a detection, and does not agree with any

@@ -14,6 +14,8 @@ constexpr double kToldSigma = 0.1;
 /// From half the usual to twice; more by the tails.
 constexpr double kUntoldSigma = 0.7;
 constexpr double kLeastUsual_s = 1e-6;
+/// More is a gap, or a false time stamp.
+constexpr std::uint64_t kLongestInterval_ns = 10'000'000'000;
 constexpr std::size_t kMostTags = 8;
 
 /// How the corners of the tags that are explained move in the image, by the right perturbation of the pose.
@@ -43,8 +45,8 @@ FrameExposures::FrameExposures(const MotionNoise& noise, double usual_s)
     : noise_(noise), usual_s_(usual_s), told_(kToldSigma), untold_(kUntoldSigma) {}
 
 FrameExposure FrameExposures::next(Timestamp time, const std::optional<double>& told_s) {
-  if (last_time_ && time.ns > last_time_->ns) {
-    pace_.add(static_cast<std::int64_t>(nanoseconds_apart(time, *last_time_)));
+  if (last_time_ && time.ns > last_time_->ns && nanoseconds_apart(time, *last_time_) <= kLongestInterval_ns) {
+    pace_.add(time.ns - last_time_->ns);
     if (usual_s_ >= kLeastUsual_s)
       untold_.limit(1e-9 * static_cast<double>(pace_.frame_interval_ns()) / usual_s_);
   }

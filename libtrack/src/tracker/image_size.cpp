@@ -10,6 +10,11 @@ namespace {
 /// "" where it may be this camera's.
 std::string why_of_another_camera(const GrayView& image, const Camera& camera) {
   if (image.is_empty()) return "the image is empty";
+  if (image.data() == nullptr) return "the image has no pixels: its data is null";
+  if (image.stride() < image.width()) {
+    return fmt::format("the image's rows of {} pixels are {} bytes apart: rows cannot overlap", image.width(),
+                       image.stride());
+  }
   if (camera.width <= 0 || camera.height <= 0) return "";
   if (image.width() == camera.width && image.height() == camera.height) return "";
   return fmt::format("the image is {} x {} pixels, but the camera is calibrated for {} x {}", image.width(),

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include "pose_adjustment.h"
 
@@ -46,6 +47,20 @@ Pose mirrored_tilt(const Pose& T_camera_tag) {
   const Eigen::DiagonalMatrix<double, 3> D(1.0, 1.0, -1.0);
   const Eigen::Matrix3d mirrored = D * (to_sight * T_camera_tag.rotation()).toRotationMatrix() * D;
   return {to_sight.conjugate() * Eigen::Quaterniond(mirrored), T_camera_tag.translation()};
+}
+
+MotionState mirrored_state(const MotionState& state, const Pose& T_map_tag, TrackMode mode) {
+  const Pose view = camera_from_map(state.pose, mode);
+  const Pose T_camera_tag = view * T_map_tag;
+  MotionState other;
+  other.pose = pose_from_camera(mirrored_tilt(T_camera_tag) * T_map_tag.inverse(), mode);
+  const Vector6d rate = view_by_pose(state.pose, mode) * state.velocity;  // in the camera's frame
+  const Eigen::Vector3d centre = T_camera_tag.translation(), sight = centre.normalized();
+  const Eigen::Vector3d turn = rate.tail<3>(), other_turn = 2.0 * turn.dot(sight) * sight - turn;
+  Vector6d other_rate;
+  other_rate << rate.head<3>() + turn.cross(centre) - other_turn.cross(centre), other_turn;
+  other.velocity = view_by_pose(other.pose, mode).partialPivLu().solve(other_rate);
+  return other;
 }
 
 }  // namespace apriltrack

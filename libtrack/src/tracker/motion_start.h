@@ -20,5 +20,8 @@ std::optional<MotionState> conditioned(const MotionBelief& belief, const Pose& p
 /// sight, D R D with D = diag(1, 1, -1) has the same upper left block, and so the same scaled orthographic
 /// picture (Oberkampf, DeMenthon, Davis, "Iterative pose estimation using coplanar feature points", 1996).
 Pose mirrored_tilt(const Pose& T_camera_tag);
+/// The same of a state, by the tag: its centre moves as before, and the tag turns about the line of sight as
+/// before and about the others the other way.
+MotionState mirrored_state(const MotionState& state, const Pose& T_map_tag, TrackMode mode);
 
 }  // namespace apriltrack
