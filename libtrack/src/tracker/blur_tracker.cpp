@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "blur_covariance.h"
@@ -29,8 +30,9 @@ constexpr double kLeastOdds = 1e-3;  // what is less likely than this is ruled o
 constexpr double kLeastScoreCarried = -40.0;
 constexpr double kTrustInScores = 0.25;
 constexpr double kDistinctSigmas = 5.0;
-/// From here on a second pose is a rival: seven nats of difference.
-constexpr double kRivalOdds = 0.18;
+/// A rival: of a score as good but for so much, it puts a tag elsewhere by more than a path's reverse does.
+constexpr double kLeastScoreOfRival = -7.0;
+constexpr double kElsewhere_px = 10.0;
 /// How often the whole image is glanced at for tags that nothing expects, and how coarsely.
 constexpr double kGlanceInterval_s = 1.0;
 constexpr double kGlanceDecimate = 2.0;
@@ -96,7 +98,7 @@ class BlurTracker::Implementation {
     if (is_convincing(found, blur_frame) && consensus_->allows(blur_frame, found.front(), expected)) {
       report_evidence(found, result);
       consensus_->report(blur_frame, found.front(), result);
-      consensus_->learn(blur_frame, found.front(), result.second_mode_odds > kRivalOdds);
+      consensus_->learn(blur_frame, found.front(), has_rival(found));
     } else {
       if (!found.empty()) consensus_->learn_contradictions(found.front());
       judge_.missed();
@@ -316,6 +318,26 @@ class BlurTracker::Implementation {
   void average_at_rest(const MotionFit& fit, TrackResult& result) {
     const Matrix12d noise = fit.information.ldlt().solve(Matrix12d::Identity());
     if (const auto mean = at_rest_.add(fit.state.pose, noise.topLeftCorner<6, 6>())) result.pose = *mean;
+  }
+
+  /// Whether another place explains the frame about as well.
+  bool has_rival(const std::vector<Explanation>& found) const {
+    const Explanation& best = found.front();
+    return std::ranges::any_of(found, [&](const Explanation& other) {
+      return other.score - best.score > kLeastScoreOfRival &&
+             std::ranges::any_of(best.fit.tags, [&](const TagEvidence& tag) {
+               return !(shift_px(tag, best.fit.state.pose, other.fit.state.pose) <= kElsewhere_px);
+             });
+    });
+  }
+
+  /// Of the tag's centre in the image; infinite where one of the two does not show it.
+  double shift_px(const TagEvidence& tag, const Pose& from, const Pose& to) const {
+    const Eigen::Vector3d centre =
+        world_->tags[static_cast<std::size_t>(tag.tag_index)].tag.T_map_tag.translation();
+    const auto before = world_->model.project(camera_from_map(from, options_.mode) * centre);
+    const auto after = world_->model.project(camera_from_map(to, options_.mode) * centre);
+    return before && after ? (*after - *before).norm() : std::numeric_limits<double>::infinity();
   }
 
   static void report_second_pose(const Pose& pose, double log_odds, TrackResult& result) {
