@@ -99,6 +99,7 @@ class BlurTracker::Implementation {
       report_evidence(found, result);
       consensus_->report(blur_frame, found.front(), result);
       consensus_->learn(blur_frame, found.front(), has_rival(found));
+      if (consensus_->is_doubtful(found.front())) result.status = TrackStatus::kPredicted;
     } else {
       if (!found.empty()) consensus_->learn_contradictions(found.front());
       judge_.missed();

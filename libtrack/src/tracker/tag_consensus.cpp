@@ -23,6 +23,7 @@ constexpr double kWeightOfMotion = 0.5;  // as a witness against a tag
 /// Of a tag that a start should show and does not; and what the place of such a one may be open by, pixels.
 constexpr double kSamplesToBeMissed = 100.0;
 constexpr double kMaxSigmaOfMissed_px = 3.0;
+constexpr double kMaxSigmaOfMissedFollowed_px = 10.0;
 /// What is asked of tags that take no part: whether they are there, not where to a hundredth of a pixel.
 constexpr int kPixelsOfHiddenTags = 250;
 
@@ -120,12 +121,20 @@ bool TagConsensus::allows(const BlurFrame& frame, const Explanation& best,
 /// A start from a far tag alone: its tilt, and with it the place of all others, is known to degrees only.
 /// Where these are not where it has them, nothing says which of its tilts is right.
 bool TagConsensus::is_vague(const Explanation& best) const {
-  if (!best.is_cold) return false;
+  return best.is_cold && leaves_open_what_is_missed(best, kMaxSigmaOfMissed_px);
+}
+
+bool TagConsensus::is_doubtful(const Explanation& best) const {
+  return best.votes.agreeing.empty() && leaves_open_what_is_missed(best, kMaxSigmaOfMissedFollowed_px);
+}
+
+/// Whether a tag that should be seen is not, and the others do not say where it is.
+bool TagConsensus::leaves_open_what_is_missed(const Explanation& best, double max_sigma_px) const {
   const Matrix6d covariance = fit_covariance(world_, best.fit).topLeftCorner<6, 6>() + best.bend_covariance;
   return std::ranges::any_of(best.fit.tags, [&](const TagEvidence& tag) {
     if (tag.is_explained() || tag.independent_samples() < kSamplesToBeMissed) return false;
     const PhotometricTag& missed = world_.tags[static_cast<std::size_t>(tag.tag_index)];
-    return !(place_sigma_px(world_, missed, best.fit.state.pose, covariance) <= kMaxSigmaOfMissed_px);
+    return !(place_sigma_px(world_, missed, best.fit.state.pose, covariance) <= max_sigma_px);
   });
 }
 

@@ -34,6 +34,10 @@ class TagConsensus {
   /// contradicts whom.
   bool allows(const BlurFrame& frame, const Explanation& best, const std::vector<MotionHypothesis>& expected);
 
+  /// Good enough to go on from, not to be claimed: one blurred tag, with the place of another, that should be
+  /// seen and is not, open by 10 px.
+  bool is_doubtful(const Explanation& best) const;
+
   /// Of a frame that is claimed.
   void learn(const BlurFrame& frame, const Explanation& best, bool has_rival);
   void report(const BlurFrame& frame, const Explanation& best, TrackResult& result) const;
@@ -56,6 +60,7 @@ class TagConsensus {
   std::vector<int> strained_tags() const;
   bool jumps_alone(const Explanation& best, const std::vector<MotionHypothesis>& expected);
   bool is_vague(const Explanation& best) const;
+  bool leaves_open_what_is_missed(const Explanation& best, double max_sigma_px) const;
   bool may_be_mistaken(const BlurFrame& frame, const Explanation& best) const;
   void learn_hidden_tags(const BlurFrame& frame, const Explanation& best, bool has_rival);
   TagReport report_of(const BlurFrame& frame, const TagEvidence& evidence, const TagVotes& votes) const;
