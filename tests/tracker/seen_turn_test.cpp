@@ -114,6 +114,13 @@ Matrix12d in_sigmas(const Matrix12d& covariance, const Matrix12d& of) {
 /// The logarithms of two turns of a degree or two differ by a little more than that of their difference.
 constexpr double kLinearised = 0.05;
 
+void expect_same_belief(const MotionBelief& belief, const MotionBelief& expected) {
+  EXPECT_LT(sigmas_apart(expected, belief), kLinearised);
+  const Matrix12d off =
+      in_sigmas(belief.covariance, expected.covariance) - in_sigmas(expected.covariance, expected.covariance);
+  EXPECT_LT(off.cwiseAbs().maxCoeff(), kLinearised);
+}
+
 TEST(SeenTurn, TellsOfTheMotionWhatBayesRuleDoes) {
   RandomStream random(1);
   for (int i = 0; i < 20; ++i) {
@@ -121,14 +128,9 @@ TEST(SeenTurn, TellsOfTheMotionWhatBayesRuleDoes) {
     const SeenTurn seen = any_turn(random, before, 0.03);
     const TurnedBelief turned = turned_by(before, kStep, seen);
     const WholeUpdate expected(before, kStep, seen);
+    SCOPED_TRACE(i);
     ASSERT_LT(expected.sigmas, 4.5);
-    EXPECT_LT(sigmas_apart(expected.belief, turned.belief), kLinearised) << i;
-    EXPECT_LT((in_sigmas(turned.belief.covariance, expected.belief.covariance) -
-               in_sigmas(expected.belief.covariance, expected.belief.covariance))
-                  .cwiseAbs()
-                  .maxCoeff(),
-              kLinearised)
-        << i;
+    expect_same_belief(turned.belief, expected.belief);
     // That it tells anything: of turning.
     const auto turning = [](const MotionBelief& of) { return of.covariance.diagonal().tail<3>().sum(); };
     EXPECT_LT(turning(turned.belief), 0.7 * turning(expected.alone));
@@ -145,14 +147,9 @@ TEST(SeenTurn, TellsOfAPlaceThatIsTiedToTheVelocityWhatBayesRuleDoes) {
     const SeenTurn seen = any_turn(random, before, 0.03);
     const TurnedBelief turned = turned_by(before, step, seen);
     const WholeUpdate expected(before, step, seen);
+    SCOPED_TRACE(i);
     ASSERT_LT(expected.sigmas, 4.5);
-    EXPECT_LT(sigmas_apart(expected.belief, turned.belief), kLinearised) << i;
-    EXPECT_LT((in_sigmas(turned.belief.covariance, expected.belief.covariance) -
-               in_sigmas(expected.belief.covariance, expected.belief.covariance))
-                  .cwiseAbs()
-                  .maxCoeff(),
-              kLinearised)
-        << i;
+    expect_same_belief(turned.belief, expected.belief);
     const Matrix12d correlations = in_sigmas(turned.belief.covariance, turned.belief.covariance);
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix12d>(correlations).eigenvalues().minCoeff(), 0.0) << i;
   }
