@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "blur_explanation.h"
 #include "contrast_memory.h"
+#include "explanation.h"
 
 namespace apriltrack {
 

@@ -14,7 +14,6 @@ constexpr double kRelativeSigma = 0.2;
 constexpr double kLeastShareOfNoise = 0.1;
 /// Of the motion's noise, where nothing was seen before: what films show all together.
 constexpr double kUnknownShareOfNoise = 0.5;
-constexpr double kUsualInterval_s = 1.0 / 30.0;
 
 /// Of three numbers alike.
 void set_sigma(const Eigen::Vector3d& seen, double least, Eigen::Ref<Eigen::Vector3d> sigma) {

@@ -6,6 +6,9 @@
 
 namespace apriltrack {
 
+/// Between frames, where nothing tells it.
+inline constexpr double kUsualInterval_s = 1.0 / 30.0;
+
 /// How the velocity changes while the shutter is open, as the motion since the frame before lets expect: the
 /// picture itself hardly tells.
 struct PathBend {

@@ -3,8 +3,10 @@
 #include <set>
 #include <vector>
 
+#include "apriltrack/tracker/blur_tracker.h"
 #include "apriltrack/tracker/track_result.h"
-#include "blur_explanation.h"
+#include "blur_frame.h"
+#include "explanation.h"
 #include "hidden_tags.h"
 #include "tag_strain.h"
 #include "tag_trust.h"

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "apriltrack/photometric/photometric_world.h"
+#include "tag_observation.h"
+
+namespace apriltrack {
+
+/// One frame, ready to be explained.
+struct BlurFrame {
+  PhotometricFrame photometric;
+  std::vector<Detection> detections;
+  std::vector<TagObservation> read;          ///< Of them, those of mapped tags;
+  std::vector<TagObservation> observations;  ///< of these, those that take part.
+  bool is_searched = false;          ///< Tags were looked for everywhere, not only where they are expected.
+  std::uint64_t index = 0;           ///< In the recording: the key of its random numbers.
+  std::optional<double> interval_s;  ///< Since the frame before that was explained.
+  std::optional<double> step_s;      ///< Since that, or the last turn seen.
+  double sensitivity = 1.0;          ///< Light in the image for light in the scene: exposure times gain. > 0.
+};
+
+}  // namespace apriltrack

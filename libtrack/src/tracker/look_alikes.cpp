@@ -1,0 +1,55 @@
+#include "look_alikes.h"
+
+#include <utility>
+
+#include "motion_start.h"
+#include "path_bend.h"
+
+namespace apriltrack {
+namespace {
+
+/// Of the next frame's motion noise: nearer than this, the path and its reverse lead to the same place.
+constexpr double kMinReversedDistance = 1.0;
+constexpr double kMinReversedPath_px = 2.0;
+
+}  // namespace
+
+void add_mirrored_tilt(const StartFit& start_fit, const BlurFrame& frame, std::vector<Explanation>& found) {
+  const Explanation& best = found.front();
+  const std::vector<TagEvidence> tags = explained_tags(best.fit.tags);
+  if (tags.size() != 1) return;
+  const PhotometricWorld& world = start_fit.world();
+  const Pose& T_map_tag = world.tags[static_cast<std::size_t>(tags.front().tag_index)].tag.T_map_tag;
+  const MotionState other = mirrored_state(best.fit.state, T_map_tag, world.mode);
+  if (best.is_cold) {
+    // Both tilts were looked at, at rest; but only one of them, perhaps, with this motion.
+    MotionStart start{other, best.prior, true};
+    start.prior.belief.mean = mirrored_state(best.prior.belief.mean, T_map_tag, world.mode);
+    found.push_back(start_fit.explained(frame, start, {.coarsest_level = 1}));
+  } else if (best.votes.agreeing.empty()) {  // a detection brings both of its tilts along
+    const auto state = conditioned(best.prior.belief, other.pose);
+    if (!state) return;
+    found.push_back(start_fit.explained(frame, {*state, best.prior, false}, {.coarsest_level = 1}));
+  }
+  sort_by_score(found);
+}
+
+void add_reversed_path(const StartFit& start_fit, const BlurFrame& frame, std::vector<Explanation>& found) {
+  const Explanation& best = found.front();
+  if (longest_path_px(best) < kMinReversedPath_px) return;  // it does not blur
+  const MotionBelief here{best.fit.state, Matrix12d::Zero()};
+  MotionState state = best.fit.state;
+  state.velocity = -state.velocity;  // and the same acceleration: the same places, in the other order
+  const double interval_s = frame.interval_s.value_or(kUsualInterval_s);
+  const MotionBelief next = predict(here, start_fit.options().motion_noise, interval_s);
+  const MotionState other = predict(state, interval_s);
+  if (distance(next, other.pose) < kMinReversedDistance) return;
+  Explanation reversed = path_reversed(best);
+  reversed.bend_covariance = start_fit.bend_covariance_of(frame, reversed);
+  if (is_better(reversed, best))
+    reversed = start_fit.explained(frame, {state, best.prior, best.is_cold}, {.coarsest_level = 0});
+  found.push_back(std::move(reversed));
+  sort_by_score(found);
+}
+
+}  // namespace apriltrack
