@@ -153,8 +153,6 @@ TEST(MotionMemory, GrowsOldFromTheEvidenceOn) {
   EXPECT_FALSE(memory.step_s(late));
   EXPECT_TRUE(memory.predict(late, 0.0, turn_about_y(0.04)).empty());
   EXPECT_TRUE(memory.at({2 * kFrame_ns}));
-  memory.forget();
-  EXPECT_FALSE(memory.at({2 * kFrame_ns}));
 }
 
 /// Two tags of 0.2 m, 0.5 m apart, square before a camera, 2 m away.

@@ -56,6 +56,39 @@ TEST_P(MovedTag, IsFoundLeftOutAndNamedAndNoClaimIsWrong) {
   EXPECT_GE(num_named, 12);
 }
 
+TEST(BlurTracker, KnowsNothingOfTheRecordingBefore) {
+  const BlurFilm& film = shaken_camera();
+  TagMap map = film.scene.map;
+  MapTag& moved = map.tags[1];
+  moved.T_map_tag = moved.T_map_tag * Pose(rotation_exp({0.0, 0.35, 0.0}), {0.10, 0.0, 0.0});
+  BlurTrackerOptions options;
+  options.num_particles = 60;
+  const auto track = [&](BlurTracker& tracker, std::size_t i, std::vector<Detection> detections) {
+    Frame frame = film.frames[i].frame();
+    frame.exposure_s.reset();  // learned, too
+    return tracker.track(frame, detections);
+  };
+  BlurTracker used(film.scene.camera, map, options), fresh(film.scene.camera, map, options);
+  TrackResult last;
+  for (std::size_t i = 0; i < film.size(); ++i) last = track(used, i, film.detections[i]);
+  EXPECT_EQ(suspects(last), std::set<TagKey>{moved.key});
+
+  for (std::size_t i = 0; i < film.size(); ++i) {
+    std::vector<Detection> detections = film.detections[i];
+    std::erase_if(detections, [&](const Detection& detection) { return detection.tag == moved.key; });
+    const TrackResult expected = track(fresh, i, detections), again = track(used, i, detections);
+    ASSERT_EQ(again.status, expected.status) << "frame " << i;
+    EXPECT_EQ(again.exposure->exposure_s, expected.exposure->exposure_s) << "frame " << i;
+    ASSERT_EQ(again.tags.size(), expected.tags.size()) << "frame " << i;
+    for (std::size_t k = 0; k < expected.tags.size(); ++k)
+      EXPECT_EQ(again.tags[k].state, expected.tags[k].state) << "frame " << i;
+    ASSERT_EQ(again.pose.has_value(), expected.pose.has_value()) << "frame " << i;
+    if (!expected.pose) continue;
+    EXPECT_EQ(again.pose->translation(), expected.pose->translation()) << "frame " << i;
+    EXPECT_EQ(*again.covariance, *expected.covariance) << "frame " << i;
+  }
+}
+
 TEST(BlurTracker, ReportsWhatEveryTagInViewSays) {
   const BlurFilm& film = shaken_camera();
   BlurTracker tracker = tracker_of(film);

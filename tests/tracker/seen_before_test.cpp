@@ -122,12 +122,6 @@ TEST_F(TagsBehindThings, AreCountedAnewAfterTheyWereSeen) {
   EXPECT_EQ(hidden(), Flags({false, false, false}));
 }
 
-TEST_F(TagsBehindThings, AreForgotten) {
-  learn_that_tag_1_is_hidden();
-  hidden_.forget();
-  EXPECT_EQ(hidden(), Flags({false, false, false}));
-}
-
 TEST_F(TagsBehindThings, ComeBackWhereTheyAreExplainedOrAgree) {
   learn_that_tag_1_is_hidden();
   hidden_.learn({seen_tag(1, 0.849)}, {{}, {}}, false);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "apriltrack/base/timestamp.h"
 #include "apriltrack/photometric/photometric_world.h"
 #include "tag_observation.h"
 
@@ -11,10 +12,12 @@ namespace apriltrack {
 
 /// One frame, ready to be explained.
 struct BlurFrame {
+  Timestamp time;
   PhotometricFrame photometric;
   std::vector<Detection> detections;
   std::vector<TagObservation> read;          ///< Of them, those of mapped tags;
   std::vector<TagObservation> observations;  ///< of these, those that take part.
+  double detection_s = 0.0;                  ///< Spent on reading tags.
   bool is_searched = false;          ///< Tags were looked for everywhere, not only where they are expected.
   std::uint64_t index = 0;           ///< In the recording: the key of its random numbers.
   std::optional<double> interval_s;  ///< Since the frame before that was explained.

@@ -78,8 +78,4 @@ double FrameExposures::claimed(Timestamp time, const FrameExposure& exposure, co
   return exposure.exposure_s / (exposure.base_s * known.factor());
 }
 
-void FrameExposures::forget() {
-  *this = FrameExposures(noise_, usual_s_);
-}
-
 }  // namespace apriltrack

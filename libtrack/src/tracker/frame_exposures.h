@@ -24,7 +24,7 @@ struct FrameExposure {
   }
 };
 
-/// The exposures of a recording's frames (docs/algorithms/blur_tracker.md, section 4): learned from the
+/// The exposures of one recording's frames (docs/algorithms/blur_tracker.md, section 4): learned from the
 /// frames that are claimed, apart for frames that tell theirs and for those that do not.
 class FrameExposures {
  public:
@@ -36,11 +36,6 @@ class FrameExposures {
   /// After a frame that was claimed. What its velocity is to be multiplied by: the path is what was seen.
   double claimed(Timestamp time, const FrameExposure& exposure, const PhotometricWorld& world,
                  const MotionFit& fit);
-  /// Of the exposures of the frame's kind, as it is known now.
-  double sigma(const FrameExposure& exposure) const { return estimate(exposure).sigma(); }
-
-  /// Another recording.
-  void forget();
 
  private:
   const ExposureEstimate& estimate(const FrameExposure& of) const { return of.is_told ? told_ : untold_; }

@@ -30,9 +30,4 @@ void HiddenTags::learn(const std::vector<TagEvidence>& tags, const TagVotes& vot
   }
 }
 
-void HiddenTags::forget() {
-  frames_unseen_.clear();
-  hidden_.clear();
-}
-
 }  // namespace apriltrack

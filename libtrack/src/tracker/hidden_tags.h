@@ -28,8 +28,6 @@ class HiddenTags {
   void learn(const std::vector<TagEvidence>& tags, const TagVotes& votes, bool is_sure);
 
   bool is_empty() const { return hidden_.empty(); }
-  /// Marks stay until the next frame's.
-  void forget();
 
  private:
   std::map<int, int> frames_unseen_;  ///< By index of the tag, since it was seen last.

@@ -49,7 +49,6 @@ class MotionMemory {
   void remember(Timestamp time, std::vector<MotionHypothesis> hypotheses, double speed = 1.0);
   /// A frame without evidence, but with a turn: what predict() made of it goes on from there.
   void step(Timestamp time, std::vector<MotionHypothesis> expected);
-  void forget() { hypotheses_.clear(); }
 
  private:
   MotionNoise noise_;

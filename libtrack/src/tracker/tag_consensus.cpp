@@ -42,12 +42,6 @@ std::vector<int> supporting_tags(const Explanation& best) {
 
 }  // namespace
 
-void TagConsensus::forget() {
-  hidden_.forget();
-  trust_.forget();
-  witnesses_.clear();
-}
-
 void TagConsensus::begin_frame() {
   left_out_.clear();
   num_examined_ = 0;
@@ -57,18 +51,20 @@ void TagConsensus::begin_frame() {
 }
 
 void TagConsensus::choose(BlurFrame& frame, bool with_hidden) {
-  const auto mark = [&](bool is_hidden) {
-    for (const int index : doubted_) world_.tags[static_cast<std::size_t>(index)].is_hidden = is_hidden;
-  };
   frame.observations.clear();
   std::ranges::copy_if(frame.read, std::back_inserter(frame.observations),
                        [&](const TagObservation& seen) { return !is_left_out(seen.tag_index); });
-  mark(false);
-  hidden_.unmark(world_);
+  unmark();
   if (!with_hidden) hidden_.mark(world_, frame.observations);
   doubted_ = trust_.suspects();
   doubted_.insert(left_out_.begin(), left_out_.end());
-  mark(true);
+  for (const int index : doubted_) world_.tags[static_cast<std::size_t>(index)].is_hidden = true;
+}
+
+void TagConsensus::unmark() {
+  for (const int index : doubted_) world_.tags[static_cast<std::size_t>(index)].is_hidden = false;
+  doubted_.clear();
+  hidden_.unmark(world_);
 }
 
 bool TagConsensus::leaves_one_out(const BlurFrame& frame, const Explanation& best) {

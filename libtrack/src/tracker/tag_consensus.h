@@ -15,13 +15,15 @@ namespace apriltrack {
 
 /// Which tags are believed: those that fit one pose, in this frame and in those before
 /// (docs/algorithms/blur_tracker.md, section 7). Owns the marks of the world's tags: what is hidden, suspect
-/// or left out takes no part in fits.
+/// or left out takes no part in fits. Of one recording; world, options: must outlive it.
 class TagConsensus {
  public:
   TagConsensus(PhotometricWorld& world, const BlurTrackerOptions& options)
       : world_(world), options_(options) {}
+  ~TagConsensus() { unmark(); }
+  TagConsensus(const TagConsensus&) = delete;
+  TagConsensus& operator=(const TagConsensus&) = delete;
 
-  void forget();
   /// Nothing is left out any more, but for suspects.
   void begin_frame();
   bool knows_hidden_tags() const { return !hidden_.is_empty(); }
@@ -58,6 +60,7 @@ class TagConsensus {
   bool is_in_fit(const TagStrain& strain) const {
     return !world_.tags[static_cast<std::size_t>(strain.tag_index)].is_hidden;
   }
+  void unmark();
   std::vector<Doubted> doubted_tags() const;
   std::vector<int> strained_tags() const;
   bool jumps_alone(const Explanation& best, const std::vector<MotionHypothesis>& expected);

@@ -24,7 +24,6 @@ class TagTrust {
   bool is_confirmed(int tag) const;
   bool is_suspect(int tag) const { return suspects_.contains(tag); }
   const std::set<int>& suspects() const { return suspects_; }
-  void forget() { *this = TagTrust(); }
 
  private:
   void add(int a, int b, double weight);

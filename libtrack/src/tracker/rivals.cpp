@@ -1,0 +1,74 @@
+#include "rivals.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "blur_covariance.h"
+
+namespace apriltrack {
+namespace {
+
+// Two explanations that look alike differ by what the model leaves out (how the motion changes within the
+// exposure, the lens), which errs alike in all pixels: their difference counts a quarter. At a turn of
+// room_blur the right one of path and reverse scored 10 less; the other explained nothing of the next frame,
+// which may tell by hundreds of nats.
+constexpr double kLeastScoreCarried = -40.0;
+constexpr double kTrustInScores = 0.25;
+constexpr double kDistinctSigmas = 5.0;
+/// A rival: of a score as good but for so much, it puts a tag elsewhere by more than a path's reverse does.
+constexpr double kLeastScoreOfRival = -7.0;
+constexpr double kElsewhere_px = 10.0;
+
+double score_over(const Explanation& best, const Explanation& other) {
+  return std::min(0.0, other.score - best.score);
+}
+
+/// Of the tag's centre in the image; infinite where one of the two does not show it.
+double shift_px(const PhotometricWorld& world, const TagEvidence& tag, const Pose& from, const Pose& to) {
+  const Eigen::Vector3d centre =
+      world.tags[static_cast<std::size_t>(tag.tag_index)].tag.T_map_tag.translation();
+  const auto before = world.model.project(camera_from_map(from, world.mode) * centre);
+  const auto after = world.model.project(camera_from_map(to, world.mode) * centre);
+  return before && after ? (*after - *before).norm() : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+MotionBelief belief_of(const PhotometricWorld& world, const Explanation& explanation) {
+  MotionBelief belief{explanation.fit.state, fit_covariance(world, explanation.fit)};
+  belief.covariance.topLeftCorner<6, 6>() += explanation.bend_covariance;
+  belief.mean.acceleration.setZero();
+  return belief;
+}
+
+bool has_rival(const PhotometricWorld& world, const std::vector<Explanation>& found) {
+  const Explanation& best = found.front();
+  return std::ranges::any_of(found, [&](const Explanation& other) {
+    return other.score - best.score > kLeastScoreOfRival &&
+           std::ranges::any_of(best.fit.tags, [&](const TagEvidence& tag) {
+             return !(shift_px(world, tag, best.fit.state.pose, other.fit.state.pose) <= kElsewhere_px);
+           });
+  });
+}
+
+std::optional<SecondPose> second_pose(const MotionBelief& belief, const std::vector<Explanation>& found) {
+  const auto second = std::ranges::find_if(found, [&](const Explanation& other) {
+    return distance(belief, other.fit.state.pose) > kDistinctSigmas;
+  });
+  if (second == found.end()) return std::nullopt;
+  return SecondPose{second->fit.state.pose, kTrustInScores * score_over(found.front(), *second)};
+}
+
+std::vector<MotionHypothesis> motions_left_open(const PhotometricWorld& world, const MotionBelief& belief,
+                                                const std::vector<Explanation>& found) {
+  std::vector<MotionHypothesis> motions = {{belief, 0.0}};
+  for (const Explanation& other : found) {
+    const double less = score_over(found.front(), other);
+    if (less < kLeastScoreCarried || motions.size() > 1) break;
+    if (distance(belief, other.fit.state) > kDistinctSigmas)
+      motions.push_back({belief_of(world, other), kTrustInScores * less});
+  }
+  return motions;
+}
+
+}  // namespace apriltrack
