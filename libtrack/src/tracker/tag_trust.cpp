@@ -32,51 +32,94 @@ void TagTrust::disagree(const std::vector<int>& tags, const std::vector<int>& ot
 }
 
 double TagTrust::doubt(int tag) const {
-  std::set<int> others = suspects_;
-  others.erase(tag);
-  return doubt_but_of(tag, others);
+  const auto known = said_.find(tag);
+  return known == said_.end() ? 0.0 : known->second.doubt;
 }
 
 bool TagTrust::is_confirmed(int tag) const {
-  const auto known = against_.find(tag);
-  return known != against_.end() && std::ranges::any_of(known->second, [&](const auto& other) {
+  const auto known = said_.find(tag);
+  return known != said_.end() && std::ranges::any_of(known->second.of_pairs, [&](const auto& other) {
            return other.second <= -1.0 && !is_suspect(other.first);
          });
 }
 
 void TagTrust::add(int a, int b, double weight) {
   if (a == b) return;
-  double& value = against_[a][b];
-  value = std::clamp(value + weight, -kMostOfAPair, kMostOfAPair);
-  against_[b][a] = value;
+  ++work_;
+  Said& of_a = said_[a];
+  const auto [pair, is_new] = of_a.of_pairs.try_emplace(b, 0.0);
+  const double value = std::clamp(pair->second + weight, -kMostOfAPair, kMostOfAPair);
+  const double more = value - pair->second;
+  if (more == 0.0) return;
+  Said& of_b = said_[b];
+  pair->second = of_b.of_pairs[a] = value;
+  if (is_new) {
+    of_a.num_suspects += is_suspect(b) ? 1 : 0;
+    of_b.num_suspects += is_suspect(a) ? 1 : 0;
+  }
+  if (!is_suspect(b)) add_doubt(a, more);
+  if (!is_suspect(a)) add_doubt(b, more);
+  is_open_ = is_open_ || concerns_suspects(a) || concerns_suspects(b);
 }
 
-double TagTrust::doubt_but_of(int tag, const std::set<int>& left_out) const {
-  const auto known = against_.find(tag);
-  if (known == against_.end()) return 0.0;
-  double sum = 0.0;
-  for (const auto& [other, value] : known->second) sum += left_out.contains(other) ? 0.0 : value;
-  return sum;
+void TagTrust::add_doubt(int tag, double more) {
+  double& doubt = said_[tag].doubt;
+  doubt += more;
+  if (doubt >= kSuspect)
+    doubtful_.insert(tag);
+  else
+    doubtful_.erase(tag);
 }
 
-/// The most doubtful first: what it said against the others falls with it. Those that are as doubtful go
-/// together.
+bool TagTrust::concerns_suspects(int tag) const {
+  return is_suspect(tag) || doubtful_.contains(tag) || said_.at(tag).num_suspects > 0;
+}
+
+/// The most doubtful first: what it said against the others falls with it.
 void TagTrust::find_suspects() {
-  const std::set<int> before = std::exchange(suspects_, {});
+  if (!std::exchange(is_open_, false)) return;
+  const std::set<int> before = suspects_;
+  for (const int tag : before) clear(tag);
   for (;;) {
-    std::map<int, double> doubts;
-    double most = kCleared;
-    for (const auto& [tag, pairs] : against_) {
-      if (suspects_.contains(tag)) continue;
-      const double doubt = doubt_but_of(tag, suspects_);
-      if (before.contains(tag) ? doubt <= kCleared : doubt < kSuspect) continue;
-      doubts[tag] = doubt;
-      most = std::max(most, doubt);
-    }
-    if (doubts.empty()) return;
-    for (const auto& [tag, doubt] : doubts) {
-      if (doubt >= most - kAlike) suspects_.insert(tag);
-    }
+    const std::vector<int> tags = most_doubtful(before);
+    if (tags.empty()) break;
+    for (const int tag : tags) suspect(tag);
+  }
+  is_open_ = suspects_ != before;
+}
+
+std::vector<int> TagTrust::most_doubtful(const std::set<int>& suspects_before) {
+  std::vector<std::pair<double, int>> doubts;
+  const auto look_at = [&](int tag, bool is_doubtful) {
+    ++work_;
+    if (is_doubtful && !is_suspect(tag)) doubts.emplace_back(doubt(tag), tag);
+  };
+  for (const int tag : suspects_before) look_at(tag, doubt(tag) > kCleared);
+  for (const int tag : doubtful_) look_at(tag, !suspects_before.contains(tag));
+  std::vector<int> tags;
+  if (doubts.empty()) return tags;
+  const double most = std::ranges::max_element(doubts)->first;
+  for (const auto& [doubt, tag] : doubts) {
+    if (doubt >= most - kAlike) tags.push_back(tag);
+  }
+  return tags;
+}
+
+void TagTrust::suspect(int tag) {
+  suspects_.insert(tag);
+  for (const auto& [other, value] : said_.at(tag).of_pairs) {
+    ++work_;
+    ++said_.at(other).num_suspects;
+    add_doubt(other, -value);
+  }
+}
+
+void TagTrust::clear(int tag) {
+  suspects_.erase(tag);
+  for (const auto& [other, value] : said_.at(tag).of_pairs) {
+    ++work_;
+    --said_.at(other).num_suspects;
+    add_doubt(other, value);
   }
 }
 
