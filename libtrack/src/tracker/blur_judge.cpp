@@ -9,9 +9,6 @@ constexpr double kMinCorrelationWithDetection = 0.5;
 // Found again without a detection: a wide search also finds what merely looks like a blurred tag. It reached
 // 0.95, and 11 standard deviations of the motion, before a wall of patches; right states reached 7.5 of them.
 constexpr double kMinCorrelationAgain = 0.95;
-// A lone tag found again must also be where the motion expects it, as one in 200 of what went on is not: what
-// was found eight standard deviations off, before that wall, reached 0.96.
-constexpr double kMaxCostAgainAlone = 14.0;
 // After a longer time without evidence the motion's prior is too wide to hold a claim: it is found again.
 constexpr double kMaxFollowed_s = 0.1;
 // Where the motion so far does not say within a tag where a tag is, its neighbours and what hangs beside
@@ -63,7 +60,9 @@ bool BlurJudge::is_convincing(const Explanation& explanation, const std::optiona
   if (explanation.is_cold) return false;  // it began at a detection, and does not agree with any
   if (num_explained(tags) < 2 && explanation.prior_spread > kMaxSpreadAlone) return false;
   const bool is_followed = is_confirmed_ && interval_s && *interval_s <= kMaxFollowed_s;
-  if (!is_followed && num_explained(tags) < 2 && !(cost_by_evidence(explanation) <= kMaxCostAgainAlone))
+  // A lone tag found again must also be where the motion expects it: what was found eight standard deviations
+  // off, before that wall, reached 0.96.
+  if (!is_followed && num_explained(tags) < 2 && !(cost_by_evidence(explanation) <= kMaxExpectedPriorCost))
     return false;
   return samples_of_explained(tags) >= kMinSamples &&
          (is_followed ? typical_correlation(tags) >= TagEvidence::kExplained
