@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <vector>
 
-#include "apriltrack/camera/pixel_jacobian.h"
 #include "map_uncertainty.h"
+#include "pixels_by_pose.h"
 #include "pose_adjustment.h"
 #include "shared_error.h"
 
@@ -12,19 +12,16 @@ namespace apriltrack {
 namespace {
 
 /// J' J / sigma^2 of a tag's corners, J by the right perturbation of the pose.
-Matrix6d shared_information(const PhotometricWorld& world, const MotionFit& fit,
+Matrix6d shared_information(const PhotometricWorld& world, const PixelsByPose& pixels,
                             const TagEvidence& evidence) {
   const double explained = evidence.clean_correlation() * evidence.clean_correlation();
   const double sigma_px = shared_sigma_px(evidence.path_px, 1.0 - explained);
-  const Pose view = camera_from_map(fit.state.pose, world.mode);
-  const Matrix6d left_by_right = view_by_pose(fit.state.pose, world.mode);
   Matrix6d information = Matrix6d::Zero();
   for (const Eigen::Vector3d& corner :
        corners_in_map(world.tags[static_cast<std::size_t>(evidence.tag_index)].tag)) {
-    const Eigen::Vector3d point = view * corner;
-    Eigen::Matrix<double, 2, 3> by_point;
-    if (!world.model.project(point, &by_point)) continue;
-    const Eigen::Matrix<double, 2, 6> J = pixel_jacobian(by_point, point) * left_by_right / sigma_px;
+    const auto by_pose = pixels.of(corner);
+    if (!by_pose) continue;
+    const PixelJacobian J = *by_pose / sigma_px;
     information += J.transpose() * J;
   }
   return information;
@@ -34,9 +31,10 @@ Matrix6d shared_information(const PhotometricWorld& world, const MotionFit& fit,
 
 Matrix12d fit_covariance(const PhotometricWorld& world, const MotionFit& fit) {
   Matrix12d covariance = fit.information.ldlt().solve(Matrix12d::Identity());
+  const PixelsByPose pixels(world, fit.state.pose);
   Matrix6d shared = Matrix6d::Zero();
   for (const TagEvidence& evidence : explained_tags(fit.tags))
-    shared += shared_information(world, fit, evidence);
+    shared += shared_information(world, pixels, evidence);
   const Eigen::LDLT<Matrix6d> factor(shared);
   if (!fit.tags.empty() && factor.rcond() > 1e-14)
     covariance.topLeftCorner<6, 6>() += factor.solve(Matrix6d::Identity());

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "apriltrack/camera/pixel_jacobian.h"
+#include "pixels_by_pose.h"
 
 namespace apriltrack {
 namespace {
@@ -22,17 +22,15 @@ constexpr std::size_t kMostTags = 8;
 Eigen::Matrix<double, Eigen::Dynamic, 6> pixels_by_pose(const PhotometricWorld& world, const MotionFit& fit) {
   const std::vector<TagEvidence> tags = explained_tags(fit.tags);
   const std::size_t num_tags = std::min(tags.size(), kMostTags);
-  const Pose view = camera_from_map(fit.state.pose, world.mode);
-  const Matrix6d left_by_right = view_by_pose(fit.state.pose, world.mode);
+  const PixelsByPose pixels(world, fit.state.pose);
   Eigen::Matrix<double, Eigen::Dynamic, 6> J(static_cast<Eigen::Index>(8 * num_tags), 6);
   Eigen::Index rows = 0;
   for (std::size_t i = 0; i < num_tags; ++i) {
     for (const Eigen::Vector3d& corner :
          corners_in_map(world.tags[static_cast<std::size_t>(tags[i].tag_index)].tag)) {
-      Eigen::Matrix<double, 2, 3> by_point;
-      const Eigen::Vector3d point = view * corner;
-      if (!world.model.project(point, &by_point)) continue;
-      J.middleRows<2>(rows) = pixel_jacobian(by_point, point) * left_by_right;
+      const auto by_pose = pixels.of(corner);
+      if (!by_pose) continue;
+      J.middleRows<2>(rows) = *by_pose;
       rows += 2;
     }
   }

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "apriltrack/camera/pixel_jacobian.h"
-#include "pose_adjustment.h"
+#include "pixels_by_pose.h"
 #include "shared_error.h"
 
 namespace apriltrack {
@@ -39,9 +38,7 @@ CornerJacobian corner_jacobian(const CameraModel& model, const MapTag& tag, cons
   CornerJacobian J = CornerJacobian::Zero();
   int row = 0;
   for (const Eigen::Vector3d& corner : corners_in_map(tag)) {
-    const Eigen::Vector3d point = view * corner;
-    Eigen::Matrix<double, 2, 3> by_point;
-    if (model.project(point, &by_point)) J.middleRows<2>(row) = pixel_jacobian(by_point, point);
+    if (const auto by_view = pixel_by_view(model, view, corner)) J.middleRows<2>(row) = *by_view;
     row += 2;
   }
   return J;
