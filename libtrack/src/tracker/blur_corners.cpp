@@ -114,7 +114,7 @@ void discredit_tags_read_as_others(const PhotometricWorld& world, const std::vec
   };
   for (TagEvidence& evidence : tags) {
     if (agrees(evidence.tag_index)) continue;
-    const PhotometricTag& tag = world.tags[static_cast<std::size_t>(evidence.tag_index)];
+    const PhotometricTag& tag = world.tag_at(evidence.tag_index);
     const bool is_another = std::ranges::any_of(detections, [&](const Detection& detection) {
       return detection.tag != tag.tag.key && detection.hamming.value_or(0) == 0 &&
              !is_of_agreeing_tag(detection) &&

@@ -17,8 +17,7 @@ Matrix6d shared_information(const PhotometricWorld& world, const PixelsByPose& p
   const double explained = evidence.clean_correlation() * evidence.clean_correlation();
   const double sigma_px = shared_sigma_px(evidence.path_px, 1.0 - explained);
   Matrix6d information = Matrix6d::Zero();
-  for (const Eigen::Vector3d& corner :
-       corners_in_map(world.tags[static_cast<std::size_t>(evidence.tag_index)].tag)) {
+  for (const Eigen::Vector3d& corner : corners_in_map(world.tag_at(evidence.tag_index).tag)) {
     const auto by_pose = pixels.of(corner);
     if (!by_pose) continue;
     const PixelJacobian J = *by_pose / sigma_px;
@@ -46,7 +45,7 @@ Matrix6d map_covariance(const PhotometricWorld& world, const MotionFit& fit) {
   std::vector<TagObservation> seen(tags.size());
   std::vector<const TagObservation*> observations;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    const MapTag& tag = world.tags[static_cast<std::size_t>(tags[i].tag_index)].tag;
+    const MapTag& tag = world.tag_at(tags[i].tag_index).tag;
     seen[i].tag = &tag;
     seen[i].corners_map = corners_in_map(tag);
     observations.push_back(&seen[i]);

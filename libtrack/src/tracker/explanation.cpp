@@ -25,7 +25,7 @@ double prior_spread(const PhotometricWorld& world, const MotionBelief& prior, co
   const Pose view = camera_from_map(fit.state.pose, world.mode);
   double least = std::numeric_limits<double>::infinity();
   for (const TagEvidence& evidence : explained_tags(fit.tags)) {
-    const PhotometricTag& tag = world.tags[static_cast<std::size_t>(evidence.tag_index)];
+    const PhotometricTag& tag = world.tag_at(evidence.tag_index);
     const double distance_m = (view * tag.tag.T_map_tag.translation()).norm();
     const double size_px = world.focal_px() * tag.tag.size_m / distance_m;
     const double sigma_px =

@@ -26,8 +26,7 @@ Eigen::Matrix<double, Eigen::Dynamic, 6> pixels_by_pose(const PhotometricWorld& 
   Eigen::Matrix<double, Eigen::Dynamic, 6> J(static_cast<Eigen::Index>(8 * num_tags), 6);
   Eigen::Index rows = 0;
   for (std::size_t i = 0; i < num_tags; ++i) {
-    for (const Eigen::Vector3d& corner :
-         corners_in_map(world.tags[static_cast<std::size_t>(tags[i].tag_index)].tag)) {
+    for (const Eigen::Vector3d& corner : corners_in_map(world.tag_at(tags[i].tag_index).tag)) {
       const auto by_pose = pixels.of(corner);
       if (!by_pose) continue;
       J.middleRows<2>(rows) = *by_pose;

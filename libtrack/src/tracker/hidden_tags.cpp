@@ -6,16 +6,13 @@ namespace apriltrack {
 
 void HiddenTags::mark(PhotometricWorld& world, const std::vector<TagObservation>& observations) {
   unmark(world);
-  const auto tag_at = [&](int index) -> PhotometricTag& {
-    return world.tags[static_cast<std::size_t>(index)];
-  };
-  for (const int index : hidden_) tag_at(index).is_hidden = true;
-  for (const TagObservation& seen : observations) tag_at(seen.tag_index).is_hidden = false;
+  for (const int index : hidden_) world.tag_at(index).is_hidden = true;
+  for (const TagObservation& seen : observations) world.tag_at(seen.tag_index).is_hidden = false;
   marked_.assign(hidden_.begin(), hidden_.end());
 }
 
 void HiddenTags::unmark(PhotometricWorld& world) {
-  for (const int index : marked_) world.tags[static_cast<std::size_t>(index)].is_hidden = false;
+  for (const int index : marked_) world.tag_at(index).is_hidden = false;
   marked_.clear();
 }
 

@@ -19,7 +19,7 @@ void add_mirrored_tilt(const StartFit& start_fit, const BlurFrame& frame, std::v
   const std::vector<TagEvidence> tags = explained_tags(best.fit.tags);
   if (tags.size() != 1) return;
   const PhotometricWorld& world = start_fit.world();
-  const Pose& T_map_tag = world.tags[static_cast<std::size_t>(tags.front().tag_index)].tag.T_map_tag;
+  const Pose& T_map_tag = world.tag_at(tags.front().tag_index).tag.T_map_tag;
   const MotionState other = mirrored_state(best.fit.state, T_map_tag, world.mode);
   if (best.is_cold) {
     // Both tilts were looked at, at rest; but only one of them, perhaps, with this motion.

@@ -25,8 +25,7 @@ double score_over(const Explanation& best, const Explanation& other) {
 
 /// Of the tag's centre in the image; infinite where one of the two does not show it.
 double shift_px(const PhotometricWorld& world, const TagEvidence& tag, const Pose& from, const Pose& to) {
-  const Eigen::Vector3d centre =
-      world.tags[static_cast<std::size_t>(tag.tag_index)].tag.T_map_tag.translation();
+  const Eigen::Vector3d centre = world.tag_at(tag.tag_index).tag.T_map_tag.translation();
   const auto before = world.model.project(camera_from_map(from, world.mode) * centre);
   const auto after = world.model.project(camera_from_map(to, world.mode) * centre);
   return before && after ? (*after - *before).norm() : std::numeric_limits<double>::infinity();

@@ -87,11 +87,11 @@ void StartFit::refit_without_tags_read_as_others(const BlurFrame& frame, Explana
     if (tags[i].correlation < explanation.fit.tags[i].correlation) discredited.push_back(tags[i]);
   }
   if (discredited.empty()) return;
-  for (const TagEvidence& tag : discredited) tag_of(tag).is_hidden = true;
+  for (const TagEvidence& tag : discredited) world_.tag_at(tag.tag_index).is_hidden = true;
   explanation.fit =
       fitted(frame, {explanation.fit.state, explanation.prior, explanation.is_cold}, {.coarsest_level = 0});
   explanation.votes = votes(frame, explanation.fit.state);
-  for (const TagEvidence& tag : discredited) tag_of(tag).is_hidden = false;
+  for (const TagEvidence& tag : discredited) world_.tag_at(tag.tag_index).is_hidden = false;
   // That they are not seen speaks against the state all the same.
   for (const TagEvidence& tag : discredited) {
     explanation.fit.tags.push_back(tag);
@@ -107,10 +107,6 @@ std::vector<CornerObservation> StartFit::corners(const BlurFrame& frame, const M
 TagVotes StartFit::votes(const BlurFrame& frame, const MotionState& state) const {
   return count_votes(world_, frame.observations, state, frame.photometric.exposure_s,
                      options_.corner_sigma_px);
-}
-
-PhotometricTag& StartFit::tag_of(const TagEvidence& evidence) const {
-  return world_.tags[static_cast<std::size_t>(evidence.tag_index)];
 }
 
 }  // namespace apriltrack

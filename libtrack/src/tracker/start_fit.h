@@ -46,7 +46,6 @@ class StartFit {
   void refit_without_tags_read_as_others(const BlurFrame& frame, Explanation& explanation) const;
   std::vector<CornerObservation> corners(const BlurFrame& frame, const MotionState& state) const;
   TagVotes votes(const BlurFrame& frame, const MotionState& state) const;
-  PhotometricTag& tag_of(const TagEvidence& evidence) const;
 
   PhotometricWorld& world_;
   const BlurTrackerOptions& options_;

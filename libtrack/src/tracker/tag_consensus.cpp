@@ -58,11 +58,11 @@ void TagConsensus::choose(BlurFrame& frame, bool with_hidden) {
   if (!with_hidden) hidden_.mark(world_, frame.observations);
   doubted_ = trust_.suspects();
   doubted_.insert(left_out_.begin(), left_out_.end());
-  for (const int index : doubted_) world_.tags[static_cast<std::size_t>(index)].is_hidden = true;
+  for (const int index : doubted_) world_.tag_at(index).is_hidden = true;
 }
 
 void TagConsensus::unmark() {
-  for (const int index : doubted_) world_.tags[static_cast<std::size_t>(index)].is_hidden = false;
+  for (const int index : doubted_) world_.tag_at(index).is_hidden = false;
   doubted_.clear();
   hidden_.unmark(world_);
 }
@@ -129,7 +129,7 @@ bool TagConsensus::leaves_open_what_is_missed(const Explanation& best, double ma
   const Matrix6d covariance = fit_covariance(world_, best.fit).topLeftCorner<6, 6>() + best.bend_covariance;
   return std::ranges::any_of(best.fit.tags, [&](const TagEvidence& tag) {
     if (tag.is_explained() || tag.independent_samples() < kSamplesToBeMissed) return false;
-    const PhotometricTag& missed = world_.tags[static_cast<std::size_t>(tag.tag_index)];
+    const PhotometricTag& missed = world_.tag_at(tag.tag_index);
     return !(place_sigma_px(world_, missed, best.fit.state.pose, covariance) <= max_sigma_px);
   });
 }
@@ -194,15 +194,14 @@ void TagConsensus::report(const BlurFrame& frame, const Explanation& best, Track
     result.tags.push_back(report_of(frame, tag.evidence, votes));
     if (is_left_out(tag.evidence.tag_index)) contradicting.insert(tag.evidence.tag_index);
   }
-  for (const int index : contradicting)
-    result.contradicting_tags.push_back(world_.tags[static_cast<std::size_t>(index)].tag.key);
+  for (const int index : contradicting) result.contradicting_tags.push_back(world_.tag_at(index).tag.key);
 }
 
 TagReport TagConsensus::report_of(const BlurFrame& frame, const TagEvidence& evidence,
                                   const TagVotes& votes) const {
   const int index = evidence.tag_index;
   TagReport report;
-  report.tag = world_.tags[static_cast<std::size_t>(index)].tag.key;
+  report.tag = world_.tag_at(index).tag.key;
   report.state = state_of(evidence, votes);
   report.correlation = evidence.clean_correlation();
   report.is_read = std::ranges::count(frame.read, index, &TagObservation::tag_index) > 0;
@@ -215,7 +214,7 @@ TagState TagConsensus::state_of(const TagEvidence& evidence, const TagVotes& vot
   const int index = evidence.tag_index;
   if (is_left_out(index)) return TagState::kSuspect;
   if (contains(votes.contradicting, index)) return TagState::kElsewhere;
-  if (world_.tags[static_cast<std::size_t>(index)].is_hidden) return TagState::kHidden;
+  if (world_.tag_at(index).is_hidden) return TagState::kHidden;
   return evidence.is_explained() || contains(votes.agreeing, index) ? TagState::kUsed : TagState::kOccluded;
 }
 

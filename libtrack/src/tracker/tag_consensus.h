@@ -57,9 +57,7 @@ class TagConsensus {
   bool is_left_out(int tag_index) const {
     return trust_.is_suspect(tag_index) || left_out_.contains(tag_index);
   }
-  bool is_in_fit(const TagStrain& strain) const {
-    return !world_.tags[static_cast<std::size_t>(strain.tag_index)].is_hidden;
-  }
+  bool is_in_fit(const TagStrain& strain) const { return !world_.tag_at(strain.tag_index).is_hidden; }
   void unmark();
   std::vector<Doubted> doubted_tags() const;
   std::vector<int> strained_tags() const;

@@ -58,7 +58,7 @@ TagStrain strain_of(const PhotometricWorld& world, const Pose& view, const TagEq
   const Matrix6d I = tag.H.topLeftCorner<6, 6>() - coupling * factor.solve(coupling.transpose());
   const Vector6d score = tag.g.head<6>() - coupling * factor.solve(all.g);
 
-  const MapTag& mapped = world.tags[static_cast<std::size_t>(tag.evidence.tag_index)].tag;
+  const MapTag& mapped = world.tag_at(tag.evidence.tag_index).tag;
   const CornerJacobian J = corner_jacobian(world.model, mapped, view);
   const double sigma_px = usual_shared_sigma_px(tag.evidence.path_px);
   const Matrix6d in_camera = (view * mapped.T_map_tag).adjoint();
@@ -86,7 +86,7 @@ TagStrain strain_of(const PhotometricWorld& world, const Pose& view, const TagEq
 std::vector<TagStrain> tag_strains(const PhotometricWorld& world, const MotionState& state,
                                    const std::vector<TagEquations>& tags) {
   const auto is_in_fit = [&](const TagEquations& tag) {
-    return !world.tags[static_cast<std::size_t>(tag.evidence.tag_index)].is_hidden;
+    return !world.tag_at(tag.evidence.tag_index).is_hidden;
   };
   Equations fit{.H = kLeastInformation * Matrix12d::Identity()};
   for (const TagEquations& tag : tags) {

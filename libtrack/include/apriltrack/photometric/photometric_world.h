@@ -66,6 +66,10 @@ struct PhotometricWorld {
   /// and a part of them perhaps in the image. Costs what lies around the pose, not what the map holds.
   std::vector<std::size_t> tags_in_sight(const MotionState& state);
 
+  /// By its index in the map, as evidence and observations name it.
+  PhotometricTag& tag_at(int tag_index) { return tags[static_cast<std::size_t>(tag_index)]; }
+  const PhotometricTag& tag_at(int tag_index) const { return tags[static_cast<std::size_t>(tag_index)]; }
+
   double focal_px() const { return 0.5 * (model.pinhole().fx + model.pinhole().fy); }
 };
 
