@@ -188,8 +188,12 @@ const BlurFilm& wild_tag() {
 }
 
 const BlurFilm& swung_camera() {
-  static const BlurFilm film(swung_scene(), 5);
+  static const BlurFilm film = swung_camera_with(5);
   return film;
+}
+
+BlurFilm swung_camera_with(std::uint64_t seed) {
+  return {swung_scene(), seed};
 }
 
 const BlurFilm& shaken_camera() {

@@ -38,6 +38,8 @@ const BlurFilm& shaken_camera();
 /// The tags of shaken_camera(), in a camera that swings to and fro in 9.5 frames: sharp at first, where it
 /// turns about, up to 43 px blurred; other turns lie between frames that are blurred by 14 px on both sides.
 const BlurFilm& swung_camera();
+/// The same with other noise.
+BlurFilm swung_camera_with(std::uint64_t seed);
 
 /// In the film's mode, with a cloud of a quarter of the usual size, so that tests are quick.
 BlurTracker tracker_of(const BlurFilm& film, std::uint64_t seed = 0, int num_particles = 60);

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "apriltrack/base/random.h"
@@ -9,8 +12,23 @@
 
 namespace apriltrack::test {
 
-/// One picture of 160 x 120: a tag of 60 px that slides and turns by up to 8 px during the exposure. It is
-/// filmed by the simulator, which shares no code with the likelihood; the state is known in closed form.
+/// How a tag stands before the camera, and moves.
+struct TagMotion {
+  Eigen::Vector3d position_m{0.01, -0.005, 0.5};
+  Eigen::Vector3d velocity_m_per_s{0.8, 0.0, 0.0};
+  Eigen::Vector3d yaw_pitch_roll_rad{0.2, 0.4, -0.3};
+  double yaw_rate_rad_per_s = 2.0;
+};
+
+/// What a camera does that nobody told the tracker.
+struct ImagingUntold {
+  double lens_blur_sigma_px = 0.5;  ///< As it assumes.
+  double gamma = 1.0;               ///< Of the light that the response gives back.
+};
+
+/// One picture of 160 x 120: a tag of 60 px that slides and turns by up to 8 px during the exposure, unless
+/// told otherwise. It is filmed by the simulator, which shares no code with the likelihood; the state is
+/// known in closed form.
 struct TagPicture {
   static constexpr int kWidth = 160, kHeight = 120;
   static constexpr double kFocal_px = 200.0;
@@ -23,8 +41,7 @@ struct TagPicture {
   MotionState truth;   ///< T_camera_body, the body being the tag.
   Image<float> light;  ///< Without noise; black to white takes about a third of the full scale.
 
-  TagPicture() {
-    constexpr double kSpeed_m_per_s = 0.8, kTurn_rad_per_s = 2.0;
+  explicit TagPicture(const TagMotion& moves = {}, const ImagingUntold& imaging = {}) {
     camera.width = kWidth;
     camera.height = kHeight;
     MapTag tag;
@@ -32,17 +49,20 @@ struct TagPicture {
     tag.size_m = kSize_m;
     map.tags = {tag};
     Motion motion;
-    motion.position_m[0] = {.offset = 0.01, .rate_per_s = kSpeed_m_per_s, .waves = {}, .bursts = {}};
-    motion.position_m[1].offset = -0.005;
-    motion.position_m[2].offset = kDepth_m;
-    motion.yaw_rad = {.offset = 0.2, .rate_per_s = kTurn_rad_per_s, .waves = {}, .bursts = {}};
-    motion.pitch_rad.offset = 0.4;
-    motion.roll_rad.offset = -0.3;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto i = static_cast<Eigen::Index>(axis);
+      motion.position_m[axis].offset = moves.position_m[i];
+      motion.position_m[axis].rate_per_s = moves.velocity_m_per_s[i];
+    }
+    motion.yaw_rad.offset = moves.yaw_pitch_roll_rad[0];
+    motion.yaw_rad.rate_per_s = moves.yaw_rate_rad_per_s;
+    motion.pitch_rad.offset = moves.yaw_pitch_roll_rad[1];
+    motion.roll_rad.offset = moves.yaw_pitch_roll_rad[2];
     truth.pose = motion.at(0.0);
     const Eigen::Quaterniond tag_from_camera = truth.pose.rotation().conjugate();
-    truth.velocity << tag_from_camera * Eigen::Vector3d(kSpeed_m_per_s, 0.0, 0.0),
-        tag_from_camera * Eigen::Vector3d(0.0, 0.0, kTurn_rad_per_s);
-    light = filmed(motion);
+    truth.velocity << tag_from_camera * moves.velocity_m_per_s,
+        tag_from_camera * Eigen::Vector3d(0.0, 0.0, moves.yaw_rate_rad_per_s);
+    light = filmed(motion, imaging);
   }
 
   PhotometricFrame frame() const { return frame_of(light); }
@@ -57,18 +77,23 @@ struct TagPicture {
   PhotometricWorld world() const { return {camera, map, TrackMode::kJoint, kWidth, kHeight}; }
 
  private:
-  Image<float> filmed(const Motion& motion) const {
+  Image<float> filmed(const Motion& motion, const ImagingUntold& imaging) const {
     Scene scene;
     scene.truth = TruthKind::kJoint;
     scene.camera = camera;
     scene.map = map;
     scene.formation.vignetting = 0.0;
+    scene.formation.lens_blur_sigma_px = imaging.lens_blur_sigma_px;
     Body body{.name = "tag", .T_world_body = motion, .panels = {}};
     add_tags(body, map, {.margin_cells = 0.5});
     scene.bodies = {body};
     Image<float> image = Renderer(scene).sensor_light(Timestamp{0}, kExposure_s);
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x) image(x, y) = 0.2F + 0.5F * image(x, y);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const auto linear = static_cast<double>(0.2F + 0.5F * image(x, y));
+        image(x, y) = static_cast<float>(std::pow(linear, imaging.gamma));
+      }
+    }
     return image;
   }
   static PhotometricFrame frame_of(Image<float> image) {

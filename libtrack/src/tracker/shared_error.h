@@ -17,11 +17,14 @@ inline double usual_shared_sigma_px(double path_px) {
 /// unexplained: that share of the pixels' variance, noise apart (docs/algorithms/blur_tracker.md, equation
 /// 10).
 inline double shared_sigma_px(double path_px, double unexplained) {
-  constexpr double kSharp_px = 0.03;
-  constexpr double kPerBlur = 0.006;
-  constexpr double kUsual = 0.004, kLeast = 0.02, kMost = 10.0;
-  return std::hypot(kSharp_px, kPerBlur * path_px) *
-         std::sqrt(std::clamp(unexplained / kUsual, kLeast, kMost));
+  constexpr double kSharp_px = 0.055;
+  constexpr double kPerBlur = 0.003;
+  constexpr double kOfRightModel = 0.0005, kUsual = 0.0035;
+  const double excess = std::max(0.0, unexplained - kOfRightModel) / kUsual;
+  // Below the usual, errors that are shared hide among those that are not; above, the state itself is off.
+  const double factor = std::pow(excess, excess < 1.0 ? 0.45 : 0.8);
+  constexpr double kLeast = 0.02, kMost = 12.0;
+  return std::hypot(kSharp_px, kPerBlur * path_px) * std::clamp(factor, kLeast, kMost);
 }
 
 }  // namespace apriltrack
