@@ -4,6 +4,7 @@
 
 #include "first_explanations.h"
 #include "look_alikes.h"
+#include "overruled_motion.h"
 #include "path_variation.h"
 #include "wide_search.h"
 
@@ -18,6 +19,7 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
     vary_velocity(start_fit_, frame, found);
   vary_length(start_fit_, frame, found);
   search_widely(start_fit_, frame, hypotheses, found);
+  start_over_where_overruled(start_fit_, frame, found);
   add_mirrored_tilt(start_fit_, frame, found);
   add_reversed_path(start_fit_, frame, found);
   return found;

@@ -9,6 +9,7 @@
 #include "known_exposure.h"
 #include "lost_reason.h"
 #include "map_detection.h"
+#include "overruled_motion.h"
 #include "recording.h"
 #include "rivals.h"
 #include "tag_reader.h"
@@ -136,7 +137,8 @@ class BlurTracker::Implementation {
   }
 
   bool is_convincing(const std::vector<Explanation>& found, const BlurFrame& frame) const {
-    return !found.empty() && recording_->judge.is_convincing(found.front(), frame.interval_s);
+    return !found.empty() && !is_overruled(found) &&
+           recording_->judge.is_convincing(found.front(), frame.interval_s);
   }
 
   /// Best first; without tags that do not fit the others.

@@ -1,0 +1,142 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "motion_start.h"
+#include "overruled_motion.h"
+#include "path_variation.h"
+#include "tag_picture.h"
+
+namespace apriltrack {
+namespace {
+
+using test::TagMotion;
+using test::TagPicture;
+
+/// A tag that goes 16 px some way during the exposure, and what a detector would say of it.
+class StartsBeforeATag : public ::testing::Test {
+ protected:
+  explicit StartsBeforeATag(double heading_rad = 0.9)
+      : picture_(moving(heading_rad)), world_(picture_.world()) {
+    frame_.photometric = picture_.frame();
+    frame_.detections = {detection()};
+    frame_.read = observe_mapped_tags(picture_.map, world_.index, picture_.camera.model, frame_.detections);
+    frame_.observations = frame_.read;
+    candidate_.T_camera_map = picture_.truth.pose;
+    for (const TagObservation& seen : frame_.observations) candidate_.inliers.push_back(&seen);
+  }
+
+  static TagMotion moving(double heading_rad) {
+    constexpr double kPath_px = 16.0;
+    const double speed_m_per_s =
+        kPath_px * TagPicture::kDepth_m / TagPicture::kFocal_px / TagPicture::kExposure_s;
+    TagMotion moves;
+    moves.velocity_m_per_s << speed_m_per_s * std::cos(heading_rad), speed_m_per_s * std::sin(heading_rad),
+        0.0;
+    moves.yaw_rate_rad_per_s = 0.0;
+    return moves;
+  }
+  static BlurTrackerOptions of_bodies() {
+    BlurTrackerOptions options;
+    options.mode = TrackMode::kJoint;
+    return options;
+  }
+  Detection detection() const {
+    Detection result;
+    result.tag = picture_.map.tags[0].key;
+    const auto corners = tag_corners(TagPicture::kSize_m);
+    for (std::size_t i = 0; i < kNumCorners; ++i)
+      result.corners_px[i] = *picture_.camera.model.project(picture_.truth.pose * corners[i]);
+    return result;
+  }
+  /// At rest, where the corners are.
+  MotionStart cold_start() const {
+    const MotionBelief belief = *cold_belief(world_, candidate_);
+    return {belief.mean, {belief, 0.0}, true};
+  }
+  /// Of the tag in the image, during the exposure.
+  Eigen::Vector2d path_px(const MotionState& state) const {
+    const Pose from = pose_after(state, -0.5 * TagPicture::kExposure_s),
+               to = pose_after(state, 0.5 * TagPicture::kExposure_s);
+    return *picture_.camera.model.project(to.translation()) -
+           *picture_.camera.model.project(from.translation());
+  }
+
+  TagPicture picture_;
+  mutable PhotometricWorld world_;
+  BlurTrackerOptions options_ = of_bodies();
+  StartFit start_fit_{world_, options_};
+  BlurFrame frame_;
+  PoseCandidate candidate_;
+};
+
+class ColdStart : public StartsBeforeATag, public ::testing::WithParamInterface<int> {
+ protected:
+  ColdStart() : StartsBeforeATag(std::numbers::pi * GetParam() / 16.0) {}
+};
+INSTANTIATE_TEST_SUITE_P(Ways, ColdStart, ::testing::Range(0, 16));
+
+TEST_P(ColdStart, FindsThePathWhateverItsDirection) {
+  std::vector<Explanation> found = {start_fit_.explained(frame_, cold_start(), {})};
+  const Eigen::Vector2d truth_px = path_px(picture_.truth);
+  vary_velocity(start_fit_, frame_, found);
+  const Eigen::Vector2d found_px = path_px(found.front().fit.state);
+  // Its reverse looks the same.
+  EXPECT_LT(std::min((found_px - truth_px).norm(), (found_px + truth_px).norm()), 1.0)
+      << found_px.transpose() << " for " << truth_px.transpose();
+}
+
+class OverruledMotion : public StartsBeforeATag {
+ protected:
+  /// Half a tag away, as a motion expects it that was never there.
+  MotionHypothesis mistaken() const {
+    MotionBelief belief{picture_.truth, 1e-6 * Matrix12d::Identity()};
+    belief.mean.pose =
+        Pose(belief.mean.pose.rotation(), belief.mean.pose.translation() + Eigen::Vector3d(0.07, 0.0, 0.0));
+    return {belief, 0.0};
+  }
+  Explanation explained(const MotionState& state, const MotionHypothesis& prior) const {
+    return start_fit_.explained(frame_, {state, prior, false}, {.coarsest_level = 0});
+  }
+  /// What the mistaken motion makes of the frame, and the truth, which it rules out.
+  std::vector<Explanation> found() const {
+    Explanation wrong = explained(mistaken().belief.mean, mistaken());
+    Explanation right = explained(picture_.truth, {{picture_.truth, 1e-6 * Matrix12d::Identity()}, 0.0});
+    right.prior = mistaken();
+    right.prior_cost = prior_cost(right.prior.belief, right.fit.state);
+    return {wrong, right};
+  }
+};
+
+TEST_F(OverruledMotion, IsSeenWhereWhatItRulesOutIsFarBetter) {
+  std::vector<Explanation> both = found();
+  ASSERT_TRUE(both[1].is_beyond_prior());
+  ASSERT_FALSE(both[0].is_beyond_prior());
+  EXPECT_TRUE(is_overruled(both));
+  both[1].score = both[0].score + 59.0;
+  EXPECT_FALSE(is_overruled(both));
+  EXPECT_FALSE(is_overruled({both[0]}));
+}
+
+TEST_F(OverruledMotion, GivesWayToWhatDetectionsHold) {
+  std::vector<Explanation> both = found();
+  start_over_where_overruled(start_fit_, frame_, both);
+  EXPECT_TRUE(both.front().is_cold);
+  EXPECT_FALSE(is_overruled(both));
+  EXPECT_LT((both.front().fit.state.pose.translation() - picture_.truth.pose.translation()).norm(), 0.002);
+}
+
+TEST_F(OverruledMotion, StaysInDoubtWithoutDetections) {
+  std::vector<Explanation> both = found();
+  for (Explanation& one : both) one.votes = {};
+  start_over_where_overruled(start_fit_, frame_, both);
+  EXPECT_EQ(both.size(), 2U);
+  EXPECT_TRUE(is_overruled(both));
+}
+
+}  // namespace
+}  // namespace apriltrack
