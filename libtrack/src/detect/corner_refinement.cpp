@@ -33,9 +33,26 @@ bool is_edge(const FittedEdge& edge, double reach_px) {
          std::abs(edge.offset) < reach_px;
 }
 
-/// All four edges near where `quad` has them; nullopt when one cannot be fitted.
+/// What the first round knows: nothing but how wide cells are.
+EdgeGuesses first_guesses(double cell_px) {
+  EdgeGuesses guesses;
+  guesses.fill({std::max(3.0, 0.5 * cell_px), 1.2});
+  return guesses;
+}
+
+EdgeGuesses guesses_after(const EdgesOfQuad& fitted) {
+  EdgeGuesses guesses;
+  for (std::size_t k = 0; k < kNumCorners; ++k) {
+    const double sigma_px = fitted.edges[k].sigma_px;
+    guesses[k] = {3.0 * sigma_px + 1.5, sigma_px};
+  }
+  return guesses;
+}
+
+/// All four edges near where `quad` has them; nullopt when one cannot be fitted. before: of the last round.
 std::optional<EdgesOfQuad> fit_edges(const LightSampler& sampler, const TagPattern& pattern,
-                                     bool is_white_inside, const Quad& quad, const EdgeGuesses& guesses) {
+                                     bool is_white_inside, const Quad& quad, const EdgeGuesses& guesses,
+                                     const std::optional<EdgesOfQuad>& before) {
   const auto homography = estimate_homography(kTagQuad, quad);
   if (!homography) return std::nullopt;
   EdgesOfQuad fitted;
@@ -46,10 +63,11 @@ std::optional<EdgesOfQuad> fit_edges(const LightSampler& sampler, const TagPatte
         0.5 * (guesses[(k + 1) % kNumCorners].sigma_px + guesses[(k + 3) % kNumCorners].sigma_px);
     const EdgeSamples near = sample_edge(sampler, {pattern, is_white_inside, *homography, k},
                                          fitted.frames[k], guesses[k], sigma_along_px);
-    const auto edge = fit_edge(near.samples, near.profiles,
-                               {.initial_sigma_px = guesses[k].sigma_px,
-                                .bend_prior_px = kLensBend_per_px * length_px * length_px,
-                                .polarity = is_white_inside ? -1.0 : 1.0});
+    EdgeFitOptions options{.initial_sigma_px = guesses[k].sigma_px,
+                           .bend_prior_px = kLensBend_per_px * length_px * length_px,
+                           .polarity = is_white_inside ? -1.0 : 1.0};
+    if (before) options.before = before->edges[k];
+    const auto edge = fit_edge(near.samples, near.profiles, options);
     if (!edge || !is_edge(*edge, guesses[k].reach_px)) return std::nullopt;
     fitted.edges[k] = *edge;
   }
@@ -85,16 +103,13 @@ std::optional<Quad> refine_corners(const GrayView& image, const ResponseCurve& r
   const LightSampler sampler(image, response);
   const double cell_px = shortest_edge(start_px) / pattern.width_at_border();
   const double max_move_px = std::max(3.0, 1.25 * cell_px);
-  EdgeGuesses guesses;
-  guesses.fill({std::max(3.0, 0.5 * cell_px), 1.2});
+  EdgeGuesses guesses = first_guesses(cell_px);
+  std::optional<EdgesOfQuad> fitted;
   Quad quad = start_px;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const auto fitted = fit_edges(sampler, pattern, is_white_inside, quad, guesses);
+    fitted = fit_edges(sampler, pattern, is_white_inside, quad, guesses, fitted);
     if (!fitted) return std::nullopt;
-    for (std::size_t k = 0; k < kNumCorners; ++k) {
-      const double sigma_px = fitted->edges[k].sigma_px;
-      guesses[k] = {3.0 * sigma_px + 1.5, sigma_px};
-    }
+    guesses = guesses_after(*fitted);
     const Quad next = intersections(*fitted);
     if (!(largest_move(next, start_px) <= max_move_px)) return std::nullopt;  // not finite counts as too far
     const double move = largest_move(next, quad);

@@ -26,6 +26,8 @@ constexpr double kTiltPrior = 0.15;
 constexpr double kSamplesPerDatum = 4.0;
 /// Residuals beyond this part of the contrast are some other thing's edge.
 constexpr double kMinOutlierScale = 0.06;
+/// Of the residuals' root mean square.
+constexpr double kOutlierScale = 4.0;
 
 /// Cumulative and density of the standard normal distribution, interpolated from a table to 1e-5: thousands
 /// of values are needed per tag, and erfc alone would take most of the detector's own time.
@@ -66,30 +68,25 @@ class NormalTable {
   std::array<double, kSize> density_;
 };
 
-/// Residual (measured minus modelled light) and the model's derivative.
-double residual(const NormalTable& normal, const EdgeSample& sample, const EdgeProfile& profile,
-                double inverse_sigma, const Parameters& p, Parameters* derivative) {
-  const double t = sample.along;
-  const double bend_basis = t * t - 1.0 / 3.0;
-  const double from_edge = sample.across - (p[kOffset] + p[kSlope] * t + p[kBend] * bend_basis);
-  double level = profile.innermost_level;
-  double by_z = 0.0;      // d level / d z for a common shift of all changes
-  double by_sigma = 0.0;  // d level / d log sigma
+/// What a profile shows, blurred, at `across` pixels from where the edge is taken to lie.
+struct BlurredLevel {
+  double level;     ///< 0 inside to 1 outside.
+  double by_z;      ///< For a common shift of all changes, in sigmas.
+  double by_sigma;  ///< By log sigma.
+};
+
+BlurredLevel blurred_level(const NormalTable& normal, const EdgeProfile& profile, double across,
+                           double inverse_sigma) {
+  BlurredLevel sum{profile.innermost_level, 0.0, 0.0};
   for (int i = 0; i < profile.num_changes; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const double z = (from_edge - profile.position_px[k]) * inverse_sigma;
+    const double z = (across - profile.position_px[k]) * inverse_sigma;
     const NormalTable::Value value = normal.at(z);
-    level += profile.height[k] * value.cumulative;
-    by_z += profile.height[k] * value.density;
-    by_sigma -= profile.height[k] * value.density * z;
+    sum.level += profile.height[k] * value.cumulative;
+    sum.by_z += profile.height[k] * value.density;
+    sum.by_sigma -= profile.height[k] * value.density * z;
   }
-  const double inner = p[kInner] + p[kInnerTilt] * t;
-  const double outer = p[kOuter] + p[kOuterTilt] * t;
-  const double contrast = outer - inner;
-  const double by_offset = -contrast * by_z * inverse_sigma;
-  *derivative << by_offset, by_offset * t, by_offset * bend_basis, contrast * by_sigma, 1.0 - level, level,
-      (1.0 - level) * t, level * t;
-  return sample.light - (inner + contrast * level);
+  return sum;
 }
 
 /// Levels from the means of either side, which blur and data bits only bring nearer to each other.
@@ -111,30 +108,71 @@ std::optional<Parameters> initial_parameters(const std::vector<EdgeSample>& samp
   return p;
 }
 
+/// As found before. The line that it is about now joins the corners found then, so that the bend alone leads
+/// off it.
+Parameters parameters_of(const FittedEdge& before) {
+  Parameters p;
+  p << -2.0 / 3.0 * before.bend, 0.0, before.bend, std::log(before.sigma_px), before.inner_light,
+      before.outer_light, before.inner_tilt, before.outer_tilt;
+  return p;
+}
+
+/// Along one column across the edge, derivatives are four numbers, each times powers of the column's place:
+/// by the offset, by log sigma, and by both levels.
+struct ColumnSums {
+  enum Kind { kByOffset, kBySigma, kByInner, kByOuter, kNumKinds };
+  using Vector = Eigen::Matrix<double, kNumKinds, 1>;
+  Eigen::Matrix<double, kNumKinds, kNumKinds> information =
+      Eigen::Matrix<double, kNumKinds, kNumKinds>::Zero();
+  Vector gradient = Vector::Zero();
+};
+
 struct NormalEquations {
   Information information = Information::Zero();
   Parameters gradient = Parameters::Zero();
   double weighted_squares = 0.0;
   double weights = 0.0;
+
+  void add(const ColumnSums& column, double along, double bend_basis) {
+    using C = ColumnSums;
+    constexpr C::Kind kKinds[] = {C::kByOffset, C::kByOffset, C::kByOffset, C::kBySigma,
+                                  C::kByInner,  C::kByOuter,  C::kByInner,  C::kByOuter};
+    const double factors[] = {1.0, along, bend_basis, 1.0, 1.0, 1.0, along, along};
+    for (int i = 0; i < kNumParameters; ++i) {
+      for (int k = 0; k <= i; ++k)
+        information(i, k) += factors[i] * factors[k] * column.information(kKinds[i], kKinds[k]);
+      gradient[i] += factors[i] * column.gradient[kKinds[i]];
+    }
+  }
 };
 
+/// Samples come column by column.
 NormalEquations linearise(const std::vector<EdgeSample>& samples, const std::vector<EdgeProfile>& profiles,
                           const Parameters& p, double outlier_scale) {
   const NormalTable& normal = NormalTable::get();
   const double inverse_sigma = std::exp(-p[kLogSigma]);
   const GemanMcClure error(outlier_scale);
   NormalEquations equations;
-  Parameters derivative;
-  for (const EdgeSample& sample : samples) {
-    const double r = residual(normal, sample, profiles[sample.profile], inverse_sigma, p, &derivative);
-    const double weight = error.weight(r * r);
-    const Parameters weighted = weight * derivative;
-    for (int row = 0; row < kNumParameters; ++row)
-      for (int column = 0; column <= row; ++column)
-        equations.information(row, column) += weighted[row] * derivative[column];
-    equations.gradient += weight * r * derivative;
-    equations.weighted_squares += weight * r * r;
-    equations.weights += weight;
+  for (auto sample = samples.begin(); sample != samples.end();) {
+    const EdgeProfile& profile = profiles[sample->profile];
+    const double t = sample->along;
+    const double bend_basis = t * t - 1.0 / 3.0;
+    const double edge = p[kOffset] + p[kSlope] * t + p[kBend] * bend_basis;
+    const double inner = p[kInner] + p[kInnerTilt] * t;
+    const double contrast = p[kOuter] + p[kOuterTilt] * t - inner;
+    ColumnSums column;
+    for (const std::size_t of = sample->profile; sample != samples.end() && sample->profile == of; ++sample) {
+      const BlurredLevel at = blurred_level(normal, profile, sample->across - edge, inverse_sigma);
+      const double r = sample->light - (inner + contrast * at.level);
+      const double weight = error.weight(r * r);
+      const ColumnSums::Vector derivative(-contrast * at.by_z * inverse_sigma, contrast * at.by_sigma,
+                                          1.0 - at.level, at.level);
+      column.information += (weight * derivative) * derivative.transpose();
+      column.gradient += (weight * r) * derivative;
+      equations.weighted_squares += weight * r * r;
+      equations.weights += weight;
+    }
+    equations.add(column, t, bend_basis);
   }
   return equations;
 }
@@ -157,11 +195,15 @@ void add_priors(double variance, double contrast, double bend_prior_px, const Pa
 std::optional<FittedEdge> fit_edge(const std::vector<EdgeSample>& samples,
                                    const std::vector<EdgeProfile>& profiles, const EdgeFitOptions& options) {
   if (samples.size() < kMinSamples) return std::nullopt;
-  const std::optional<Parameters> start = initial_parameters(samples, options);
+  const std::optional<Parameters> start =
+      options.before ? parameters_of(*options.before) : initial_parameters(samples, options);
   if (!start) return std::nullopt;
   Parameters p = *start;
 
   double outlier_scale = std::abs(p[kOuter] - p[kInner]);  // nearly plain least squares at first
+  if (options.before)
+    outlier_scale *= std::max(kOutlierScale * options.before->residual_rms, kMinOutlierScale);
+  const int min_iterations = options.before ? 2 : 5;
   double variance = 0.0;
   NormalEquations equations;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
@@ -177,9 +219,10 @@ std::optional<FittedEdge> fit_edge(const std::vector<EdgeSample>& samples,
     p += step;
     p[kLogSigma] = std::clamp(p[kLogSigma], std::log(kMinSigma_px), std::log(kMaxSigma_px));
     if (options.polarity * (p[kOuter] - p[kInner]) <= 0.0) return std::nullopt;
-    outlier_scale = std::max(4.0 * std::sqrt(equations.weighted_squares / equations.weights),
+    outlier_scale = std::max(kOutlierScale * std::sqrt(equations.weighted_squares / equations.weights),
                              kMinOutlierScale * contrast);
-    if (iteration > 3 && std::abs(step[kOffset]) + std::abs(step[kSlope]) + std::abs(step[kBend]) < 2e-3)
+    if (iteration + 1 >= min_iterations &&
+        std::abs(step[kOffset]) + std::abs(step[kSlope]) + std::abs(step[kBend]) < 2e-3)
       break;
   }
 
@@ -190,6 +233,8 @@ std::optional<FittedEdge> fit_edge(const std::vector<EdgeSample>& samples,
   edge.sigma_px = std::exp(p[kLogSigma]);
   edge.inner_light = p[kInner];
   edge.outer_light = p[kOuter];
+  edge.inner_tilt = p[kInnerTilt];
+  edge.outer_tilt = p[kOuterTilt];
   edge.residual_rms =
       std::sqrt(equations.weighted_squares / equations.weights) / std::abs(p[kOuter] - p[kInner]);
   const Information full = equations.information.selfadjointView<Eigen::Lower>();
