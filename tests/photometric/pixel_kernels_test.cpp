@@ -147,6 +147,25 @@ TEST_P(PixelKernels, MeasureSizesOfResiduals) {
     EXPECT_NEAR(sizes[i], std::abs(residual(i)) * inverse_sigma_[i], 1e-6) << i;
 }
 
+TEST_P(PixelKernels, FindTheSizeOfAnyRank) {
+  std::vector<float> sizes(x_.size(), 0.0F);
+  residual_sizes(seen(), kColours, sizes.data());
+  std::vector<float> sorted = sizes;
+  std::ranges::sort(sorted);
+  for (const std::size_t rank : {std::size_t{0}, sorted.size() / 3, sorted.size() / 2, sorted.size() - 1})
+    EXPECT_EQ(size_of_rank(sizes.data(), sizes.size(), rank), sorted[rank]) << rank;
+}
+
+TEST_P(PixelKernels, TellNoiseByWhatNeighboursDifferBy) {
+  std::vector<float> weights(x_.size(), 0.0F);
+  for (std::size_t i = 0; i < kCount; ++i) weights[i] = 0.5F + image_[i];
+  double expected = 0.0;
+  for (std::size_t i = 1; i < kCount; ++i)
+    expected += 0.5 * std::min(weights[i - 1], weights[i]) * std::pow(residual(i) - residual(i - 1), 2);
+  EXPECT_NEAR(noise_power(seen(), kColours, weights.data()), expected, 1e-5 * expected);
+  EXPECT_EQ(noise_power({}, kColours, nullptr), 0.0);
+}
+
 TEST_P(PixelKernels, LineariseAsTheJacobiansDo) {
   const GemanMcClure error(kReach);
   Eigen::Matrix<double, 16, 16> expected = Eigen::Matrix<double, 16, 16>::Zero();

@@ -69,6 +69,14 @@ ColourSums sum_colours(const SeenColumns& pixels, const float* weights);
 /// sizes: |residual| over its expected relative error.
 void residual_sizes(const SeenColumns& pixels, const ColourFactors& colours, float* sizes);
 
+/// Of sizes that are not negative, the one that `rank` others come before. count: padded.
+float size_of_rank(const float* sizes, std::size_t count, std::size_t rank);
+
+/// Weighted sum of the squares of white noise alone: half the mean square of what neighbours in a row differ
+/// by (von Neumann 1941), for the residuals of a wrong state are alike from pixel to pixel. weights: 0 fills
+/// up.
+double noise_power(const SeenColumns& pixels, const ColourFactors& colours, const float* weights);
+
 /// Of residuals under Geman and McClure's penalty, with `scale` and `reach` as its units.
 struct MisfitSums {
   double cost = 0.0;       ///< Half the sum of the penalties.

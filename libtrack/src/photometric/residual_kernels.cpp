@@ -5,6 +5,9 @@
 //
 #include <hwy/highway.h>
 
+#include <cstdint>
+#include <cstring>
+
 #include "pixel_kernels.h"
 #include "residual-inl.h"
 #include "vectors-inl.h"
@@ -43,6 +46,47 @@ void ResidualSizes(const SeenColumns& pixels, const ColourFactors& colours, floa
   }
 }
 
+/// Bisects the bits: those of numbers that are not negative are in their order.
+float SizeOfRank(const float* sizes, std::size_t count, std::size_t rank) {
+  std::int32_t found = 0;
+  for (std::int32_t bit = 1 << 30; bit > 0; bit >>= 1) {
+    const I limit = hn::Set(ints, found | bit);
+    I below = hn::Zero(ints);  // minus their number
+    for (std::size_t i = 0; i < count; i += kLanes) {
+      const I bits = hn::BitCast(ints, hn::LoadU(d, sizes + i));
+      below = hn::Add(below, hn::VecFromMask(ints, hn::Lt(bits, limit)));
+    }
+    if (static_cast<std::size_t>(-hn::GetLane(hn::SumOfLanes(ints, below))) <= rank) found |= bit;
+  }
+  float size;
+  std::memcpy(&size, &found, sizeof size);
+  return size;
+}
+
+HWY_INLINE V residual_at(const SeenColumns& pixels, const ColourFactors& colours, std::size_t i) {
+  return residual(colours, hn::LoadU(d, pixels.light + i), hn::LoadU(d, pixels.presence + i),
+                  hn::LoadU(d, pixels.image + i));
+}
+
+double NoisePower(const SeenColumns& pixels, const ColourFactors& colours, const float* weights) {
+  if (pixels.count == 0) return 0.0;
+  // The first block by itself: nothing lies before it.
+  HWY_ALIGN float first[kLanes];
+  hn::Store(residual_at(pixels, colours, 0), d, first);
+  float of_first = 0.0F;
+  for (std::size_t i = 1; i < kLanes; ++i) {
+    const float step = first[i] - first[i - 1];
+    of_first += (weights[i] < weights[i - 1] ? weights[i] : weights[i - 1]) * step * step;
+  }
+  V sum = hn::Zero(d);
+  for (std::size_t i = kLanes; i < pixels.count; i += kLanes) {
+    const V step = hn::Sub(residual_at(pixels, colours, i), residual_at(pixels, colours, i - 1));
+    const V weight = hn::Min(hn::LoadU(d, weights + i), hn::LoadU(d, weights + i - 1));
+    sum = hn::MulAdd(hn::Mul(weight, step), step, sum);
+  }
+  return 0.5 * (static_cast<double>(of_first) + total(sum));
+}
+
 MisfitSums WeighResiduals(const SeenColumns& pixels, const ColourFactors& colours, float inverse_scale,
                           float reach, float* weights) {
   const V reach2 = all(reach * reach), middle = all(colours.black + 0.5F * colours.gain);
@@ -75,6 +119,8 @@ namespace apriltrack {
 
 HWY_EXPORT(SumColours);
 HWY_EXPORT(ResidualSizes);
+HWY_EXPORT(SizeOfRank);
+HWY_EXPORT(NoisePower);
 HWY_EXPORT(WeighResiduals);
 
 ColourSums sum_colours(const SeenColumns& pixels, const float* weights) {
@@ -83,6 +129,14 @@ ColourSums sum_colours(const SeenColumns& pixels, const float* weights) {
 
 void residual_sizes(const SeenColumns& pixels, const ColourFactors& colours, float* sizes) {
   HWY_DYNAMIC_DISPATCH(ResidualSizes)(pixels, colours, sizes);
+}
+
+float size_of_rank(const float* sizes, std::size_t count, std::size_t rank) {
+  return HWY_DYNAMIC_DISPATCH(SizeOfRank)(sizes, count, rank);
+}
+
+double noise_power(const SeenColumns& pixels, const ColourFactors& colours, const float* weights) {
+  return HWY_DYNAMIC_DISPATCH(NoisePower)(pixels, colours, weights);
 }
 
 MisfitSums weigh_residuals(const SeenColumns& pixels, const ColourFactors& colours, float inverse_scale,

@@ -37,34 +37,13 @@ TagColours solve_colours(const ColourSums& sums) {
   return {x[0], x[1], x[2]};
 }
 
-/// Weighted sum of the squares of white noise alone: half the mean square of what neighbours in a row differ
-/// by (von Neumann 1941), for the residuals of a wrong state are alike from pixel to pixel.
-double noise_power(const SeenColumns& seen, std::size_t count, const TagColours& colours,
-                   const std::vector<float>& weights) {
-  const ColourFactors c = factors(colours);
-  const auto residual = [&](std::size_t i) {
-    return c.gain * seen.light[i] + c.black * seen.presence[i] + c.background * (1.0F - seen.presence[i]) -
-           seen.image[i];
-  };
-  float sum = 0.0F;
-  float before = count > 0 ? residual(0) : 0.0F;
-  for (std::size_t i = 1; i < count; ++i) {
-    const float here = residual(i), step = here - before;
-    sum += 0.5F * std::min(weights[i - 1], weights[i]) * step * step;
-    before = here;
-  }
-  return static_cast<double>(sum);
-}
-
 double median_size(const TagPixels& pixels, const SeenColumns& seen, const ColourFactors& colours,
                    std::vector<float>& sizes) {
   if (pixels.count == 0) return 0.0;
   sizes.resize(seen.count);
   residual_sizes(seen, colours, sizes.data());
-  const auto end = sizes.begin() + static_cast<std::ptrdiff_t>(pixels.count);
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(pixels.count / 2);
-  std::nth_element(sizes.begin(), middle, end);
-  return static_cast<double>(*middle);
+  const std::size_t num_fillers = seen.count - pixels.count;  // of size 0
+  return static_cast<double>(size_of_rank(sizes.data(), seen.count, num_fillers + pixels.count / 2));
 }
 
 }  // namespace
@@ -86,7 +65,7 @@ TagMisfit measure_misfit(const TagPixels& pixels, const PredictedPixels& predict
   const double total = sums.image2 - sums.image * sums.image / std::max(1e-12, sums.weight);
   if (misfit.colours.gain > 0.0 && total > 0.0) {
     misfit.correlation = std::sqrt(std::max(0.0, 1.0 - sums.residual2 / total));
-    misfit.noise_share = std::min(1.0, noise_power(seen, pixels.count, misfit.colours, weights) / total);
+    misfit.noise_share = std::min(1.0, noise_power(seen, factors(misfit.colours), weights.data()) / total);
   }
   // Of a Gaussian's sizes, the median is 0.6745 standard deviations.
   if (!is_robust)
