@@ -20,40 +20,39 @@ double normal_cdf(double x) {
   return 0.5 * std::erfc(-x / std::numbers::sqrt2);
 }
 
-std::uint16_t rounded(double share) {
-  return static_cast<std::uint16_t>(static_cast<double>(Texel::kOne) * std::clamp(share, 0.0, 1.0) + 0.5);
-}
+/// Beyond so many sigmas it weighs less than any texel tells.
+constexpr double kReachOfTexels = 5.0;
 
 /// The texels along one axis of the plane.
 struct TexelAxis {
   int count = 0;
   double half_length = 0.0;
   double texels_per_unit = 0.0;
-  Eigen::MatrixXd cell_shares;  ///< Row i: how much of a Gaussian about texel i falls on each cell.
+  Eigen::MatrixXf cell_shares;  ///< Row i: how much of a Gaussian about texel i falls on each cell.
 };
 
 TexelAxis texel_axis(const TagPattern& pattern, double sigma) {
   const double cell = pattern.cell_size();
-  const double texels_per_cell =
-      std::ceil(std::clamp(kTexelsPerSigma * cell / sigma, kMinTexelsPerCell, kMaxTexelsPerCell));
+  const int texels_per_cell = static_cast<int>(
+      std::ceil(std::clamp(kTexelsPerSigma * cell / sigma, kMinTexelsPerCell, kMaxTexelsPerCell)));
   const double texel = cell / texels_per_cell;
   const double kernel =
       std::sqrt(std::max(sigma * sigma - kInterpolationVariance * texel * texel, 0.01 * texel * texel));
   const int half = static_cast<int>(std::ceil((pattern.half_extent() + kReachInSigmas * sigma) / texel));
   const int num_cells = pattern.cells().width();
   TexelAxis axis{2 * half + 1, half * texel, 1.0 / texel, {}};
+  // Cells begin a whole number of texels apart: few distances between them and the texels differ.
+  Eigen::VectorXf share_up_to(axis.count + num_cells * texels_per_cell);
+  for (int i = 0; i < share_up_to.size(); ++i) {
+    const double distance = (i + 1 - axis.count + half - 0.5 * num_cells * texels_per_cell) * texel / kernel;
+    share_up_to[i] = std::abs(distance) < kReachOfTexels ? static_cast<float>(normal_cdf(distance))
+                                                         : (distance > 0.0 ? 1.0F : 0.0F);
+  }
   axis.cell_shares.resize(axis.count, num_cells);
-  for (int i = 0; i < axis.count; ++i) {
-    const double centre = (i - half) * texel;
-    const auto share_up_to = [&](int k) {
-      return normal_cdf(((k - 0.5 * num_cells) * cell - centre) / kernel);
-    };
-    double below = share_up_to(0);
-    for (int k = 0; k < num_cells; ++k) {
-      const double up_to_here = share_up_to(k + 1);
-      axis.cell_shares(i, k) = up_to_here - below;
-      below = up_to_here;
-    }
+  for (int k = 0; k < num_cells; ++k) {
+    const auto begins = share_up_to.segment(k * texels_per_cell, axis.count);
+    const auto ends = share_up_to.segment((k + 1) * texels_per_cell, axis.count);
+    axis.cell_shares.col(k) = (ends - begins).reverse();
   }
   return axis;
 }
@@ -61,22 +60,42 @@ TexelAxis texel_axis(const TagPattern& pattern, double sigma) {
 /// What is known of the cells, row by row. Those that the family leaves to the printer count as beyond the
 /// tag.
 struct KnownCells {
-  Eigen::MatrixXd light, presence;
+  Eigen::MatrixXf light, presence;
 };
 
 KnownCells known_cells(const TagPattern& pattern) {
   const int n = pattern.cells().width();
-  KnownCells known{Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n)};
+  KnownCells known{Eigen::MatrixXf::Zero(n, n), Eigen::MatrixXf::Zero(n, n)};
   for (int row = 0; row < n; ++row) {
     for (int column = 0; column < n; ++column) {
-      const double value = pattern.cells()(column, row);
+      const float value = pattern.cells()(column, row);
       if (std::isnan(value)) continue;
       known.light(row, column) = value;
-      known.presence(row, column) = 1.0;
+      known.presence(row, column) = 1.0F;
     }
   }
   return known;
 }
+
+/// Cells blurred along their rows: what a row of texels is made of.
+class BlurredRows {
+ public:
+  BlurredRows(const Eigen::MatrixXf& cells, const TexelAxis& columns)
+      : rows_(columns.cell_shares * cells.transpose()) {}
+
+  /// In units of a texel, rounded down. shares: of each row of cells.
+  template <class Shares>
+  void blur(const Shares& shares, Eigen::VectorXi& texels) {
+    sum_.setConstant(rows_.rows(), 0.5F);
+    for (Eigen::Index k = 0; k < shares.size(); ++k)  // a few only are near
+      if (shares[k] != 0.0F) sum_ += Texel::kOne * shares[k] * rows_.col(k);
+    texels = sum_.cwiseMax(0.5F).cwiseMin(Texel::kOne + 0.5F).template cast<int>();
+  }
+
+ private:
+  Eigen::MatrixXf rows_;
+  Eigen::VectorXf sum_;
+};
 
 }  // namespace
 
@@ -92,16 +111,17 @@ PatternTexture::PatternTexture(const TagPattern& pattern, double sigma_u, double
            .last_column = static_cast<float>(u.count - 1),
            .last_row = static_cast<float>(v.count - 1)};
   const KnownCells known = known_cells(pattern);
-  const Eigen::MatrixXd light = v.cell_shares * known.light * u.cell_shares.transpose();
-  // Most families print all of their cells: a product of sums then.
-  const Eigen::MatrixXd presence =
-      known.presence.minCoeff() > 0.0
-          ? Eigen::MatrixXd(v.cell_shares.rowwise().sum() * u.cell_shares.rowwise().sum().transpose())
-          : Eigen::MatrixXd(v.cell_shares * known.presence * u.cell_shares.transpose());
-  texels_.reserve(static_cast<std::size_t>(light.size()));
+  BlurredRows light(known.light, u), presence(known.presence, u);
+  texels_.resize(static_cast<std::size_t>(u.count) * static_cast<std::size_t>(v.count));
+  Texel* texel = texels_.data();
+  Eigen::VectorXi line_light, line_presence;
   for (int row = 0; row < v.count; ++row) {
-    for (int column = 0; column < u.count; ++column)
-      texels_.push_back({rounded(light(row, column)), rounded(presence(row, column))});
+    light.blur(v.cell_shares.row(row), line_light);
+    presence.blur(v.cell_shares.row(row), line_presence);
+    for (int column = 0; column < u.count; ++column, ++texel) {
+      *texel = {static_cast<std::uint16_t>(line_light[column]),
+                static_cast<std::uint16_t>(line_presence[column])};
+    }
   }
 }
 
