@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numeric>
 
 namespace apriltrack {
 
@@ -43,17 +44,18 @@ double PictureShifts::Prepared::total(const std::vector<double>& of, int x0, int
 double PictureShifts::correlation(int dx, int dy) const {
   const int x0 = std::max(0, -dx), x1 = std::min(now_.light.width(), now_.light.width() - dx);
   const int y0 = std::max(0, -dy), y1 = std::min(now_.light.height(), now_.light.height() - dy);
-  float products = 0.0F;
+  // Sums side by side, so that compilers may use vectors, and none waits for the one before.
+  constexpr int kAbreast = 8;
+  float partial[kAbreast] = {};
+  float rest = 0.0F;
   for (int y = y0; y < y1; ++y) {
     const float *a = now_.light.row(y), *b = before_.light.row(y + dy) + dx;
-    // Four sums side by side, so that compilers may use vectors.
-    float partial[4] = {};
     int x = x0;
-    for (; x + 4 <= x1; x += 4)
-      for (int k = 0; k < 4; ++k) partial[k] += a[x + k] * b[x + k];
-    for (; x < x1; ++x) partial[0] += a[x] * b[x];
-    products += partial[0] + partial[1] + partial[2] + partial[3];
+    for (; x + kAbreast <= x1; x += kAbreast)
+      for (int k = 0; k < kAbreast; ++k) partial[k] += a[x + k] * b[x + k];
+    for (; x < x1; ++x) rest += a[x] * b[x];
   }
+  const float products = std::accumulate(partial, partial + kAbreast, rest);
   const double n = static_cast<double>(x1 - x0) * (y1 - y0);
   const double sum_now = now_.total(now_.sums, x0, y0, x1, y1);
   const double sum_before = before_.total(before_.sums, x0 + dx, y0 + dy, x1 + dx, y1 + dy);

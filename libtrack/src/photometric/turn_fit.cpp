@@ -20,10 +20,14 @@ constexpr float kLeastScale = 1e-4F;  // a fortieth of a grey level: two picture
 /// Turn, gain and offset; then the residual.
 constexpr int kUnknowns = 5;
 using Moments = Eigen::Matrix<float, kUnknowns + 1, kUnknowns + 1>;
+/// Rows filled up to what vectors hold.
+constexpr int kPadded = 8;
+using Row = Eigen::Matrix<float, kPadded, 1>;
 
 /// Sums over the pixels that both pictures show.
 struct TurnSums {
-  Moments moments = Moments::Zero();  ///< Weighted, of the derivatives and the residual.
+  /// Weighted, of the derivatives and the residual.
+  Eigen::Matrix<float, kPadded, kUnknowns + 1> moments = Eigen::Matrix<float, kPadded, kUnknowns + 1>::Zero();
   float weight = 0.0F;
   float n = 0.0F, a = 0.0F, b = 0.0F, aa = 0.0F, bb = 0.0F, ab = 0.0F;  ///< Of both pictures' light.
   int num_pixels = 0;                                                   ///< All of `now`'s.
@@ -65,11 +69,11 @@ TurnSums sums_at(const TurnedPictures& pictures, const TurnState& state, float s
       const float residual = light - state.gain * here - state.offset;
       const Eigen::Vector3f by_ray = R.transpose() * by_there;
       const Eigen::Vector3f by_turn = ray.cross(by_ray);
-      Eigen::Matrix<float, kUnknowns + 1, 1> row;
-      row << by_turn.x(), by_turn.y(), by_turn.z(), -here, -1.0F, residual;
+      Row row;
+      row << by_turn.x(), by_turn.y(), by_turn.z(), -here, -1.0F, residual, 0.0F, 0.0F;
       const float ratio = residual / scale, root = 1.0F / (1.0F + ratio * ratio);
       const float weight = root * root;  // Geman and McClure's
-      sums.moments.triangularView<Eigen::Lower>() += weight * row * row.transpose();
+      for (int k = 0; k <= kUnknowns; ++k) sums.moments.col(k) += (weight * row[k]) * row;
       sums.weight += weight;
       sums.n += 1.0F;
       sums.a += light;
@@ -92,7 +96,7 @@ FittedTurn fit_turn(const TurnedPictures& pictures, const Eigen::Quaterniond& st
   for (int step = 0;; ++step) {
     const TurnSums sums = sums_at(pictures, state, scale);
     const Eigen::Matrix<double, kUnknowns + 1, kUnknowns + 1> moments =
-        Moments(sums.moments.selfadjointView<Eigen::Lower>()).cast<double>();
+        Moments(sums.moments.topRows<kUnknowns + 1>()).cast<double>();
     Matrix5d H = moments.topLeftCorner<kUnknowns, kUnknowns>();
     H.diagonal().array() += 1e-9 * H.trace() + 1e-12;
     const Eigen::LDLT<Matrix5d> factor(H);
