@@ -71,6 +71,7 @@ class BlurTracker::Implementation {
     result.timestamp = frame.timestamp;
     result.exposure = exposure.report();
     result.tags_detected = count_tags(blur_frame.read);
+    light_ = std::move(blur_frame.photometric.light);
     result.detections = std::move(blur_frame.detections);
     result.detection_s = blur_frame.detection_s;
     result.latency_s = std::chrono::duration<double>(Clock::now() - start).count();
@@ -102,8 +103,8 @@ class BlurTracker::Implementation {
   BlurFrame prepared(const Frame& frame, const FrameExposure& exposure) {
     BlurFrame result;
     result.time = frame.timestamp;
-    result.photometric.light =
-        light_pyramid(to_linear_light(frame.image, camera_.response), PhotometricWorld::kNumLevels);
+    result.photometric.light = std::move(light_);  // its memory
+    fill_light_pyramid(frame.image, camera_.response, PhotometricWorld::kNumLevels, result.photometric.light);
     result.photometric.exposure_s = exposure.exposure_s;
     result.index = recording_->num_frames++;
     result.interval_s = recording_->motion.age_s(frame.timestamp);
@@ -214,6 +215,7 @@ class BlurTracker::Implementation {
   TagReader reader_;
   BlurExplainer explainer_;
   std::optional<Recording> recording_;
+  LightPyramid light_;  ///< Of the last frame, between frames.
 };
 
 BlurTracker::BlurTracker(const Camera& camera, const TagMap& map, const BlurTrackerOptions& options)

@@ -5,6 +5,7 @@
 
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/image/image.h"
+#include "apriltrack/image/response.h"
 
 namespace apriltrack {
 
@@ -15,6 +16,10 @@ using LightPyramid = std::vector<Image<float>>;
 
 /// num_levels >= 1; rows and columns that do not fill a pixel of the next level are left out there.
 LightPyramid light_pyramid(Image<float> light, int num_levels);
+/// Of a raw image. The memory of a pyramid of the same size is used again: new memory is slower to write than
+/// its numbers are to compute.
+void fill_light_pyramid(const GrayView& image, const ResponseCurve& response, int num_levels,
+                        LightPyramid& pyramid);
 
 /// Place on level 0 of the centre of pixel `x` of level `level`, and back.
 inline double base_pixel(double x, int level) {
