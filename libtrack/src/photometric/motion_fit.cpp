@@ -88,19 +88,22 @@ class Fit {
   MotionFit summary(const MotionState& state) {
     find(state, {.level = 0, .max_pixels = EvidenceOptions().max_pixels_per_tag, .more_where_sharp = true});
     evaluate_found(state);
-    const NormalEquations normal = equations();
+    std::vector<NormalEquations> of_tags = equations_of_tags();
+    const NormalEquations normal = by_state(sum_of(of_tags));
     const Vector12d step = -normal.H.ldlt().solve(normal.g);
     if (step.allFinite()) {
       evaluate(moved(state, step), 0);
-      if (next_.cost < current_.cost) std::swap(current_, next_);
+      if (next_.cost < current_.cost) {
+        std::swap(current_, next_);
+        const bool is_far = -normal.g.dot(step) > kMaxLinearStep2;
+        of_tags = is_far ? equations_of_tags() : carried_on(of_tags, view_by_state(state) * step);
+      }
     }
     MotionFit result;
     result.state = current_.state;
     result.tags = evidence();
-    for (std::size_t i = 0; i < current_.tags.size(); ++i) {
-      const NormalEquations own = equations_of_tag(i);
-      result.equations.push_back({result.tags[i], own.H, own.g});
-    }
+    for (std::size_t i = 0; i < current_.tags.size(); ++i)
+      result.equations.push_back({result.tags[i], of_tags[i].H, of_tags[i].g});
     result.information = by_state(sum_of_explained(result.equations)).H;
     return result;
   }
@@ -134,6 +137,9 @@ class Fit {
   /// Squared standard deviations that the step ahead would still move the state: nobody sees them.
   static constexpr double kNegligibleStep2 = 0.01;
   static constexpr double kNegligibleStep2Coarse = 0.25;
+  /// Likewise: after no more than this the equations are those of before, their gradients carried on. They
+  /// cost as much as all steps on the finest level together.
+  static constexpr double kMaxLinearStep2 = 25.0;
 
   void find(const MotionState& state, const ActiveTagsOptions& options) {
     ViewPath path(state, frame_.exposure_s, world_.mode);
@@ -249,10 +255,25 @@ class Fit {
   }
 
   /// At current_, of everything.
-  NormalEquations equations() const {
-    NormalEquations of_tags;
-    for (std::size_t i = 0; i < current_.tags.size(); ++i) of_tags += equations_of_tag(i);
-    return by_state(of_tags);
+  NormalEquations equations() const { return by_state(sum_of(equations_of_tags())); }
+
+  std::vector<NormalEquations> equations_of_tags() const {
+    std::vector<NormalEquations> of_tags;
+    for (std::size_t i = 0; i < current_.tags.size(); ++i) of_tags.push_back(equations_of_tag(i));
+    return of_tags;
+  }
+
+  static NormalEquations sum_of(const std::vector<NormalEquations>& of_tags) {
+    NormalEquations sum;
+    for (const NormalEquations& one : of_tags) sum += one;
+    return sum;
+  }
+
+  /// After a step of the view and its rate.
+  static std::vector<NormalEquations> carried_on(std::vector<NormalEquations> of_tags,
+                                                 const Vector12d& step) {
+    for (NormalEquations& one : of_tags) one.g += one.H * step;
+    return of_tags;
   }
 
   /// By the left perturbation of the view, and by its rate.
@@ -274,12 +295,17 @@ class Fit {
     return sum;
   }
 
+  Matrix12d view_by_state(const MotionState& state) const {
+    Matrix12d A = Matrix12d::Zero();
+    A.block<6, 6>(0, 0) = A.block<6, 6>(6, 6) = view_by_pose(state.pose, world_.mode);
+    return A;
+  }
+
   /// Those of the tags, with the corners, by the state, with the prior.
   NormalEquations by_state(NormalEquations of_tags) const {
     const MotionState& state = current_.state;
     add_corners(state, of_tags);
-    Matrix12d A = Matrix12d::Zero();
-    A.block<6, 6>(0, 0) = A.block<6, 6>(6, 6) = view_by_pose(state.pose, world_.mode);
+    const Matrix12d A = view_by_state(state);
     NormalEquations result{A.transpose() * of_tags.H * A, A.transpose() * of_tags.g};
     if (prior_) {
       result.H += prior_information_;
