@@ -137,6 +137,8 @@ class Fit {
   /// Squared standard deviations that the step ahead would still move the state: nobody sees them.
   static constexpr double kNegligibleStep2 = 0.01;
   static constexpr double kNegligibleStep2Coarse = 0.25;
+  /// Likewise: a step that should gain so little, and gains nothing, was the last.
+  static constexpr double kDoubtfulStep2 = 0.25;
   /// Likewise: after no more than this the equations are those of before, their gradients carried on. They
   /// cost as much as all steps on the finest level together.
   static constexpr double kMaxLinearStep2 = 25.0;
@@ -196,23 +198,32 @@ class Fit {
 
   /// Levenberg and Marquardt's steps from current_. Whether no step is left to make.
   bool descend(int level) {
+    const double negligible2 = level == 0 ? kNegligibleStep2 : kNegligibleStep2Coarse;
     double damping = 1e-3;
+    double last_step2 = 0.0;  // of none
     for (int step = 0; step < kStepsPerSelection; ++step) {
       const NormalEquations normal = equations();
       bool is_better = false;
+      double step2 = 0.0;
       for (int attempt = 0; attempt < 4 && !is_better; ++attempt) {
         Matrix12d damped = normal.H;
         damped.diagonal() *= 1.0 + damping;
         damped.diagonal().array() += 1e-9;
         const Vector12d move = -damped.ldlt().solve(normal.g);
         if (!move.allFinite()) return true;
-        if (-normal.g.dot(move) < (level == 0 ? kNegligibleStep2 : kNegligibleStep2Coarse)) return true;
+        step2 = -normal.g.dot(move);
+        if (step2 < negligible2) return true;
         evaluate(moved(current_.state, move), level);
         is_better = next_.cost < current_.cost;
+        // What is promised is less than what costs are rounded by: shorter steps promise still less.
+        if (!is_better && step2 < kDoubtfulStep2) return true;
         damping = is_better ? std::max(1e-6, 0.2 * damping) : std::max(1e-3, 10.0 * damping);
         if (is_better) std::swap(current_, next_);
       }
       if (!is_better) return true;
+      // As steps shrink, the next one is negligible: it need not be known.
+      if (step2 * step2 < negligible2 * last_step2) return true;
+      last_step2 = step2;
     }
     return false;
   }
@@ -255,7 +266,11 @@ class Fit {
   }
 
   /// At current_, of everything.
-  NormalEquations equations() const { return by_state(sum_of(equations_of_tags())); }
+  NormalEquations equations() const {
+    NormalEquations of_tags;
+    for (std::size_t i = 0; i < current_.tags.size(); ++i) of_tags += equations_of_tag(i);
+    return by_state(of_tags);
+  }
 
   std::vector<NormalEquations> equations_of_tags() const {
     std::vector<NormalEquations> of_tags;
