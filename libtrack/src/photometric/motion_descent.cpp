@@ -30,15 +30,17 @@ class Descent {
 
   double negligible2() const { return objective_.level() == 0 ? kNegligible2 : kNegligible2Coarse; }
 
-  /// What the step was worth; none where it was not made.
+  /// What was ahead before the step; none where it was not made. Judged by the step without damping: a damped
+  /// one hardly moves where the picture tells little, and would call that the end.
   std::optional<double> step() {
     const MotionEquations equations = objective_.equations(current_);
+    const double ahead2 = equations.worth(damped_step(equations, 0.0));
+    if (!(ahead2 >= negligible2())) return std::nullopt;
     for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
       const Vector12d move = damped_step(equations, damping_);
-      const double worth2 = equations.worth(move);
-      if (!move.allFinite() || worth2 < negligible2()) return std::nullopt;
-      if (is_better_after(move)) return worth2;
-      if (worth2 < kDoubtful2) return std::nullopt;
+      if (!move.allFinite()) return std::nullopt;
+      if (is_better_after(move)) return ahead2;
+      if (ahead2 < kDoubtful2) return std::nullopt;
     }
     return std::nullopt;
   }
@@ -65,11 +67,11 @@ bool descend(const MotionObjective& objective, int max_steps, EvaluatedState& cu
   Descent descent(objective, current, spare);
   double last2 = 0.0;
   for (int step = 0; step < max_steps; ++step) {
-    const std::optional<double> worth2 = descent.step();
-    if (!worth2) return true;
+    const std::optional<double> ahead2 = descent.step();
+    if (!ahead2) return true;
     // As steps shrink, the next one is negligible: it need not be known.
-    if (*worth2 * *worth2 < descent.negligible2() * last2) return true;
-    last2 = *worth2;
+    if (*ahead2 * *ahead2 < descent.negligible2() * last2) return true;
+    last2 = *ahead2;
   }
   return false;
 }

@@ -20,7 +20,8 @@ struct MotionEquations {
 
   /// The step that they ask for.
   Vector12d step() const { return -H.ldlt().solve(g); }
-  /// Squared standard deviations that a step moves the state by; twice what it should lower the cost by.
+  /// Squared standard deviations that their own step would move the state by, which is twice what it should
+  /// lower the cost by; less of a shorter one.
   double worth(const Vector12d& step) const { return -g.dot(step); }
 };
 
