@@ -17,14 +17,15 @@ inline double usual_shared_sigma_px(double path_px) {
 /// unexplained: that share of the pixels' variance, noise apart (docs/algorithms/blur_tracker.md, equation
 /// 10).
 inline double shared_sigma_px(double path_px, double unexplained) {
-  constexpr double kSharp_px = 0.055;
+  constexpr double kSharp_px = 0.08;
   constexpr double kPerBlur = 0.003;
-  constexpr double kOfRightModel = 0.0005, kUsual = 0.0035;
-  const double excess = std::max(0.0, unexplained - kOfRightModel) / kUsual;
+  constexpr double kUsual = 0.004;
+  constexpr double kLeast_px = 0.006;  // no lens is known better, however well its picture fits
+  constexpr double kMost = 12.0;       // where a tenth is unexplained: worse fits tell no more
+  const double ratio = std::max(0.0, unexplained) / kUsual;
   // Below the usual, errors that are shared hide among those that are not; above, the state itself is off.
-  const double factor = std::pow(excess, excess < 1.0 ? 0.45 : 0.8);
-  constexpr double kLeast = 0.02, kMost = 12.0;
-  return std::hypot(kSharp_px, kPerBlur * path_px) * std::clamp(factor, kLeast, kMost);
+  const double factor = std::min(kMost, std::pow(ratio, ratio < 1.0 ? 1.1 : 0.75));
+  return std::hypot(kLeast_px, std::hypot(kSharp_px, kPerBlur * path_px) * factor);
 }
 
 }  // namespace apriltrack
