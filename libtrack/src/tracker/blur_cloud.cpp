@@ -8,6 +8,7 @@
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/random.h"
 #include "apriltrack/photometric/motion_fit.h"
+#include "largest_tags.h"
 
 namespace apriltrack {
 namespace {
@@ -18,6 +19,8 @@ constexpr std::array kExtraSigma_px = {8.0, 4.0, 1.4};
 constexpr std::array<std::size_t, 3> kNumDescended = {12, 8, 6};
 constexpr int kLevel = 2;
 constexpr int kPixelsPerTag = 96;
+/// Of all of the cloud, of which one in twenty is looked at again.
+constexpr int kPixelsPerTagFirst = 32;
 constexpr int kSteps = 4;
 constexpr std::size_t kMaxSurvivors = 6;
 constexpr double kMaxPriorCost = 15.0;  // -log of the prior: beyond, its Gaussian is not to be trusted
@@ -75,11 +78,11 @@ class Search {
   std::vector<Particle> run(const std::vector<MotionState>& seeds) {
     std::vector<Particle> cloud = draw();
     for (const MotionState& seed : seeds) cloud.push_back({seed, likeliest(seed)});
-    rank(cloud, kExtraSigma_px.front());
+    rank(cloud, kExtraSigma_px.front(), kPixelsPerTagFirst);
     for (std::size_t stage = 0; stage < kExtraSigma_px.size(); ++stage) {
       cloud = best_apart(cloud, kNumDescended[stage]);
       for (Particle& particle : cloud) descend(particle, kExtraSigma_px[stage]);
-      rank(cloud, kExtraSigma_px[std::min(stage + 1, kExtraSigma_px.size() - 1)]);
+      rank(cloud, kExtraSigma_px[std::min(stage + 1, kExtraSigma_px.size() - 1)], kPixelsPerTag);
     }
     return best_apart(cloud, kMaxSurvivors);
   }
@@ -109,8 +112,8 @@ class Search {
     return static_cast<std::size_t>(best - priors_.begin());
   }
 
-  void rank(std::vector<Particle>& cloud, double extra_sigma_px) {
-    for (Particle& particle : cloud) particle.score = score(particle, extra_sigma_px);
+  void rank(std::vector<Particle>& cloud, double extra_sigma_px, int pixels_per_tag) {
+    for (Particle& particle : cloud) particle.score = score(particle, extra_sigma_px, pixels_per_tag);
     std::stable_sort(cloud.begin(), cloud.end(),
                      [](const auto& a, const auto& b) { return a.score > b.score; });
   }
@@ -136,10 +139,10 @@ class Search {
                                      .extra_sigma_px = extra_sigma_px});
   }
 
-  double score(const Particle& particle, double extra_sigma_px) {
+  double score(const Particle& particle, double extra_sigma_px, int pixels_per_tag) {
     const double evidence = log_likelihood(weigh_evidence(world_, frame_, particle.state,
                                                           {.level = kLevel,
-                                                           .max_pixels_per_tag = kPixelsPerTag,
+                                                           .max_pixels_per_tag = pixels_per_tag,
                                                            .extra_sigma_px = extra_sigma_px,
                                                            .is_robust = false}));
     return evidence - priors_[particle.belief].cost(particle.state);
@@ -157,6 +160,9 @@ std::vector<CloudState> search_cloud(PhotometricWorld& world, const PhotometricF
                                      const std::vector<MotionBelief>& beliefs,
                                      const std::vector<MotionState>& seeds, const CloudOptions& options) {
   APRILTRACK_CHECK(!beliefs.empty(), "a cloud is drawn about beliefs");
+  std::vector<MotionState> means;
+  for (const MotionBelief& belief : beliefs) means.push_back(belief.mean);
+  const LargestTags some_tags(world, means);
   std::vector<CloudState> survivors;
   for (const Particle& particle : Search(world, frame, beliefs, options).run(seeds))
     survivors.push_back({particle.state, particle.belief});

@@ -1,8 +1,10 @@
 #include "apriltrack/tracker/blur_tracker.h"
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "blur_explanation.h"
 #include "image_size.h"
@@ -22,6 +24,12 @@ using Clock = std::chrono::steady_clock;
 BlurTrackerOptions checked(const BlurTrackerOptions& options) {
   options.check();
   return options;
+}
+
+bool are_same(const std::vector<Detection>& a, const std::vector<Detection>& b) {
+  return std::ranges::equal(a, b, [](const Detection& one, const Detection& other) {
+    return one.tag == other.tag && one.corners_px == other.corners_px;
+  });
 }
 
 TagMap checked(const TagMap& map) {
@@ -164,9 +172,10 @@ class BlurTracker::Implementation {
     consensus.choose(blur_frame, false);
     std::vector<Explanation> found = explainer_.explain(blur_frame, expected);
     if (!blur_frame.is_searched && !(is_convincing(found, blur_frame) && found.front().is_explained())) {
+      const std::vector<Detection> before = blur_frame.detections;
       recording_->search.look_everywhere(frame, blur_frame);
       consensus.choose(blur_frame, false);
-      found = explainer_.explain(blur_frame, expected);
+      if (!are_same(before, blur_frame.detections)) found = explainer_.explain(blur_frame, expected);
     }
     if (!consensus.knows_hidden_tags() || is_convincing(found, blur_frame)) return found;
     consensus.choose(blur_frame, true);

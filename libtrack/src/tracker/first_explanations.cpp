@@ -1,6 +1,7 @@
 #include "first_explanations.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "motion_start.h"
 #include "pose_candidate.h"
@@ -10,6 +11,7 @@ namespace {
 
 /// On a coarse level: of 684 fits that ended well, 10 had less there, of 281 others one in twenty had more.
 constexpr double kLeastCorrelationCoarse = 0.5;
+constexpr std::size_t kMaxCandidates = 8;
 constexpr double kLogOddsOfFalseTurn = -3.0;  // one in twenty
 
 /// At a pose that corners allow, with the velocities that the hypotheses expect there; cold where none does.
@@ -36,7 +38,16 @@ std::vector<PoseCandidate> candidates_near(const StartFit& start_fit, const Blur
   for (const MotionHypothesis& hypothesis : hypotheses)
     predictions.push_back(camera_from_map(hypothesis.belief.mean.pose, world.mode));
   const CandidateOptions options{.expected_sigma_px = start_fit.options().corner_sigma_px};
-  return find_pose_candidates(world.model, frame.observations, predictions, options);
+  std::vector<PoseCandidate> found =
+      find_pose_candidates(world.model, frame.observations, predictions, options);
+  // Where no two tags agree, each brings its own, and its mirror's: no fit of pixels tells more of them.
+  if (found.size() > kMaxCandidates) {
+    std::ranges::stable_sort(found, {}, [&](const PoseCandidate& candidate) {
+      return misfit(world.model, frame.observations, options.expected_sigma_px, candidate.T_camera_map);
+    });
+    found.resize(kMaxCandidates);
+  }
+  return found;
 }
 
 }  // namespace

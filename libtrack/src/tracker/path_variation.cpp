@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <span>
+
+#include "largest_tags.h"
 
 namespace apriltrack {
 namespace {
@@ -36,11 +39,18 @@ MotionStart as_found(const Explanation& explanation) {
 /// The best of the starts is fitted where it is better than the best found, coarsely.
 void try_starts(const StartFit& start_fit, const BlurFrame& frame, const std::vector<MotionStart>& starts,
                 std::vector<Explanation>& found) {
-  std::vector<Sketch> sketches;
-  for (const MotionStart& start : starts) sketches.push_back(start_fit.sketched(frame, start, 2));
-  const Sketch& better = *std::ranges::max_element(sketches, {}, &Sketch::score);
-  if (better.score < start_fit.sketched(frame, as_found(found.front()), 1).score) return;
-  found.push_back(start_fit.explained(frame, better.start, {.coarsest_level = better.start.is_cold ? 1 : 0}));
+  const Explanation& best = found.front();
+  const auto better = [&]() -> std::optional<Sketch> {
+    const LargestTags some_tags(start_fit.world(), {&best.fit.state, 1});
+    std::vector<Sketch> sketches;
+    for (const MotionStart& start : starts) sketches.push_back(start_fit.sketched(frame, start, 2));
+    const Sketch first = *std::ranges::max_element(sketches, {}, &Sketch::score);
+    if (first.score < start_fit.sketched(frame, as_found(best), 1).score) return std::nullopt;
+    return first;
+  }();
+  if (!better) return;
+  found.push_back(
+      start_fit.explained(frame, better->start, {.coarsest_level = better->start.is_cold ? 1 : 0}));
   sort_by_score(found);
 }
 

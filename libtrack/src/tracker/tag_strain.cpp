@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "apriltrack/tags/tag_corners.h"
 #include "pixels_by_pose.h"
 #include "shared_error.h"
 
