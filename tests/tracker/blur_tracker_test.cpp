@@ -65,7 +65,7 @@ TEST_P(BlurTracking, FollowsWhereNoTagCanBeRead) {
   // Honest within a factor of two of the standard deviation; single frames stand out where the motion turns
   // about within an exposure.
   EXPECT_GT(median(nees), 0.25);
-  EXPECT_LT(median(nees), 4.0);
+  EXPECT_LT(median(nees), 2.0);
   EXPECT_LT(*std::max_element(nees.begin(), nees.end()), 60.0);
 }
 

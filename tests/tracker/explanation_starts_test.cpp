@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <vector>
 
 #include "motion_start.h"
@@ -17,11 +18,11 @@ namespace {
 using test::TagMotion;
 using test::TagPicture;
 
-/// A tag that goes 16 px some way during the exposure, and what a detector would say of it.
+/// A tag that goes some way during the exposure, and what a detector would say of it.
 class StartsBeforeATag : public ::testing::Test {
  protected:
-  explicit StartsBeforeATag(double heading_rad = 0.9)
-      : picture_(moving(heading_rad)), world_(picture_.world()) {
+  explicit StartsBeforeATag(double heading_rad = 0.9, double path_px = 16.0)
+      : picture_(moving(heading_rad, path_px)), world_(picture_.world()) {
     frame_.photometric = picture_.frame();
     frame_.detections = {detection()};
     frame_.read = observe_mapped_tags(picture_.map, world_.index, picture_.camera.model, frame_.detections);
@@ -30,10 +31,9 @@ class StartsBeforeATag : public ::testing::Test {
     for (const TagObservation& seen : frame_.observations) candidate_.inliers.push_back(&seen);
   }
 
-  static TagMotion moving(double heading_rad) {
-    constexpr double kPath_px = 16.0;
+  static TagMotion moving(double heading_rad, double path_px) {
     const double speed_m_per_s =
-        kPath_px * TagPicture::kDepth_m / TagPicture::kFocal_px / TagPicture::kExposure_s;
+        path_px * TagPicture::kDepth_m / TagPicture::kFocal_px / TagPicture::kExposure_s;
     TagMotion moves;
     moves.velocity_m_per_s << speed_m_per_s * std::cos(heading_rad), speed_m_per_s * std::sin(heading_rad),
         0.0;
@@ -74,11 +74,14 @@ class StartsBeforeATag : public ::testing::Test {
   PoseCandidate candidate_;
 };
 
-class ColdStart : public StartsBeforeATag, public ::testing::WithParamInterface<int> {
+/// The way, in sixteenths of half a circle, and its length in pixels.
+class ColdStart : public StartsBeforeATag, public ::testing::WithParamInterface<std::tuple<int, double>> {
  protected:
-  ColdStart() : StartsBeforeATag(std::numbers::pi * GetParam() / 16.0) {}
+  ColdStart()
+      : StartsBeforeATag(std::numbers::pi * std::get<0>(GetParam()) / 16.0, std::get<1>(GetParam())) {}
 };
-INSTANTIATE_TEST_SUITE_P(Ways, ColdStart, ::testing::Range(0, 16));
+INSTANTIATE_TEST_SUITE_P(Ways, ColdStart,
+                         ::testing::Combine(::testing::Range(0, 16), ::testing::Values(5.0, 16.0, 28.0)));
 
 TEST_P(ColdStart, FindsThePathWhateverItsDirection) {
   std::vector<Explanation> found = {start_fit_.explained(frame_, cold_start(), {})};
@@ -108,6 +111,7 @@ class OverruledMotion : public StartsBeforeATag {
     Explanation right = explained(picture_.truth, {{picture_.truth, 1e-6 * Matrix12d::Identity()}, 0.0});
     right.prior = mistaken();
     right.prior_cost = prior_cost(right.prior.belief, right.fit.state);
+    right.score -= kMaxScoredPriorCost;
     return {wrong, right};
   }
 };
@@ -117,7 +121,7 @@ TEST_F(OverruledMotion, IsSeenWhereWhatItRulesOutIsFarBetter) {
   ASSERT_TRUE(both[1].is_beyond_prior());
   ASSERT_FALSE(both[0].is_beyond_prior());
   EXPECT_TRUE(is_overruled(both));
-  both[1].score = both[0].score + 59.0;
+  both[1].score = both[0].score + 19.0;
   EXPECT_FALSE(is_overruled(both));
   EXPECT_FALSE(is_overruled({both[0]}));
 }

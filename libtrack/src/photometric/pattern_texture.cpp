@@ -83,7 +83,7 @@ class BlurredRows {
   BlurredRows(const Eigen::MatrixXf& cells, const TexelAxis& columns)
       : rows_(columns.cell_shares * cells.transpose()) {}
 
-  /// In units of a texel, rounded down. shares: of each row of cells.
+  /// In Texel::kOne-ths, rounded to the nearest. shares: of each row of cells.
   template <class Shares>
   void blur(const Shares& shares, Eigen::VectorXi& texels) {
     sum_.setConstant(rows_.rows(), 0.5F);

@@ -11,6 +11,9 @@
 namespace apriltrack {
 namespace {
 
+/// Of the largest information, so that what is seen from one side alone leaves a covariance too.
+constexpr double kLeastShare = 1e-12;
+
 /// J' J / sigma^2 of a tag's corners, J by the right perturbation of the pose.
 Matrix6d shared_information(const PhotometricWorld& world, const PixelsByPose& pixels,
                             const TagEvidence& evidence) {
@@ -34,9 +37,10 @@ Matrix12d fit_covariance(const PhotometricWorld& world, const MotionFit& fit) {
   Matrix6d shared = Matrix6d::Zero();
   for (const TagEvidence& evidence : explained_tags(fit.tags))
     shared += shared_information(world, pixels, evidence);
-  const Eigen::LDLT<Matrix6d> factor(shared);
-  if (!fit.tags.empty() && factor.rcond() > 1e-14)
-    covariance.topLeftCorner<6, 6>() += factor.solve(Matrix6d::Identity());
+  if (!fit.tags.empty()) {
+    shared.diagonal().array() += kLeastShare * shared.diagonal().maxCoeff();
+    covariance.topLeftCorner<6, 6>() += shared.ldlt().solve(Matrix6d::Identity());
+  }
   return 0.5 * (covariance + covariance.transpose());
 }
 

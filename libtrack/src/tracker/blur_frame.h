@@ -21,7 +21,7 @@ struct BlurFrame {
   bool is_searched = false;          ///< Tags were looked for everywhere, not only where they are expected.
   std::uint64_t index = 0;           ///< In the recording: the key of its random numbers.
   std::optional<double> interval_s;  ///< Since the frame before that was explained.
-  std::optional<double> step_s;      ///< Since that, or the last turn seen.
+  std::optional<double> step_s;      ///< The same; where a turn is seen, since the frame that it begins at.
   double sensitivity = 1.0;          ///< Light in the image for light in the scene: exposure times gain. > 0.
 };
 

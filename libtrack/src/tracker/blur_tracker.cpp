@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -63,19 +64,18 @@ class BlurTracker::Implementation {
   /// detections: null where they are this tracker's own task.
   TrackResult track(const Frame& frame, const std::vector<Detection>* detections) {
     const Clock::time_point start = Clock::now();
-    start_anew_if_time_runs_back(frame.timestamp);
-    if (const auto lost = lost_to_another_camera(frame, camera_)) {
+    if (const auto lost = lost_to_another_camera(frame, camera_)) {  // nor is its time stamp believed
       recording_->judge.missed();
       return *lost;
     }
+    start_anew_if_time_runs_back(frame.timestamp);
     fit_size(frame.image);
     const FrameExposure exposure = exposure_of(frame);
     BlurFrame blur_frame = prepared(frame, exposure);
     const std::vector<MotionHypothesis> expected = predict(exposure, blur_frame);
     look_for_tags(frame, detections, expected, blur_frame);
     const std::vector<Explanation> found = explain_by_tags_that_agree(frame, expected, blur_frame);
-    TrackResult result = may_claim(found, expected, blur_frame) ? claim(found, exposure, blur_frame)
-                                                                : go_on_without(found, expected, blur_frame);
+    TrackResult result = report(found, expected, exposure, blur_frame);
     result.timestamp = frame.timestamp;
     result.exposure = exposure.report();
     result.tags_detected = count_tags(blur_frame.read);
@@ -183,9 +183,19 @@ class BlurTracker::Implementation {
     return is_convincing(with_hidden, blur_frame) ? with_hidden : found;
   }
 
-  bool may_claim(const std::vector<Explanation>& found, const std::vector<MotionHypothesis>& expected,
-                 const BlurFrame& frame) {
-    return is_convincing(found, frame) && recording_->consensus.allows(frame, found.front(), expected);
+  TrackResult report(const std::vector<Explanation>& found, const std::vector<MotionHypothesis>& expected,
+                     const FrameExposure& exposure, const BlurFrame& frame) {
+    const std::string reason = objection(found, expected, frame);
+    if (!reason.empty()) return go_on_without(found, expected, frame, reason);
+    if (recording_->consensus.is_doubtful(found.front())) return follow(found, frame);
+    return claim(found, exposure, frame);
+  }
+
+  /// Why nothing may be claimed; empty where something may.
+  std::string objection(const std::vector<Explanation>& found, const std::vector<MotionHypothesis>& expected,
+                        const BlurFrame& frame) {
+    if (!is_convincing(found, frame)) return lost_reason(frame, found);
+    return recording_->consensus.objection(frame, found.front(), expected);
   }
 
   /// Reports what is found, and remembers it.
@@ -196,7 +206,6 @@ class BlurTracker::Implementation {
     TrackResult result = recording_->report.found(found, belief);
     result.tags_tracked = recording_->judge.num_supporting(best);
     recording_->consensus.report(frame, best, result);
-    if (recording_->consensus.is_doubtful(best)) result.status = TrackStatus::kPredicted;
 
     recording_->judge.claimed(best);
     recording_->consensus.learn(frame, best, has_rival(world_, found));
@@ -205,14 +214,25 @@ class BlurTracker::Implementation {
     return result;
   }
 
+  /// Goes on from what is good enough for that, and claims nothing.
+  TrackResult follow(const std::vector<Explanation>& found, const BlurFrame& frame) {
+    const MotionBelief belief = belief_of(world_, found.front());
+    TrackResult result = recording_->report.found(found, belief);
+    result.status = TrackStatus::kPredicted;
+    recording_->judge.missed();
+    recording_->motion.remember(frame.time, motions_left_open(world_, belief, found));
+    return result;
+  }
+
   /// Reports what is expected, and goes on from there.
   TrackResult go_on_without(const std::vector<Explanation>& found,
-                            const std::vector<MotionHypothesis>& expected, const BlurFrame& frame) {
+                            const std::vector<MotionHypothesis>& expected, const BlurFrame& frame,
+                            const std::string& reason) {
     TrackResult result = recording_->report.expected(expected);
-    if (!result.pose) result.reason = lost_reason(frame, found);
+    if (!result.pose) result.reason = reason;
 
     recording_->judge.missed();
-    if (!found.empty()) recording_->consensus.learn_contradictions(found.front());
+    if (!found.empty() && !is_overruled(found)) recording_->consensus.learn_contradictions(found.front());
     if (options_.mode == TrackMode::kEgo && !expected.empty()) recording_->motion.step(frame.time, expected);
     return result;
   }

@@ -14,14 +14,24 @@ constexpr double kLeastCorrelationCoarse = 0.5;
 constexpr std::size_t kMaxCandidates = 8;
 constexpr double kLogOddsOfFalseTurn = -3.0;  // one in twenty
 
+/// What was seen to turn was something near.
+MotionHypothesis without_turn(const MotionHypothesis& hypothesis) {
+  return {*hypothesis.unaided, hypothesis.log_odds + kLogOddsOfFalseTurn};
+}
+
 /// At a pose that corners allow, with the velocities that the hypotheses expect there; cold where none does.
 std::vector<MotionStart> starts_at(const PhotometricWorld& world, const PoseCandidate& candidate,
                                    const std::vector<MotionHypothesis>& hypotheses) {
   std::vector<MotionStart> starts;
   const Pose pose = pose_from_camera(candidate.T_camera_map, world.mode);
   for (const MotionHypothesis& hypothesis : hypotheses) {
-    if (const auto state = conditioned(hypothesis.belief, pose))
+    if (const auto state = conditioned(hypothesis.belief, pose)) {
       starts.push_back({*state, hypothesis, false});
+    } else if (hypothesis.unaided) {
+      const MotionHypothesis unaided = without_turn(hypothesis);
+      if (const auto expected = conditioned(unaided.belief, pose))
+        starts.push_back({*expected, unaided, false});
+    }
   }
   if (!starts.empty()) return starts;
   // A detection that the motion so far did not expect pays as much as any surprise may cost.
@@ -64,7 +74,7 @@ std::vector<Explanation> explain_by_motion(const StartFit& start_fit, const Blur
     if (is_settled_from(hypothesis)) break;
     // What was seen to turn may have been something near.
     if (!hypothesis.unaided || (found.back().is_explained() && is_where_seen(found.back()))) continue;
-    if (is_settled_from({*hypothesis.unaided, hypothesis.log_odds + kLogOddsOfFalseTurn})) break;
+    if (is_settled_from(without_turn(hypothesis))) break;
   }
   sort_by_score(found);
   return found;

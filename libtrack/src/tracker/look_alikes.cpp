@@ -1,5 +1,6 @@
 #include "look_alikes.h"
 
+#include <optional>
 #include <utility>
 
 #include "motion_start.h"
@@ -11,27 +12,39 @@ namespace {
 /// Of the next frame's motion noise: nearer than this, the path and its reverse lead to the same place.
 constexpr double kMinReversedDistance = 1.0;
 constexpr double kMinReversedPath_px = 2.0;
+/// A tilt that is better found more of the motion, perhaps, which the other has not tried yet.
+constexpr int kMaxRoundsOfTilts = 3;
 
-}  // namespace
-
-void add_mirrored_tilt(const StartFit& start_fit, const BlurFrame& frame, std::vector<Explanation>& found) {
-  const Explanation& best = found.front();
+/// None where more than one tag is explained, where a detection brought both tilts along, or where the motion
+/// so far rules the other out.
+std::optional<MotionStart> mirrored_start(const PhotometricWorld& world, const Explanation& best) {
   const std::vector<TagEvidence> tags = explained_tags(best.fit.tags);
-  if (tags.size() != 1) return;
-  const PhotometricWorld& world = start_fit.world();
+  if (tags.size() != 1) return std::nullopt;
   const Pose& T_map_tag = world.tag_at(tags.front().tag_index).tag.T_map_tag;
   const MotionState other = mirrored_state(best.fit.state, T_map_tag, world.mode);
   if (best.is_cold) {
     // Both tilts were looked at, at rest; but only one of them, perhaps, with this motion.
     MotionStart start{other, best.prior, true};
     start.prior.belief.mean = mirrored_state(best.prior.belief.mean, T_map_tag, world.mode);
-    found.push_back(start_fit.explained(frame, start, {.coarsest_level = 1}));
-  } else if (best.votes.agreeing.empty()) {  // a detection brings both of its tilts along
-    const auto state = conditioned(best.prior.belief, other.pose);
-    if (!state) return;
-    found.push_back(start_fit.explained(frame, {*state, best.prior, false}, {.coarsest_level = 1}));
+    return start;
   }
-  sort_by_score(found);
+  if (!best.votes.agreeing.empty()) return std::nullopt;
+  const auto state = conditioned(best.prior.belief, other.pose);
+  if (!state) return std::nullopt;
+  return MotionStart{*state, best.prior, false};
+}
+
+}  // namespace
+
+void add_mirrored_tilt(const StartFit& start_fit, const BlurFrame& frame, std::vector<Explanation>& found) {
+  for (int round = 0; round < kMaxRoundsOfTilts; ++round) {
+    const double score = found.front().score;
+    const auto start = mirrored_start(start_fit.world(), found.front());
+    if (!start) return;
+    found.push_back(start_fit.explained(frame, *start, {.coarsest_level = 1}));
+    sort_by_score(found);
+    if (found.front().score <= score) return;
+  }
 }
 
 void add_reversed_path(const StartFit& start_fit, const BlurFrame& frame, std::vector<Explanation>& found) {

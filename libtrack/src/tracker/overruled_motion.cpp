@@ -9,8 +9,8 @@ namespace apriltrack {
 namespace {
 
 /// Of scores, beyond what the prior takes off them. In 13 recordings, 3300 frames, no right explanation fell
-/// short of one beyond its prior by any of this.
-constexpr double kDecisiveScore = 60.0;
+/// short of one beyond its prior at all.
+constexpr double kDecisiveScore = 20.0;
 
 const Explanation& best_of_pixels(const std::vector<Explanation>& found) {
   return *std::ranges::max_element(found, {}, &Explanation::score);
@@ -22,9 +22,11 @@ std::optional<MotionStart> start_of_detections(const PhotometricWorld& world, co
   PoseCandidate candidate;
   candidate.T_camera_map = camera_from_map(explanation.fit.state.pose, world.mode);
   for (const TagObservation& seen : frame.observations) {
-    if (std::ranges::count(explanation.votes.agreeing, seen.tag_index) > 0)
+    const bool is_sure = seen.corrected_bits == 0 && !seen.is_repeated;
+    if (is_sure && std::ranges::count(explanation.votes.agreeing, seen.tag_index) > 0)
       candidate.inliers.push_back(&seen);
   }
+  if (candidate.inliers.empty()) return std::nullopt;
   const auto belief = cold_belief(world, candidate);
   if (!belief) return std::nullopt;
   // As that of any detection which the motion so far did not expect.

@@ -46,7 +46,8 @@ TrackResult PoseReport::expected(const std::vector<MotionHypothesis>& expected) 
   result.pose = belief.mean.pose;
   result.velocity = belief.mean.velocity;
   result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_at(belief.mean.pose);
-  if (expected.size() > 1) report_second({expected[1].belief.mean.pose, expected[1].log_odds}, result);
+  if (expected.size() > 1 && is_another(belief, expected[1].belief.mean.pose))
+    report_second({expected[1].belief.mean.pose, expected[1].log_odds}, result);
   return result;
 }
 

@@ -1,6 +1,7 @@
 #include "rivals.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 #include "blur_covariance.h"
@@ -31,7 +32,21 @@ double shift_px(const PhotometricWorld& world, const TagEvidence& tag, const Pos
   return before && after ? (*after - *before).norm() : std::numeric_limits<double>::infinity();
 }
 
+/// By score: what lies beyond its prior comes last in `found`, and may be right all the same. Null for none.
+template <class Predicate>
+const Explanation* best_where(const std::vector<Explanation>& found, const Predicate& is_one) {
+  const Explanation* best = nullptr;
+  for (const Explanation& one : found) {
+    if (is_one(one) && (best == nullptr || one.score > best->score)) best = &one;
+  }
+  return best;
+}
+
 }  // namespace
+
+bool is_another(const MotionBelief& belief, const Pose& pose) {
+  return distance(belief, pose) > kDistinctSigmas;
+}
 
 MotionBelief belief_of(const PhotometricWorld& world, const Explanation& explanation) {
   MotionBelief belief{explanation.fit.state, fit_covariance(world, explanation.fit)};
@@ -42,7 +57,7 @@ MotionBelief belief_of(const PhotometricWorld& world, const Explanation& explana
 
 bool has_rival(const PhotometricWorld& world, const std::vector<Explanation>& found) {
   const Explanation& best = found.front();
-  return std::ranges::any_of(found, [&](const Explanation& other) {
+  return std::any_of(std::next(found.begin()), found.end(), [&](const Explanation& other) {
     return other.score - best.score > kLeastScoreOfRival &&
            std::ranges::any_of(best.fit.tags, [&](const TagEvidence& tag) {
              return !(shift_px(world, tag, best.fit.state.pose, other.fit.state.pose) <= kElsewhere_px);
@@ -51,22 +66,20 @@ bool has_rival(const PhotometricWorld& world, const std::vector<Explanation>& fo
 }
 
 std::optional<SecondPose> second_pose(const MotionBelief& belief, const std::vector<Explanation>& found) {
-  const auto second = std::ranges::find_if(found, [&](const Explanation& other) {
-    return distance(belief, other.fit.state.pose) > kDistinctSigmas;
-  });
-  if (second == found.end()) return std::nullopt;
+  const Explanation* second =
+      best_where(found, [&](const Explanation& other) { return is_another(belief, other.fit.state.pose); });
+  if (second == nullptr) return std::nullopt;
   return SecondPose{second->fit.state.pose, kTrustInScores * score_over(found.front(), *second)};
 }
 
 std::vector<MotionHypothesis> motions_left_open(const PhotometricWorld& world, const MotionBelief& belief,
                                                 const std::vector<Explanation>& found) {
   std::vector<MotionHypothesis> motions = {{belief, 0.0}};
-  for (const Explanation& other : found) {
-    const double less = score_over(found.front(), other);
-    if (less < kLeastScoreCarried || motions.size() > 1) break;
-    if (distance(belief, other.fit.state) > kDistinctSigmas)
-      motions.push_back({belief_of(world, other), kTrustInScores * less});
-  }
+  const Explanation* other = best_where(
+      found, [&](const Explanation& one) { return distance(belief, one.fit.state) > kDistinctSigmas; });
+  if (other == nullptr) return motions;
+  const double less = score_over(found.front(), *other);
+  if (less >= kLeastScoreCarried) motions.push_back({belief_of(world, *other), kTrustInScores * less});
   return motions;
 }
 

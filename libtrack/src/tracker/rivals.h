@@ -13,6 +13,9 @@ namespace apriltrack {
 /// What the explanation, being right, says of the motion.
 MotionBelief belief_of(const PhotometricWorld& world, const Explanation& explanation);
 
+/// Whether a pose is another than the belief's, by more than that knows it.
+bool is_another(const MotionBelief& belief, const Pose& pose);
+
 /// Whether another place explains the frame about as well.
 bool has_rival(const PhotometricWorld& world, const std::vector<Explanation>& found);
 

@@ -32,9 +32,9 @@ Explanation StartFit::explained(const BlurFrame& frame, const MotionStart& start
   explanation.prior = start.prior;
   explanation.is_cold = start.is_cold;
   explanation.sensitivity = frame.sensitivity;
-  if (world_.mode == TrackMode::kJoint) explanation.R_light_map = explanation.fit.state.pose.rotation();
   explanation.votes = votes(frame, explanation.fit.state);
   refit_without_tags_read_as_others(frame, explanation);
+  if (world_.mode == TrackMode::kJoint) explanation.R_light_map = explanation.fit.state.pose.rotation();
   explanation.correlation = widespread_correlation(quorum(explanation.fit.tags, explanation.votes));
   explanation.prior_cost = prior_cost(start.prior.belief, explanation.fit.state);
   if (!start.is_cold)

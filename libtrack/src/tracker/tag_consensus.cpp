@@ -109,9 +109,15 @@ std::vector<int> TagConsensus::strained_tags() const {
   return tags;
 }
 
-bool TagConsensus::allows(const BlurFrame& frame, const Explanation& best,
-                          const std::vector<MotionHypothesis>& expected) {
-  return !is_torn_ && !is_vague(best) && !jumps_alone(best, expected) && !may_be_mistaken(frame, best);
+std::string TagConsensus::objection(const BlurFrame& frame, const Explanation& best,
+                                    const std::vector<MotionHypothesis>& expected) {
+  if (is_torn_) return "the tags seen do not agree on a pose";
+  if (is_vague(best))
+    return "one far tag alone does not tell its tilt, and another is not seen where it has it";
+  if (jumps_alone(best, expected))
+    return "one tag alone, where the motion that others showed does not expect it";
+  if (may_be_mistaken(frame, best)) return "too blurred to tell which of several tags is seen";
+  return {};
 }
 
 /// A start from a far tag alone: its tilt, and with it the place of all others, is known to degrees only.

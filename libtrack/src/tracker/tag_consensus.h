@@ -34,9 +34,10 @@ class TagConsensus {
   /// Whether the tags of the convincing explanation contradict each other, and one is to be left out from now
   /// on: explain the frame anew.
   bool leaves_one_out(const BlurFrame& frame, const Explanation& best);
-  /// Whether the explanation, of those that leaves_one_out() has seen last, may be claimed. Remembers who
-  /// contradicts whom.
-  bool allows(const BlurFrame& frame, const Explanation& best, const std::vector<MotionHypothesis>& expected);
+  /// Why the explanation, of those that leaves_one_out() has seen last, may not be claimed; empty where it
+  /// may. Remembers who contradicts whom.
+  std::string objection(const BlurFrame& frame, const Explanation& best,
+                        const std::vector<MotionHypothesis>& expected);
 
   /// Good enough to go on from, not to be claimed: one blurred tag, with the place of another, that should be
   /// seen and is not, open by 10 px.

@@ -6,7 +6,8 @@
 namespace apriltrack {
 namespace {
 
-/// Frames, each of which counts 1. So many more against than for make a suspect,
+/// Each pair of tags in a frame counts 1, and a tag's doubt is the sum of its pairs'. So many more against
+/// than for make a suspect,
 constexpr double kSuspect = 2.0;
 /// so many more for than against clear it,
 constexpr double kCleared = -2.0;

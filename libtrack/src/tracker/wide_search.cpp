@@ -59,13 +59,14 @@ std::vector<Sketch> sketches_of_cloud(const StartFit& start_fit, const BlurFrame
 
 void search_widely(const StartFit& start_fit, const BlurFrame& frame,
                    const std::vector<MotionHypothesis>& hypotheses, std::vector<Explanation>& found) {
+  const std::vector<MotionHypothesis> kNone;  // a cold start is best where the motion so far was mistaken
   const bool is_recent = frame.interval_s && *frame.interval_s <= kMaxSecondCloudAge_s;
   for (std::uint64_t cloud = 0; cloud < kMaxClouds; ++cloud) {
     const Explanation& best = found.front();
     if (is_well_explained(best)) return;
     if (cloud > 0 && !best.is_cold && (!is_recent || best.correlation >= kPoorCorrelation)) return;
-    const std::vector<Sketch> sketches =
-        sketches_of_cloud(start_fit, frame, bases_of_clouds(hypotheses, found), cloud, found);
+    const std::vector<Sketch> sketches = sketches_of_cloud(
+        start_fit, frame, bases_of_clouds(best.is_cold ? kNone : hypotheses, found), cloud, found);
     for (std::size_t i = 0; i < std::min(kMaxFitted, sketches.size()); ++i) {
       found.push_back(start_fit.explained(frame, sketches[i].start, {.coarsest_level = 0}));
       if (is_well_explained(found.back())) break;

@@ -16,7 +16,7 @@ namespace apriltrack {
 enum class TrackStatus {
   kDetected,    ///< The pose rests on a detection in this frame.
   kTracked,     ///< Photometric evidence, no detection.
-  kPredicted,   ///< Motion model only; at most 0.5 s after the last evidence.
+  kPredicted,   ///< Motion model, or evidence too vague to be claimed; at most 0.5 s after the last that was.
   kLost,        ///< No pose.
   kUnreadable,  ///< The frame could not be decoded.
 };
