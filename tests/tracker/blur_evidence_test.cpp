@@ -72,6 +72,42 @@ TEST(BlurTracker, SaysWhatDoesNotFitWhereOnlyTheCornersDo) {
   }
 }
 
+TEST(BlurTracker, GoesOnAfterFramesWhoseTimeStampsAreWrong) {
+  const BlurFilm& film = waved_tag();
+  BlurTracker tracker = tracker_of(film), undisturbed = tracker_of(film);
+  for (std::size_t i = 0; i < film.size(); ++i) {
+    const TrackResult result = tracker.track(film.frames[i].frame(), film.detections[i]);
+    const TrackResult expected = undisturbed.track(film.frames[i].frame(), film.detections[i]);
+    ASSERT_EQ(result.status, expected.status) << "frame " << i;
+    ASSERT_TRUE(result.pose->matrix() == expected.pose->matrix()) << "frame " << i;
+    for (const std::int64_t back_ns : {0, 5'000'000, 99'000'000}) {
+      Frame again = film.frames[i].frame();
+      again.timestamp.ns -= back_ns;
+      const TrackResult wrong = tracker.track(again, film.detections[i]);
+      EXPECT_EQ(wrong.status, TrackStatus::kLost);
+      EXPECT_EQ(wrong.reason, "the time stamp is not later than that of the frame before");
+    }
+  }
+}
+
+TEST(BlurTracker, LosesNoFrameToBlankOnesBetween) {
+  const BlurFilm& film = waved_tag();
+  BlurTracker tracker = tracker_of(film);
+  for (std::size_t i = 0; i < film.size(); ++i) {
+    const RenderedFrame& shown = film.frames[i];
+    if (i % 4 != 3) {
+      EXPECT_TRUE(has_evidence(tracker.track(shown.frame(), film.detections[i]))) << "frame " << i;
+      continue;
+    }
+    const std::vector<std::uint8_t> grey(320 * 240, static_cast<std::uint8_t>(60 * (i % 5)));
+    Frame frame = shown.frame();
+    frame.image = {grey.data(), 320, 240, 320};
+    const TrackResult blank = tracker.track(frame, {});
+    EXPECT_EQ(blank.status, TrackStatus::kPredicted) << "frame " << i;
+    EXPECT_TRUE(blank.pose && blank.covariance) << "frame " << i;
+  }
+}
+
 TEST(BlurTracker, ForgetsTheMotionWhereTimeRunsBackBehindAPrediction) {
   const BlurFilm& film = waved_tag();
   BlurTracker tracker = tracker_of(film);

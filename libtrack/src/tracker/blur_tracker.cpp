@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -25,6 +26,21 @@ using Clock = std::chrono::steady_clock;
 BlurTrackerOptions checked(const BlurTrackerOptions& options) {
   options.check();
   return options;
+}
+
+/// Coarsely seen, it is of one brightness, to a tenth of what the darkest films that are tracked show of a
+/// tag.
+bool is_blank(const LightPyramid& light) {
+  constexpr float kLeastRange = 5e-4F;
+  const Image<float>& coarse = light.back();
+  float darkest = std::numeric_limits<float>::infinity(), brightest = -darkest;
+  for (int y = 0; y < coarse.height(); ++y) {
+    for (int x = 0; x < coarse.width(); ++x) {
+      darkest = std::min(darkest, coarse(x, y));
+      brightest = std::max(brightest, coarse(x, y));
+    }
+  }
+  return brightest - darkest < kLeastRange;
 }
 
 bool are_same(const std::vector<Detection>& a, const std::vector<Detection>& b) {
@@ -68,10 +84,12 @@ class BlurTracker::Implementation {
       recording_->judge.missed();
       return *lost;
     }
-    start_anew_if_time_runs_back(frame.timestamp);
+    if (const auto lost = lost_to_its_time(frame.timestamp)) return *lost;
     fit_size(frame.image);
     const FrameExposure exposure = exposure_of(frame);
     BlurFrame blur_frame = prepared(frame, exposure);
+    if ((detections == nullptr || detections->empty()) && is_blank(blur_frame.photometric.light))
+      return blank(blur_frame, exposure);
     const std::vector<MotionHypothesis> expected = predict(exposure, blur_frame);
     look_for_tags(frame, detections, expected, blur_frame);
     const std::vector<Explanation> found = explain_by_tags_that_agree(frame, expected, blur_frame);
@@ -89,10 +107,22 @@ class BlurTracker::Implementation {
  private:
   void start_anew() { recording_.emplace(options_, world_, reader_); }
 
-  /// A frame that is not later than the one before is of another recording.
-  void start_anew_if_time_runs_back(Timestamp time) {
-    if (recording_->last_time && time.ns <= recording_->last_time->ns) start_anew();
+  /// A frame that is much earlier than the one before is of another recording; where it is a little earlier,
+  /// or of the same time, its stamp is wrong, or it was delivered twice.
+  std::optional<TrackResult> lost_to_its_time(Timestamp time) {
+    constexpr double kMaxStepBack_s = 0.1;
+    const std::optional<Timestamp>& last = recording_->last_time;
+    if (last && time.ns <= last->ns) {
+      if (seconds_between(time, *last) <= kMaxStepBack_s) {
+        TrackResult lost;
+        lost.timestamp = time;
+        lost.reason = "the time stamp is not later than that of the frame before";
+        return lost;
+      }
+      start_anew();
+    }
     recording_->last_time = time;
+    return std::nullopt;
   }
 
   /// Where the camera's file tells no resolution, its first image does.
@@ -221,6 +251,18 @@ class BlurTracker::Implementation {
     result.status = TrackStatus::kPredicted;
     recording_->judge.missed();
     recording_->motion.remember(frame.time, motions_left_open(world_, belief, found));
+    return result;
+  }
+
+  /// A frame that shows nothing, not even that nothing can be seen of the tags: a closed shutter, a dropout.
+  TrackResult blank(BlurFrame& frame, const FrameExposure& exposure) {
+    recording_->judge.missed();
+    TrackResult result =
+        recording_->report.expected(recording_->motion.predict(frame.time, exposure.sigma, {}));
+    result.timestamp = frame.time;
+    result.exposure = exposure.report();
+    if (!result.pose) result.reason = "the image is of one brightness, and no recent pose to predict from";
+    light_ = std::move(frame.photometric.light);
     return result;
   }
 

@@ -45,9 +45,9 @@ struct BlurTrackerOptions {
 /// covariance is that of the fit, of what the model is known to leave out, and of the tags in the map; the
 /// camera is taken as exact.
 ///
-/// One recording at a time, frames in the order of time; a frame that is not later than the one before starts
-/// anew. Memory is bounded. No frame throws, whatever it shows: a pose is finite, or there is none and the
-/// result says why.
+/// One recording at a time, frames in the order of time; a frame that is earlier than the one before by more
+/// than 0.1 s starts anew; one that is not later is lost, and the motion goes on without it. Memory is
+/// bounded. No frame throws, whatever it shows: a pose is finite, or there is none and the result says why.
 class BlurTracker {
  public:
   /// Throws Error(kInvalidInput) when the map is empty, names an unknown family or id, or an option is out of
