@@ -18,7 +18,7 @@ enum class TrackStatus {
   kTracked,     ///< Photometric evidence, no detection.
   kPredicted,   ///< Motion model, or evidence too vague to be claimed; at most 0.5 s after the last that was.
   kLost,        ///< No pose.
-  kUnreadable,  ///< The frame could not be decoded.
+  kUnreadable,  ///< The frame could not be decoded, or has not the camera's resolution.
 };
 
 /// The word used in files and messages: "detected", "tracked", ...
