@@ -123,6 +123,10 @@ TrackFigures figures_of(const TrackRecord& record) {
     figures.latency_p50_ms = percentile(latencies_ms, 0.50);
     figures.latency_p99_ms = percentile(latencies_ms, 0.99);
   }
+  if (const FrameLogRow* slowest = record.slowest_frame()) {
+    figures.latency_max_ms = slowest->latency_ms;
+    figures.latency_max_at_s = seconds_between(rows.front().timestamp, slowest->timestamp);
+  }
   return figures;
 }
 

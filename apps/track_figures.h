@@ -57,6 +57,8 @@ struct TrackFigures {
   std::size_t with_second_pose = 0;
   std::optional<double> latency_p50_ms;
   std::optional<double> latency_p99_ms;
+  std::optional<double> latency_max_ms;
+  double latency_max_at_s = 0.0;  ///< Of the frame that took so long; since the first frame.
 };
 
 /// Of a run with at least one frame.

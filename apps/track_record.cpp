@@ -159,6 +159,11 @@ nlohmann::json TrackRecord::summary() const {
                             {"lost", num_lost()},
                             {"unreadable", num_unreadable_},
                             {"lost_reasons", lost_reasons_},
+const FrameLogRow* TrackRecord::slowest_frame() const {
+  const auto slowest = std::ranges::max_element(rows_, {}, &FrameLogRow::latency_ms);  // none is least
+  return slowest == rows_.end() || !slowest->latency_ms ? nullptr : &*slowest;
+}
+
                             {"tags_seen", frames_by_tag_.size()},
                             {"latency_p50_ms", latency_ms(0.50)},
                             {"latency_p99_ms", latency_ms(0.99)}};
@@ -171,6 +176,10 @@ nlohmann::json TrackRecord::summary() const {
   return summary;
 }
 
+  if (const FrameLogRow* slowest = slowest_frame()) {
+    summary["latency_max_ms"] = *slowest->latency_ms;
+    summary["latency_max_timestamp_ns"] = slowest->timestamp.ns;
+  }
 std::string TrackRecord::text() const {
   // Of how the poses came about only what a method that tracks has to tell.
   const std::size_t tracked = count(TrackStatus::kTracked), predicted = count(TrackStatus::kPredicted);
@@ -178,9 +187,12 @@ std::string TrackRecord::text() const {
       tracked + predicted == 0 ? "" : fmt::format(" ({} tracked, {} predicted)", tracked, predicted);
   const bool is_untold = last_exposure_ && !last_exposure_->told_s;
   return fmt::format(
-      "{} frames: {} with a pose{}, {} lost, {} unreadable; latency {:.1f} ms (p50), {:.1f} ms (p99){}",
+      "{} frames: {} with a pose{}, {} lost, {} unreadable; latency {:.1f} ms (p50), {:.1f} ms (p99){}{}",
       rows_.size(), trajectory_.size(), kinds, num_lost(), num_unreadable_, latency_ms(0.50),
-      latency_ms(0.99), is_untold ? "; exposure: " + exposure_not_told(*last_exposure_) : "");
+      latency_ms(0.99), most, is_untold ? "; exposure: " + exposure_not_told(*last_exposure_) : "");
 }
 
 }  // namespace apriltrack::app
+  const FrameLogRow* slowest = slowest_frame();
+  const std::string most =
+      slowest ? fmt::format(", {:.1f} ms (max, at {} ns)", *slowest->latency_ms, slowest->timestamp.ns) : "";

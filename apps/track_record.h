@@ -62,6 +62,9 @@ class TrackRecord {
 
   /// Counts and latencies, for machines and for people.
   nlohmann::json summary() const;
+  /// The first of those that took longest; null where none was readable.
+  const FrameLogRow* slowest_frame() const;
+
   std::string text() const;
 
  private:

@@ -68,8 +68,9 @@ std::string longest_blind(const TrackFigures& figures) {
 
 std::string latency(const TrackFigures& figures) {
   if (!figures.latency_p50_ms) return "-";
-  return fmt::format("{:.1f} ms median, {:.1f} ms in 99 % of the frames", *figures.latency_p50_ms,
-                     *figures.latency_p99_ms);
+  return fmt::format("{:.1f} ms median, {:.1f} ms in 99 % of the frames; at most {:.1f} ms, at {:.3f} s",
+                     *figures.latency_p50_ms, *figures.latency_p99_ms, *figures.latency_max_ms,
+                     figures.latency_max_at_s);
 }
 
 std::string numbers_of(const BlindStretch& stretch) {
