@@ -193,9 +193,13 @@ ReportPicture draw_tags(const TrackRecord& record) {
                                           [](const FrameLogRow& row) { return row.tags_tracked; }));
   for (const FrameLogRow& row : record.rows())
     chart.y.high = std::max({*chart.y.high, row.tags_detected + 1.0, row.tags_tracked + 1.0});
-  return {chart_png(chart),
-          "Detected: tags of the map that were read in the frame. Used: those whose evidence the pose rests "
-          "on, read or not. A pose from one tag is weakly held in depth and tilt."};
+  return {
+      chart_png(chart),
+      "Detected: tags of the map that were read in the frame. Used: those whose evidence the pose rests "
+      "on, read or not. While the blur tracker knows where it is, it looks for tags in the whole image only "
+      "once a second, and at some of those that it expects in between: detected then has a spike every "
+      "second, and few detected tags are no lack of evidence. A pose from one tag is weakly held in depth "
+      "and tilt."};
 }
 
 ReportPicture draw_latency(const TrackRecord& record, const TrackFigures& figures) {

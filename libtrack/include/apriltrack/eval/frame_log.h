@@ -15,8 +15,8 @@ struct FrameLogRow {
   Timestamp timestamp;
   std::string status;  ///< detected, tracked, predicted, lost, unreadable.
   std::optional<Pose> pose;
-  int tags_detected = 0;
-  int tags_tracked = 0;
+  int tags_detected = 0;  ///< Tags of the map that were read; the blur tracker seldom looks for all of them.
+  int tags_tracked = 0;   ///< Those whose evidence the pose rests on, read or not.
   std::optional<double> latency_ms;  ///< From the decoded image to the result.
   double second_mode_odds = 0.0;
   std::optional<Matrix6d> covariance;  ///< Right perturbation of the pose, [translation; rotation].
