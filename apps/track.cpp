@@ -92,6 +92,7 @@ bool track_images(const TrackArguments& arguments, const Camera& camera, const M
       exposures.add(image.timestamp, image.exposure_s, image.exposure_where);
     else
       exposures.add(image.timestamp, camera.exposure_s, exposure_of_camera);
+    record.searches(image.pixels.width(), arguments.options.localizer.detector.decimate);
     TrackResult result = method.track(image.frame(), detected.detections);
     result.latency_s += detected.latency_s;
     result.detection_s += detected.latency_s;

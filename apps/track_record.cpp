@@ -116,10 +116,19 @@ void TrackRecord::add_unreadable(Timestamp timestamp) {
   reasons_.emplace_back();
 }
 
+void TrackRecord::searches(int image_width_px, double decimate) {
+  constexpr int kLarge_px = 2560;
+  constexpr double kEnough = 4.0;
+  searches_large_images_ = searches_large_images_ || (image_width_px > kLarge_px && decimate < kEnough);
+}
+
 std::string TrackRecord::why_no_pose(const TagMap& map) const {
   std::set<TagKey> seen;
   for (const auto& [key, count] : frames_by_tag_) seen.insert(key);
-  return why_without_pose(MapContents(map), seen, num_lost(), lost_reasons_);
+  std::string why = why_without_pose(MapContents(map), seen, num_lost(), lost_reasons_);
+  // The edges of their tags may be smeared over more pixels than the search spans.
+  if (seen.empty() && searches_large_images_) why += " The images are large: try --decimate 4";
+  return why;
 }
 
 void TrackRecord::check_has_pose(const std::string& input, const TagMap& map) const {
@@ -150,6 +159,11 @@ double TrackRecord::latency_ms(double fraction) const {
   return percentile(latencies_ms_, fraction);
 }
 
+const FrameLogRow* TrackRecord::slowest_frame() const {
+  const auto slowest = std::ranges::max_element(rows_, {}, &FrameLogRow::latency_ms);  // none is least
+  return slowest == rows_.end() || !slowest->latency_ms ? nullptr : &*slowest;
+}
+
 nlohmann::json TrackRecord::summary() const {
   nlohmann::json summary = {{"frames", rows_.size()},
                             {"with_pose", trajectory_.size()},
@@ -159,14 +173,13 @@ nlohmann::json TrackRecord::summary() const {
                             {"lost", num_lost()},
                             {"unreadable", num_unreadable_},
                             {"lost_reasons", lost_reasons_},
-const FrameLogRow* TrackRecord::slowest_frame() const {
-  const auto slowest = std::ranges::max_element(rows_, {}, &FrameLogRow::latency_ms);  // none is least
-  return slowest == rows_.end() || !slowest->latency_ms ? nullptr : &*slowest;
-}
-
                             {"tags_seen", frames_by_tag_.size()},
                             {"latency_p50_ms", latency_ms(0.50)},
                             {"latency_p99_ms", latency_ms(0.99)}};
+  if (const FrameLogRow* slowest = slowest_frame()) {
+    summary["latency_max_ms"] = *slowest->latency_ms;
+    summary["latency_max_timestamp_ns"] = slowest->timestamp.ns;
+  }
   if (last_exposure_) {
     summary["exposure"] = {{"used_s", last_exposure_->exposure_s},
                            {"is_told", last_exposure_->told_s.has_value()},
@@ -176,16 +189,15 @@ const FrameLogRow* TrackRecord::slowest_frame() const {
   return summary;
 }
 
-  if (const FrameLogRow* slowest = slowest_frame()) {
-    summary["latency_max_ms"] = *slowest->latency_ms;
-    summary["latency_max_timestamp_ns"] = slowest->timestamp.ns;
-  }
 std::string TrackRecord::text() const {
   // Of how the poses came about only what a method that tracks has to tell.
   const std::size_t tracked = count(TrackStatus::kTracked), predicted = count(TrackStatus::kPredicted);
   const std::string kinds =
       tracked + predicted == 0 ? "" : fmt::format(" ({} tracked, {} predicted)", tracked, predicted);
   const bool is_untold = last_exposure_ && !last_exposure_->told_s;
+  const FrameLogRow* slowest = slowest_frame();
+  const std::string most =
+      slowest ? fmt::format(", {:.1f} ms (max, at {} ns)", *slowest->latency_ms, slowest->timestamp.ns) : "";
   return fmt::format(
       "{} frames: {} with a pose{}, {} lost, {} unreadable; latency {:.1f} ms (p50), {:.1f} ms (p99){}{}",
       rows_.size(), trajectory_.size(), kinds, num_lost(), num_unreadable_, latency_ms(0.50),
@@ -193,6 +205,3 @@ std::string TrackRecord::text() const {
 }
 
 }  // namespace apriltrack::app
-  const FrameLogRow* slowest = slowest_frame();
-  const std::string most =
-      slowest ? fmt::format(", {:.1f} ms (max, at {} ns)", *slowest->latency_ms, slowest->timestamp.ns) : "";

@@ -28,6 +28,8 @@ class TrackRecord {
   void add(const FrameDetections& frame, const TrackResult& result,
            const std::optional<double>& exposure_s = std::nullopt);
   void add_unreadable(Timestamp timestamp);
+  /// An image in which tags are looked for, `decimate` times smaller.
+  void searches(int image_width_px, double decimate);
 
   bool has_pose() const { return !trajectory_.empty(); }
   /// Why a whole recording gave no pose, and what to do.
@@ -60,11 +62,11 @@ class TrackRecord {
   /// Frames in which a tag was detected, mapped or not.
   const std::map<TagKey, int>& frames_by_tag() const { return frames_by_tag_; }
 
-  /// Counts and latencies, for machines and for people.
-  nlohmann::json summary() const;
   /// The first of those that took longest; null where none was readable.
   const FrameLogRow* slowest_frame() const;
 
+  /// Counts and latencies, for machines and for people.
+  nlohmann::json summary() const;
   std::string text() const;
 
  private:
@@ -83,6 +85,7 @@ class TrackRecord {
   std::map<TagKey, int> strays_;
   std::map<std::string, int> lost_reasons_;  ///< Frames without a pose, by cause.
   std::size_t num_unreadable_ = 0;
+  bool searches_large_images_ = false;
 };
 
 }  // namespace apriltrack::app

@@ -75,5 +75,15 @@ TEST_F(ExitStatus, NoTagSeenIs1AndSaysWhatToDo) {
   EXPECT_FALSE(fs::exists(path("corners.csv")));
 }
 
+TEST_F(ExitStatus, NoTagSeenInLargeImagesAdvisesASmallerSearch) {
+  const std::string advice = "try --decimate 4";
+  EXPECT_THAT(track().err, testing::Not(testing::HasSubstr(advice)));
+  write_text(path("camera.yaml"), replaced(kGoodCamera, "[160, 120]", "[2600, 120]"));
+  write_image(path("frames/1000000000.pgm"), 2600, 120);
+  EXPECT_THAT(track(), EndsWith(1, advice));
+  EXPECT_THAT(track({"--decimate", "4"}).err, testing::Not(testing::HasSubstr(advice)))
+      << "it is done already";
+}
+
 }  // namespace
 }  // namespace apriltrack::test
