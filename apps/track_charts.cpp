@@ -142,7 +142,7 @@ ReportPicture draw_position(const TrackRecord& record, TrackMode mode) {
   return {
       chart_png(chart),
       fmt::format(
-          "Position {}. The pale band is what the covariance allows, 2 sigma to either side: an "
+          "Position {}. The translucent band is what the covariance allows, 2 sigma to either side: an "
           "honest one holds the truth in 95 % of the frames. Unseen, it is thinner than the line. A gap: no "
           "pose. Predictions do not stretch the axis.",
           describe_positions(mode))};

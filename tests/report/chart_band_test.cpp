@@ -75,6 +75,26 @@ TEST(ChartBand, EndsWithTheAxis) {
   EXPECT_FALSE(chart.is_bluish(5.3, -2.1));
 }
 
+TEST(ChartBand, LetsAnotherShowThrough) {
+  Chart chart;
+  chart.x = {"", false, 0.0, 10.0, false};
+  chart.y = {"", false, -2.0, 2.0, false};
+  chart.series = {{"", kOrange, ChartMark::kPoints, {0.0}, {-2.0}, {}},
+                  {"", kBluishGreen, ChartMark::kPoints, {10.0}, {2.0}, {}},
+                  {"", kBlue, ChartMark::kLine, {0.0, 10.0}, {0.0, 0.0}, {}},
+                  {"", kVermilion, ChartMark::kLine, {0.0, 10.0}, {1.0, 1.0}, {}}};
+  for (const std::size_t i : {2U, 3U}) chart.series[i].half_width = {0.9, 0.9};
+  const cv::Mat picture = test::drawn(chart);
+  const cv::Point2d low = test::middle_of(picture, kOrange), high = test::middle_of(picture, kBluishGreen);
+  const auto colour_at = [&](double y) {
+    return picture.at<cv::Vec3b>(cv::Point(cvRound(low.x + 0.53 * (high.x - low.x)),
+                                           cvRound(low.y + (y + 2.0) / 4.0 * (high.y - low.y))));
+  };
+  const cv::Vec3b blue = colour_at(-0.45), both = colour_at(0.45), vermilion = colour_at(1.55);
+  EXPECT_LT(both[0], blue[0] - 20) << "vermilion takes away blue";
+  EXPECT_LT(both[2], vermilion[2] - 20) << "blue takes away red";
+}
+
 TEST(ChartBand, MisuseIsRefused) {
   Chart chart;
   chart.series = {{"", kBlue, ChartMark::kLine, {0.0, 1.0}, {0.0, 1.0}, {}}};

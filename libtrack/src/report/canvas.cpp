@@ -62,6 +62,12 @@ void Canvas::disc(cv::Point2d centre, double radius, const cv::Scalar& colour, d
   if (opacity < 1.0) cv::addWeighted(pixels_(around), opacity, below, 1.0 - opacity, 0.0, pixels_(around));
 }
 
+void Canvas::translucent(double opacity, const std::function<void()>& draw) {
+  const cv::Mat below = pixels_.clone();
+  draw();
+  cv::addWeighted(pixels_, opacity, below, 1.0 - opacity, 0.0, pixels_);
+}
+
 void Canvas::ring(cv::Point2d centre, double radius, const cv::Scalar& colour, double width) {
   cv::circle(pixels_, finely_scaled(centre), cvRound(radius * kScale * (1 << kFractionBits)), colour,
              cvRound(kScale * width), cv::LINE_AA, kFractionBits);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <string>
 
@@ -34,6 +35,8 @@ class Canvas {
   void box(cv::Rect2d area, const cv::Scalar& colour);
   void frame(cv::Rect2d area, const cv::Scalar& colour);
   void disc(cv::Point2d centre, double radius, const cv::Scalar& colour, double opacity = 1.0);
+  /// What `draw` draws, all of it together: parts of it that lie on each other are not darker.
+  void translucent(double opacity, const std::function<void()>& draw);
   /// radius: of the middle of its line.
   void ring(cv::Point2d centre, double radius, const cv::Scalar& colour, double width);
   /// at: left, middle or right end of the letters' base line. halo: points painted white round the letters.

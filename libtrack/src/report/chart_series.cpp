@@ -41,13 +41,6 @@ void draw_line(Canvas& canvas, const ChartSeries& series, const PlotArea& area) 
   }
 }
 
-/// Towards white, as a band lies behind the lines of others too.
-cv::Scalar band_colour(const Colour& colour) {
-  constexpr double kInkShare = 0.25;
-  const cv::Scalar white(255.0, 255.0, 255.0);
-  return kInkShare * bgr_of(colour) + (1.0 - kInkShare) * white;
-}
-
 /// Column by column from one point to the next; a point of its own is one column.
 void draw_band_between(Canvas& canvas, const ChartSeries& series, const PlotArea& area, std::size_t from,
                        std::size_t to) {
@@ -64,7 +57,7 @@ void draw_band_between(Canvas& canvas, const ChartSeries& series, const PlotArea
     const double top = high_from.y + part * (high_to.y - high_from.y);
     const double bottom = low_from.y + part * (low_to.y - low_from.y);
     canvas.box({high_from.x + column * width / columns, top, std::max(1.0, width / columns), bottom - top},
-               band_colour(series.colour));
+               bgr_of(series.colour));
   }
 }
 
@@ -128,11 +121,14 @@ bool draws_line(const ChartSeries& series) {
 
 void draw_band(Canvas& canvas, const ChartSeries& series, const PlotArea& area) {
   if (series.half_width.empty()) return;
-  for (std::size_t i = 0; i < series.x.size(); ++i) {
-    if (is_gap(series, i)) continue;
-    const bool is_joined = i > 0 && !is_gap(series, i - 1);
-    draw_band_between(canvas, series, area, is_joined ? i - 1 : i, i);
-  }
+  constexpr double kOpacity = 0.25;  // it lies on the bands, and behind the lines, of others
+  canvas.translucent(kOpacity, [&] {
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+      if (is_gap(series, i)) continue;
+      const bool is_joined = i > 0 && !is_gap(series, i - 1);
+      draw_band_between(canvas, series, area, is_joined ? i - 1 : i, i);
+    }
+  });
 }
 
 void draw_series(Canvas& canvas, const ChartSeries& series, const PlotArea& area) {

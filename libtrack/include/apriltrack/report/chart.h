@@ -25,8 +25,9 @@ struct ChartSeries {
   /// 2019). Points are drawn in the order of their shades. A shaded series is drawn as points, also where its
   /// mark is kLine.
   std::vector<double> shade = {};
-  /// Empty, or a half width >= 0 for each point: y plus and minus it is a pale band behind the line, over the
-  /// same gaps. NaN: none there. Bands do not stretch the axis; they are cut off where it ends.
+  /// Empty, or a half width >= 0 for each point: y plus and minus it is a translucent band behind the
+  /// lines, with the same gaps. NaN: none there. Bands do not stretch the axis; they are cut off where it
+  /// ends.
   std::vector<double> half_width = {};
   /// Of points, in (0, 1]: below 1 they are the darker the more of them lie on each other.
   double opacity = 1.0;
