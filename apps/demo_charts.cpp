@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "error_chart.h"
 
 namespace apriltrack::app {
@@ -51,14 +54,34 @@ ChartSeries series_of(const DemoScore& score, ChartMark mark) {
   return series;
 }
 
+/// The blur tracker's poses that are not claimed; drawn last, on everything.
+ChartSeries predicted_series() {
+  return {.name = "blur: predicted, and says so", .colour = kSkyBlue, .mark = ChartMark::kPoints};
+}
+
+std::vector<FrameScore> without_predicted(const DemoScore& score) {
+  const auto time_ns = [](const FrameScore& frame) { return frame.timestamp.ns; };
+  std::vector<FrameScore> rest;
+  std::ranges::set_difference(score.evaluation.frames, score.predicted, std::back_inserter(rest), {}, time_ns,
+                              time_ns);
+  return rest;
+}
+
+void add_errors_by_blur(ChartSeries& series, const std::vector<FrameScore>& frames) {
+  for (const FrameScore& frame : frames) {
+    if (!frame.corner_error_px) continue;
+    series.x.push_back(frame.blur_px);
+    series.y.push_back(*frame.corner_error_px);
+  }
+}
+
 }  // namespace
 
 void draw_error_over_time(const std::filesystem::path& picture, const DemoScene& scene,
                           const std::vector<DemoScore>& scores) {
   Chart chart = chart_of(scene, "error over time; no ring, or a gap: no pose");
   chart.x = {.label = "time, s"};
-  ChartSeries predicted{
-      .name = "blur: predicted, and says so", .colour = kSkyBlue, .mark = ChartMark::kPoints};
+  ChartSeries predicted = predicted_series();
   for (const DemoScore* score : drawn_of(scene, scores)) {
     const Timestamp start = score->evaluation.frames.front().timestamp;
     chart.series.push_back(series_of(*score, score->method == "pnp" ? ChartMark::kRings : ChartMark::kLine));
@@ -73,15 +96,14 @@ void draw_error_against_blur(const std::filesystem::path& picture, const DemoSce
                              const std::vector<DemoScore>& scores) {
   Chart chart = chart_of(scene, "error against motion blur, a mark for every pose");
   chart.x = {.label = "motion blur of the worst corner, px"};
+  ChartSeries predicted = predicted_series();
   for (const DemoScore* score : drawn_of(scene, scores)) {
-    ChartSeries series = series_of(*score, point_mark(score->method));
-    for (const FrameScore& frame : score->evaluation.frames) {
-      if (!frame.corner_error_px) continue;
-      series.x.push_back(frame.blur_px);
-      series.y.push_back(*frame.corner_error_px);
-    }
-    chart.series.push_back(series);
+    const bool is_blur = score->method == "blur";
+    chart.series.push_back(series_of(*score, point_mark(score->method)));
+    add_errors_by_blur(chart.series.back(), is_blur ? without_predicted(*score) : score->evaluation.frames);
+    if (is_blur) add_errors_by_blur(predicted, score->predicted);
   }
+  chart.series.push_back(predicted);
   write_chart(picture, chart);
 }
 

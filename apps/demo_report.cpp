@@ -35,8 +35,10 @@ void add_scene(HtmlPage& page, const DemoFiles& files, const DemoScene& scene,
       over_time,
       "Mean distance of the visible tags' corners from where they truly are, at mid-exposure. A ring "
       "for each of pnp's poses, over the lines of the others, which break off where they have none.");
-  page.picture(against_blur,
-               "Blur is the longest path of a visible corner during the exposure, from the exact motion.");
+  page.picture(
+      against_blur,
+      "Blur is the longest path of a visible corner during the exposure, from the exact motion. "
+      "The blur tracker's predicted poses, which nothing in their frame confirms, have marks of their own.");
   page.video(files.video(scene),
              "Every mapped tag outlined where the blur tracker puts it. Green: the pose rests on a "
              "detection in this frame; blue: on the pixels alone; orange: predicted; red: lost.");
