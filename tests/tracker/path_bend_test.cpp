@@ -16,14 +16,57 @@ namespace {
 TEST(PathBend, IsTheAccelerationOfAnEvenlyAcceleratedMotion) {
   Vector6d before, acceleration;
   before << 0.3, -0.2, 0.1, 1.0, -2.0, 0.5;
-  acceleration << 4.0, -3.0, 0.0, 0.0, 60.0, -80.0;
-  const Vector6d now = before + 0.05 * acceleration;
-  const MotionNoise noise{.linear_m2_per_s3 = 5.0, .angular_rad2_per_s3 = 80.0};
-  const PathBend bend = expected_bend(now, before, 0.05, noise);
+  acceleration << 4.0, -3.0, 0.0, 0.0, 6.0, -8.0;
+  const Vector6d now = before + acceleration / 40.0;
+  const MotionNoise noise{.linear_m2_per_s3 = 10.0, .angular_rad2_per_s3 = 160.0};
+  const PathBend bend = expected_bend(now, before, 1.0 / 40.0, noise);
   EXPECT_LT((bend.acceleration - acceleration).norm(), 1e-10);
-  // A fifth of 5 m/s^2 and of 100 rad/s^2; a tenth of sqrt(5 / 0.05) = 10 and of sqrt(80 / 0.05) = 40.
-  EXPECT_NEAR(bend.sigma[0], std::sqrt(1.0 * 1.0 + 1.0 * 1.0), 1e-12);
-  EXPECT_NEAR(bend.sigma[4], std::sqrt(20.0 * 20.0 + 4.0 * 4.0), 1e-12);
+  // A tenth of sqrt(40 * 10) = 20 and of sqrt(40 * 160) = 80; a fifth of 5 m/s^2 and of 10 rad/s^2, and as
+  // much of them as their squares are of 80's and 320's.
+  EXPECT_NEAR(bend.sigma[0], std::hypot(2.0, 5.0 * std::hypot(0.2, std::pow(5.0 / 80.0, 2))), 1e-12);
+  EXPECT_NEAR(bend.sigma[4], std::hypot(8.0, 10.0 * std::hypot(0.2, std::pow(10.0 / 320.0, 2))), 1e-12);
+}
+
+/// Over a hand's shaking, seen every interval_s: the root mean square of what the acceleration is expected to
+/// be off by, and of what it is off by.
+struct Off {
+  double expected = 0.0, found = 0.0;
+};
+
+Off off_at(double interval_s) {
+  // Turns of three speeds that never repeat together, 70 rad/s^2 at the most.
+  const auto velocity = [](double t) { return 1.1 * std::sin(11.0 * t) + 1.3 * std::sin(17.3 * t + 1.0); };
+  const auto acceleration = [](double t) {
+    return 12.1 * std::cos(11.0 * t) + 22.5 * std::cos(17.3 * t + 1.0);
+  };
+  Off off;
+  constexpr int kInstants = 5000;
+  for (int i = 0; i < kInstants; ++i) {
+    const double now_s = 0.0317 * i;
+    Vector6d now = Vector6d::Zero(), before = Vector6d::Zero();
+    now[4] = velocity(now_s);
+    before[4] = velocity(now_s - interval_s);
+    const PathBend bend = expected_bend(now, before, interval_s, MotionNoise());
+    off.expected += bend.sigma[4] * bend.sigma[4] / kInstants;
+    off.found += std::pow(bend.acceleration[4] - acceleration(now_s), 2) / kInstants;
+  }
+  return {std::sqrt(off.expected), std::sqrt(off.found)};
+}
+
+TEST(PathBend, KnowsTheLessTheLongerTheFrameBeforeIsGone) {
+  for (const double interval_s : {1.0 / 30.0, 1.0 / 15.0, 1.0 / 10.0, 0.2, 0.5}) {
+    const Off off = off_at(interval_s);
+    EXPECT_LT(off.found, 1.5 * off.expected) << interval_s;
+    EXPECT_GT(off.found, 0.5 * off.expected) << interval_s;
+  }
+}
+
+TEST(PathBend, DoesNotTrustAJump) {
+  // Cut from one motion into another: the acceleration may as well be none.
+  const Vector6d before = Vector6d::Zero(), now = Vector6d::Constant(20.0);
+  const PathBend bend = expected_bend(now, before, 1.0 / 30.0, MotionNoise());
+  EXPECT_GT(bend.sigma[0], bend.acceleration.head<3>().norm());
+  EXPECT_GT(bend.sigma[3], bend.acceleration.tail<3>().norm());
 }
 
 TEST(PathBend, IsUnknownWhereNothingWasSeenBefore) {

@@ -17,10 +17,9 @@ struct PathBend {
 };
 
 /// Of the velocity since the frame before, interval_s ago: what of its change is an acceleration that goes on
-/// through the exposure, 1/s.
-inline double acceleration_per_change(double interval_s) {
-  return 1.0 / interval_s;
-}
+/// through the exposure, 1/s. Of a change over longer, less: what hands do in a tenth of a second is over
+/// then.
+double acceleration_per_change(double interval_s);
 
 /// velocity: found in this frame. expected: the one before would have led here with, unchanged; interval_s:
 /// since then, > 0. Both nullopt where nothing was known before.
