@@ -126,6 +126,19 @@ TEST(PathRatio, SaysNothingWhereNothingMovesOrFramesLieFarApart) {
 
 /// Brownian motion of the velocity, in steps of a thousandth of the span: as much as motion_variance says,
 /// for one observation alone.
+TEST(PathRatio, SaysNothingWhereAFilmIsCut) {
+  // Even motions, but the last frame is of another place, or of another turn: what lies between was no path.
+  for (const double angle : {0.0, 0.8}) {
+    std::array frames = {instant(even_motion, 1.0, 1.0), instant(even_motion, 1.033, 1.0),
+                         instant(even_motion, 1.066, 1.0)};
+    EXPECT_TRUE(path_ratio(frames, MotionNoise()));
+    const Pose elsewhere(Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ())),
+                         Eigen::Vector3d(angle > 0.0 ? 0.0 : 0.3, 0.0, 0.0));
+    frames[2].pose = frames[2].pose * elsewhere;
+    EXPECT_FALSE(path_ratio(frames, MotionNoise())) << angle;
+  }
+}
+
 TEST(PathRatio, KnowsHowMuchTheMotionChangesBetweenFrames) {
   RandomStream random(7);
   const MotionNoise noise;
@@ -153,11 +166,11 @@ TEST(PathRatio, KnowsHowMuchTheMotionChangesBetweenFrames) {
     const std::array frames = {instant(swing_at, 1.0, 1.0), instant(swing_at, 1.0 + 0.5 * kSpan_s, 1.0),
                                instant(swing_at, 1.0 + kSpan_s, 1.0)};
     const auto seen = path_ratio(frames, noise);
-    const auto of_picture = path_ratio(frames, {1e-9, 1e-9});
-    if (!seen || !of_picture) continue;  // it hardly moved
+    const auto wilder = path_ratio(frames, {2.0 * noise.linear_m2_per_s3, 2.0 * noise.angular_rad2_per_s3});
+    if (!seen || !wilder) continue;  // it hardly moved
     ++count;
     const double off = std::log(seen->ratio);
-    squares += off * off / (seen->variance - of_picture->variance);
+    squares += off * off / (wilder->variance - seen->variance);  // the motion's share alone
   }
   EXPECT_GT(count, kRuns * 9 / 10);
   EXPECT_NEAR(squares / count, 2.0, 0.3);  // half of the motion noise is usual

@@ -18,6 +18,9 @@ constexpr double kPathSigma_px = 1.0;
 constexpr double kPathSigmaShare = 0.05;
 /// Of the logarithm: beyond it the motion may as well have turned about.
 constexpr double kMaxMotionVariance = 0.5;
+/// Of the change between two mean velocities, squared, in the motion's sigmas: beyond it the poses are not
+/// those of one motion, but of a cut film or a false pose.
+constexpr double kMaxJump = 25.0;
 /// Of the motion noise, which allows for the sharpest turn: ratios scatter by a tenth of what it says in our
 /// recordings. Not less, for frames take part in three observations, which are no independent ones.
 constexpr double kNoiseShare = 0.5;
@@ -41,6 +44,20 @@ Vector6d velocity_at(const BlurredInstant& frame, const Pose& at) {
   return result;
 }
 
+Vector6d densities(const MotionNoise& noise) {
+  Vector6d result;
+  result << Eigen::Vector3d::Constant(noise.linear_m2_per_s3),
+      Eigen::Vector3d::Constant(noise.angular_rad2_per_s3);
+  return result;
+}
+
+/// Mean velocities over two intervals, one after the other, span_s together: under white acceleration of
+/// density q, the variance of their change is q span_s / 3.
+bool is_jump(const Vector6d& before, const Vector6d& after, double span_s, const Vector6d& q) {
+  const Vector6d change = after - before;
+  return change.dot(change.cwiseQuotient(q * (span_s / 3.0))) > kMaxJump;
+}
+
 }  // namespace
 
 std::optional<PathRatio> path_ratio(const std::array<BlurredInstant, 3>& frames, const MotionNoise& noise) {
@@ -58,6 +75,8 @@ std::optional<PathRatio> path_ratio(const std::array<BlurredInstant, 3>& frames,
   const std::array<Vector6d, 3> moved = {velocity_between(first, middle, middle.pose),
                                          velocity_between(first, last, middle.pose),
                                          velocity_between(middle, last, middle.pose)};
+  const Vector6d q = densities(noise);
+  if (is_jump(moved[0], moved[2], span_s, q)) return std::nullopt;
   Eigen::VectorXd blurred_px = Eigen::VectorXd::Zero(J.rows());
   for (std::size_t i = 0; i < 3; ++i) {
     const Eigen::VectorXd path_px = middle.exposure_s * (J * velocity_at(frames[i], middle.pose));
@@ -71,10 +90,7 @@ std::optional<PathRatio> path_ratio(const std::array<BlurredInstant, 3>& frames,
   if (!(std::max(blurred2, moved2) >= kMinPath_px * kMinPath_px && moved2 > 0.0)) return std::nullopt;
 
   const Vector6d weight = middle.exposure_s / (points * moved2) * (J.transpose() * moved_px);
-  Vector6d velocity_variance;  // of Simpson's rule, under white acceleration
-  velocity_variance << Eigen::Vector3d::Constant(noise.linear_m2_per_s3),
-      Eigen::Vector3d::Constant(noise.angular_rad2_per_s3);
-  velocity_variance *= span_s / 36.0;
+  const Vector6d velocity_variance = q * (span_s / 36.0);  // of Simpson's rule, under white acceleration
   const double path_variance = kPathSigma_px * kPathSigma_px + kPathSigmaShare * kPathSigmaShare * blurred2;
   const double motion_variance = kNoiseShare * weight.dot(velocity_variance.cwiseProduct(weight));
   if (motion_variance > kMaxMotionVariance) return std::nullopt;
