@@ -6,6 +6,7 @@
 #include "look_alikes.h"
 #include "overruled_motion.h"
 #include "path_variation.h"
+#include "pulling_tags.h"
 #include "wide_search.h"
 
 namespace apriltrack {
@@ -20,6 +21,7 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
   vary_length(start_fit_, frame, found);
   search_widely(start_fit_, frame, hypotheses, found);
   start_over_where_overruled(start_fit_, frame, found);
+  explain_tags_that_pull(start_fit_, frame, found);
   add_mirrored_tilt(start_fit_, frame, found);
   add_reversed_path(start_fit_, frame, found);
   return found;
