@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kPaperTagSize_m = 0.16;
 constexpr std::int64_t kInterval_ns = 33'333'333;
-constexpr std::size_t kNumFrames = 16;
+constexpr std::size_t kNumPaperFrames = 16;
 
 /// A tag of about 100 px that is waved gently before a wall-less camera: up to 4 px from frame to frame.
 Scene waved_tag() {
@@ -37,7 +37,7 @@ Scene waved_tag() {
   add_tags(body, scene.map, {.margin_cells = 1.0});
   scene.bodies = {body};
   scene.exposure_s = 0.002;
-  scene.num_frames = kNumFrames;
+  scene.num_frames = kNumPaperFrames;
   return scene;
 }
 
@@ -52,7 +52,7 @@ struct Film {
     DetectorOptions options;
     options.response = scene.camera.response;
     Detector detector(options);
-    for (std::size_t i = 0; i < kNumFrames; ++i) {
+    for (std::size_t i = 0; i < kNumPaperFrames; ++i) {
       frames.push_back(renderer.render(i));
       detections.push_back(detector.detect(frames.back().pixels.view()));
     }
@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(Both, PaperTracking,
 TEST_P(PaperTracking, FollowsAGentleTagWithoutDetections) {
   // As printed, the weights are so flat that the cloud loses even this tag before ten frames are over.
   const bool is_printed = GetParam() == PaperVariant::kPrinted;
-  const std::size_t num_frames = is_printed ? 5 : kNumFrames;
+  const std::size_t num_frames = is_printed ? 5 : kNumPaperFrames;
   // The noise moves corners by some 10 px (printed), 6 px (program) a frame; the best of 1500 particles is
   // nearer. A tag that is lost is over 40 px off.
   constexpr double kMaxError_px = 10.0;
