@@ -44,6 +44,19 @@ class Fit {
     return state;
   }
 
+  /// Where the path is better without the acceleration that the options suggest, it is fitted without. Judged
+  /// by the pixels that it was fitted to.
+  MotionState straightened(const MotionState& bent) {
+    if (bent.acceleration.isZero() || options_.acceleration_per_change == 0.0) return bent;
+    if (objective_.level() > 0 || !objective_.has_pixels()) return bent;
+    MotionState straight = bent;
+    straight.acceleration.setZero();
+    objective_.evaluate(straight, current_.cost, next_);
+    if (next_.cost >= current_.cost) return bent;
+    is_straight_ = true;
+    return refined_on_level(straight, 0);
+  }
+
   /// With all pixels one step more.
   MotionFit summary(const MotionState& state) {
     objective_.choose_pixels(
@@ -58,17 +71,6 @@ class Fit {
     // What explains nothing knows nothing of the state.
     result.information = objective_.by_state(sum_of_explained(result.equations), result.state).H;
     return result;
-  }
-
-  /// Where the path is better without the acceleration that the options suggest, it is fitted without.
-  MotionFit straightened(MotionFit bent) {
-    if (bent.state.acceleration.isZero() || options_.acceleration_per_change == 0.0) return bent;
-    MotionState straight = bent.state;
-    straight.acceleration.setZero();
-    objective_.evaluate(straight, current_.cost, next_);
-    if (next_.cost >= current_.cost) return bent;
-    is_straight_ = true;
-    return summary(refined_on_level(straight, 0));
   }
 
  private:
@@ -123,7 +125,7 @@ MotionFit fit_motion(PhotometricWorld& world, const PhotometricFrame& frame, con
                      const std::optional<MotionBelief>& prior, const std::vector<CornerObservation>& corners,
                      const MotionFitOptions& options) {
   Fit fit({world, frame, prior, corners}, options);
-  return fit.straightened(fit.summary(fit.refined(start)));
+  return fit.summary(fit.straightened(fit.refined(start)));
 }
 
 MotionState descend_motion(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& start,
