@@ -17,6 +17,10 @@ constexpr int kTagsInFull = 5;
 /// carried on. They cost as much as all steps on the finest level together.
 constexpr double kMaxLinear2 = 25.0;
 
+/// Likewise: one of each number. A step of no more is taken unseen, for it changes little of what the tags
+/// show.
+constexpr double kMaxUnseen2 = 12.0;
+
 /// As explained_tags() chooses.
 MotionEquations sum_of_explained(const std::vector<TagEquations>& tags) {
   const bool is_any = std::ranges::any_of(tags, &TagEvidence::is_explained, &TagEquations::evidence);
@@ -104,13 +108,24 @@ class Fit {
     const MotionEquations all = objective_.by_state(sum, current_.state);
     const Vector12d step = all.step();
     if (!step.allFinite()) return of_tags;
-    objective_.evaluate(moved(current_.state, step), current_.cost, next_);
-    if (!(next_.cost < current_.cost)) return of_tags;
-    std::swap(current_, next_);
+    const Vector12d step_of_view = objective_.view_by_state(current_.state) * step;
+    if (!take_last_step(step, all.worth(step))) return of_tags;
     if (all.worth(step) > kMaxLinear2) return objective_.equations_of_tags(current_);
-    const Vector12d step_of_view = objective_.view_by_state(next_.state) * step;
     for (MotionEquations& one : of_tags) one.g += one.H * step_of_view;
     return of_tags;
+  }
+
+  /// Whether it was taken: not where it turns out to lead to nothing better.
+  bool take_last_step(const Vector12d& step, double worth2) {
+    const MotionState next = moved(current_.state, step);
+    if (worth2 <= kMaxUnseen2) {
+      current_.state = next;
+      return true;
+    }
+    objective_.evaluate(next, current_.cost, next_);
+    if (!(next_.cost < current_.cost)) return false;
+    std::swap(current_, next_);
+    return true;
   }
 
   MotionObjective objective_;
