@@ -136,6 +136,19 @@ void warn_of_contradictions(const TrackRecord& record, const std::string& method
   }
 }
 
+/// Some hang behind a wall, or a person; where most are not seen, the map tells of another place, or of tags
+/// that were taken down.
+void warn_of_unseen_tags(const TrackRecord& record, Warnings& warnings) {
+  constexpr std::size_t kMany = 10;
+  const std::set<TagKey> unseen = record.never_seen_tags();
+  if (unseen.size() < kMany || unseen.size() <= record.seen_tags().size()) return;
+  warnings.add(
+      fmt::format("{} tags of the map were in view and never seen, {} were seen: is this the map of this "
+                  "place? Were tags "
+                  "taken down, or do they hang behind a wall? They were left out",
+                  unseen.size(), record.seen_tags().size()));
+}
+
 /// Poses do not suffer much, but predictions do, until the motion has told.
 void warn_of_exposure(const TrackRecord& record, Warnings& warnings) {
   const std::optional<ExposureReport>& last = record.last_exposure();
@@ -209,6 +222,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   const bool was_interrupted = has_images ? track_images(arguments, camera, method, warnings, record, video)
                                           : track_detections(arguments, detections, method, record);
   warn_of_contradictions(record, arguments.method(), warnings);
+  warn_of_unseen_tags(record, warnings);
   warn_of_exposure(record, warnings);
   write_outputs(arguments,
                 {command_line_of(command), arguments, camera_file(arguments), map_file(arguments), camera,

@@ -95,6 +95,10 @@ void TrackRecord::add(const FrameDetections& frame, const TrackResult& result,
                    .detection_ms = 1e3 * result.detection_s});
   has_strays_.push_back(!result.contradicting_tags.empty());
   for (const TagKey& tag : result.contradicting_tags) ++strays_[tag];
+  for (const TagReport& tag : result.tags) {
+    ++frames_in_view_[tag.tag];
+    if (tag.state == TagState::kUsed || tag.is_read) seen_tags_.insert(tag.tag);
+  }
   latencies_ms_.push_back(1e3 * result.latency_s);
   reasons_.push_back(result.pose ? "" : result.reason);
   if (exposure_s) exposures_s_.push_back(*exposure_s);
@@ -149,6 +153,15 @@ TrackRecord::SeveralTags TrackRecord::frames_with_several_tags() const {
   return result;
 }
 
+std::set<TagKey> TrackRecord::never_seen_tags() const {
+  constexpr int kSeveral = 3;
+  std::set<TagKey> tags;
+  for (const auto& [tag, frames] : frames_in_view_) {
+    if (frames >= kSeveral && !seen_tags_.contains(tag)) tags.insert(tag);
+  }
+  return tags;
+}
+
 std::size_t TrackRecord::count(TrackStatus status) const {
   const std::string word = to_string(status);
   const auto is_it = [&](const FrameLogRow& row) { return row.status == word; };
@@ -174,6 +187,7 @@ nlohmann::json TrackRecord::summary() const {
                             {"unreadable", num_unreadable_},
                             {"lost_reasons", lost_reasons_},
                             {"tags_seen", frames_by_tag_.size()},
+                            {"mapped_tags_in_view_never_seen", never_seen_tags().size()},
                             {"latency_p50_ms", latency_ms(0.50)},
                             {"latency_p99_ms", latency_ms(0.99)}};
   if (const FrameLogRow* slowest = slowest_frame()) {

@@ -49,6 +49,12 @@ class TrackRecord {
   /// Tags that were read and not where the pose puts them, or suspect, with the number of frames.
   const std::map<TagKey, int>& strays() const { return strays_; }
 
+  /// Mapped tags that were seen where a pose put them, or read.
+  const std::set<TagKey>& seen_tags() const { return seen_tags_; }
+  /// Those that poses put into the image in three frames and more, and that were never seen: behind
+  /// something, or not there. Of methods that tell.
+  std::set<TagKey> never_seen_tags() const;
+
   const Trajectory& trajectory() const { return trajectory_; }
   const std::vector<FrameLogRow>& rows() const { return rows_; }
   /// For each row why it has no pose; empty where it has one, or is unreadable.
@@ -83,6 +89,8 @@ class TrackRecord {
   std::map<TagKey, int> frames_by_tag_;  ///< Everything detected, mapped or not.
   std::vector<bool> has_strays_;         ///< For each row.
   std::map<TagKey, int> strays_;
+  std::set<TagKey> seen_tags_;
+  std::map<TagKey, int> frames_in_view_;     ///< Of mapped tags that poses put into the image.
   std::map<std::string, int> lost_reasons_;  ///< Frames without a pose, by cause.
   std::size_t num_unreadable_ = 0;
   bool searches_large_images_ = false;

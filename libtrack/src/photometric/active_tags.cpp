@@ -24,7 +24,15 @@ int pixels_per_tag(const ActiveTagsOptions& options, std::size_t num_tags) {
 }
 
 bool is_chosen(const PhotometricTag& tag, TagChoice choice) {
-  return choice == TagChoice::kAll || tag.is_hidden == (choice == TagChoice::kHidden);
+  switch (choice) {
+    case TagChoice::kAll:
+      return true;
+    case TagChoice::kHidden:
+      return tag.is_hidden && !tag.is_passed_over;
+    case TagChoice::kShown:
+      break;
+  }
+  return !tag.is_hidden;
 }
 
 }  // namespace

@@ -55,7 +55,10 @@ void TagConsensus::choose(BlurFrame& frame, bool with_hidden) {
   std::ranges::copy_if(frame.read, std::back_inserter(frame.observations),
                        [&](const TagObservation& seen) { return !is_left_out(seen.tag_index); });
   unmark();
-  if (!with_hidden) hidden_.mark(world_, frame.observations);
+  if (with_hidden)
+    hidden_.mark_doubted(world_, frame.observations);
+  else
+    hidden_.mark(world_, frame.observations);
   doubted_ = trust_.suspects();
   doubted_.insert(left_out_.begin(), left_out_.end());
   for (const int index : doubted_) world_.tag_at(index).is_hidden = true;

@@ -28,6 +28,8 @@ struct PhotometricTag {
 
   /// Known to be behind something: takes no part in fits and scores until it is seen again.
   bool is_hidden = false;
+  /// Hidden, and not looked for in this frame either.
+  bool is_passed_over = false;
 
   double half_size_m() const { return 0.5 * tag.size_m; }
   /// Distance of the printed corners from the centre.
