@@ -14,7 +14,7 @@ namespace apriltrack {
 namespace {
 
 /// Of the image's area: what all regions together may have, but for the first.
-constexpr double kMaxShare = 0.08;
+constexpr double kMaxShare = 0.06;
 /// Beyond, a code is not read (tests of the detector: two thirds of all tags at 1.3 cells).
 constexpr double kMaxPathInCells = 1.5;
 constexpr double kMinCell_px = 1.2;
