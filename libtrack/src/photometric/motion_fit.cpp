@@ -17,9 +17,19 @@ constexpr int kTagsInFull = 5;
 /// carried on. They cost as much as all steps on the finest level together.
 constexpr double kMaxLinear2 = 25.0;
 
-/// Likewise: one of each number. A step of no more is taken unseen, for it changes little of what the tags
-/// show.
+/// Likewise: one of each number. A step of no more, by which no tag moves by more than this, is taken unseen,
+/// for it changes little of what the tags show.
 constexpr double kMaxUnseen2 = 12.0;
+constexpr double kMaxUnseen_px = 0.25;
+
+/// The same path but for its acceleration: the places passed keep their mean, which is what a picture tells.
+MotionState bent_by(const Vector6d& acceleration, const MotionState& state, double exposure_s) {
+  Vector12d step = Vector12d::Zero();
+  step.head<6>() = exposure_s * exposure_s / 24.0 * (state.acceleration - acceleration);
+  MotionState result = moved(state, step);
+  result.acceleration = acceleration;
+  return result;
+}
 
 /// As explained_tags() chooses.
 MotionEquations sum_of_explained(const std::vector<TagEquations>& tags) {
@@ -34,8 +44,8 @@ MotionEquations sum_of_explained(const std::vector<TagEquations>& tags) {
 /// The fit of one frame.
 class Fit {
  public:
-  Fit(const MotionObjective& objective, const MotionFitOptions& options)
-      : objective_(objective), options_(options) {}
+  Fit(const MotionObjective& objective, double exposure_s, const MotionFitOptions& options)
+      : objective_(objective), exposure_s_(exposure_s), options_(options) {}
 
   /// Level by level, coarse to fine, until one explains nothing.
   MotionState refined(MotionState state) {
@@ -53,10 +63,9 @@ class Fit {
   MotionState straightened(const MotionState& bent) {
     if (bent.acceleration.isZero() || options_.acceleration_per_change == 0.0) return bent;
     if (objective_.level() > 0 || !objective_.has_pixels()) return bent;
-    MotionState straight = bent;
-    straight.acceleration.setZero();
+    const MotionState straight = bent_by(Vector6d::Zero(), bent, exposure_s_);
     objective_.evaluate(straight, current_.cost, next_);
-    if (next_.cost >= current_.cost) return bent;
+    if (!(next_.cost < current_.cost)) return bent;
     is_straight_ = true;
     return refined_on_level(straight, 0);
   }
@@ -97,7 +106,8 @@ class Fit {
 
   void bend(MotionState& state) const {
     if (is_straight_ || options_.acceleration_per_change == 0.0) return;
-    state.acceleration = options_.acceleration_per_change * (state.velocity - options_.velocity_before);
+    const Vector6d change = state.velocity - options_.velocity_before;
+    state.acceleration = options_.acceleration_per_change * change;
   }
 
   /// The tags', where the step leads.
@@ -118,7 +128,7 @@ class Fit {
   /// Whether it was taken: not where it turns out to lead to nothing better.
   bool take_last_step(const Vector12d& step, double worth2) {
     const MotionState next = moved(current_.state, step);
-    if (worth2 <= kMaxUnseen2) {
+    if (worth2 <= kMaxUnseen2 && objective_.largest_move_px(next) < kMaxUnseen_px) {
       current_.state = next;
       return true;
     }
@@ -129,6 +139,7 @@ class Fit {
   }
 
   MotionObjective objective_;
+  double exposure_s_;
   const MotionFitOptions& options_;
   EvaluatedState current_, next_;
   bool is_straight_ = false;  ///< The acceleration was tried, and is not used.
@@ -139,14 +150,14 @@ class Fit {
 MotionFit fit_motion(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& start,
                      const std::optional<MotionBelief>& prior, const std::vector<CornerObservation>& corners,
                      const MotionFitOptions& options) {
-  Fit fit({world, frame, prior, corners}, options);
+  Fit fit({world, frame, prior, corners}, frame.exposure_s, options);
   return fit.summary(fit.straightened(fit.refined(start)));
 }
 
 MotionState descend_motion(PhotometricWorld& world, const PhotometricFrame& frame, const MotionState& start,
                            const std::optional<MotionBelief>& prior, const MotionFitOptions& options) {
   const std::vector<CornerObservation> no_corners;
-  return Fit({world, frame, prior, no_corners}, options).refined(start);
+  return Fit({world, frame, prior, no_corners}, frame.exposure_s, options).refined(start);
 }
 
 }  // namespace apriltrack

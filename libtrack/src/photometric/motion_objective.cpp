@@ -59,6 +59,18 @@ bool MotionObjective::has_left_its_pixels(const EvaluatedState& evaluated) const
   return false;
 }
 
+double MotionObjective::largest_move_px(const MotionState& to) const {
+  ViewPath path(to, frame_.exposure_s, world_.mode);
+  double largest_px = 0.0;
+  for (const ActiveTag& tag : active_.tags()) {
+    const TagPrediction there(world_, world_.tags[static_cast<std::size_t>(tag.index)], path, options_.level,
+                              options_.extra_sigma_px);
+    if (!there.is_visible()) return std::numeric_limits<double>::infinity();
+    largest_px = std::max(largest_px, displacement_px(*tag.prediction, there, world_.focal_px()));
+  }
+  return largest_px;
+}
+
 void MotionObjective::evaluate_chosen(EvaluatedState& evaluated) const {
   begin(chosen_for_, evaluated);
   for (std::size_t i = 0; i < misfits_.size(); ++i)

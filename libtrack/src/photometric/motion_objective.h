@@ -38,6 +38,9 @@ class MotionObjective {
   bool has_pixels() const { return !active_.tags().empty(); }
   /// Whether a tag has moved by a pixel of the level since its pixels were chosen.
   bool has_left_its_pixels(const EvaluatedState& evaluated) const;
+  /// How far a tag's picture goes from where its pixels were chosen, pixels of level 0; infinite where one
+  /// turns its back.
+  double largest_move_px(const MotionState& to) const;
   int level() const { return options_.level; }
 
   /// The state that the pixels were chosen for.
