@@ -47,6 +47,7 @@ Explanation StartFit::explained(const BlurFrame& frame, const MotionStart& start
 
 Sketch StartFit::sketched(const BlurFrame& frame, MotionStart start, int coarsest_level) const {
   constexpr int kPixelsPerTag = 196;
+  if (start.is_cold) start.state.acceleration.setZero();
   start.state = descend_motion(
       world_, frame.photometric, start.state, start.prior.belief,
       {.coarsest_level = coarsest_level, .finest_level = 1, .max_pixels_per_tag = kPixelsPerTag});
@@ -67,12 +68,14 @@ Matrix6d StartFit::bend_covariance_of(const BlurFrame& frame, const Explanation&
 
 MotionFit StartFit::fitted(const BlurFrame& frame, const MotionStart& start, MotionFitOptions options) const {
   const auto bent_over_s = time_to_bend_s(frame);
+  MotionState state = start.state;
+  if (start.is_cold) state.acceleration.setZero();  // of a motion that it knows nothing of
   if (bent_over_s && !start.is_cold) {
     options.acceleration_per_change = acceleration_per_change(*bent_over_s);
     options.velocity_before = start.prior.expected_velocity();
   }
-  const std::vector<CornerObservation> observed = corners(frame, start.state);
-  MotionFit fit = fit_motion(world_, frame.photometric, start.state, start.prior.belief, observed, options);
+  const std::vector<CornerObservation> observed = corners(frame, state);
+  MotionFit fit = fit_motion(world_, frame.photometric, state, start.prior.belief, observed, options);
   const std::vector<CornerObservation> as_found = corners(frame, fit.state);
   if (is_noise_alike(observed, as_found)) return fit;
   options.coarsest_level = 0;

@@ -25,6 +25,7 @@ std::vector<MotionStart> bases_of_clouds(const std::vector<MotionHypothesis>& hy
     bases.push_back({hypothesis.belief.mean, hypothesis, false});
   if (!hypotheses.empty()) return bases;
   for (const Explanation& explanation : found) {  // the best of each detection's
+    if (!explanation.is_cold) continue;
     const MotionBelief& belief = explanation.prior.belief;
     const bool is_new = std::ranges::none_of(bases, [&](const MotionStart& base) {
       return base.state.pose.translation() == belief.mean.pose.translation();
