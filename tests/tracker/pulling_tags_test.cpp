@@ -67,11 +67,27 @@ TEST_F(PullingTags, DoNotHoldThePoseWhereTheyFitByAStripe) {
   EXPECT_GE(num_pulled, 4);
 }
 
-TEST_F(PullingTags, LeaveARightPoseAsItIs) {
-  MotionStart start = turned_about(film_.scene.map.tags[0], {0.0, 0.0, 1e-3});
+TEST_F(PullingTags, LeaveARightPoseAsItIsWhereOneIsCovered) {
+  const Detection& covered = film_.detections[0].at(0);
+  GrayImage image = film_.frames[0].pixels;
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& corner : covered.corners_px) {
+    for (const double margin_px : {-10.0, 10.0}) box.extend(corner + Eigen::Vector2d::Constant(margin_px));
+  }
+  for (int y = static_cast<int>(box.min().y()); y <= static_cast<int>(box.max().y()); ++y) {
+    for (int x = static_cast<int>(box.min().x()); x <= static_cast<int>(box.max().x()); ++x)
+      image(x, y) = x / 3 % 2 == 0 ? 90 : 160;
+  }
+  fill_light_pyramid(image.view(), film_.scene.camera.response, PhotometricWorld::kNumLevels,
+                     frame_.photometric.light);
+  const MotionStart start = turned_about(film_.scene.map.tags[0], {0.0, 0.0, 1e-3});
   std::vector<Explanation> found = {start_fit_.explained(frame_, start, {})};
+  ASSERT_TRUE(leaves_a_tag_unexplained(found.front()));
+  const Pose before = found.front().fit.state.pose;
   explain_tags_that_pull(start_fit_, frame_, found);
   EXPECT_EQ(found.size(), 1U);
+  EXPECT_LT((before.inverse() * found.front().fit.state.pose).log().norm(), 1e-12);
+  EXPECT_LT(degrees_off(found.front()), 0.3);
 }
 
 }  // namespace

@@ -20,8 +20,8 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
     vary_velocity(start_fit_, frame, found);
   vary_length(start_fit_, frame, found);
   search_widely(start_fit_, frame, hypotheses, found);
-  start_over_where_overruled(start_fit_, frame, found);
   explain_tags_that_pull(start_fit_, frame, found);
+  start_over_where_overruled(start_fit_, frame, found);
   add_mirrored_tilt(start_fit_, frame, found);
   add_reversed_path(start_fit_, frame, found);
   return found;

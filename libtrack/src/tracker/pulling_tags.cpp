@@ -1,5 +1,8 @@
 #include "pulling_tags.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace apriltrack {
 namespace {
 
@@ -7,16 +10,30 @@ namespace {
 constexpr int kLeastPixels = 100;
 /// Below, nothing of a tag is in its place; half of one behind a hand has more.
 constexpr double kMaxCorrelation = 0.5;
-/// In scores: what a tag's fit is worth is more by far.
+/// In scores, beyond what two fits of one minimum differ by: a tag's fit is worth hundreds.
 constexpr double kBetter = 5.0;
+/// Of their centres in the image: tags that move less when they are left out did not pull.
+constexpr double kPulled_px = 1.0;
 
 std::vector<int> tags_that_may_pull(const Explanation& explanation) {
   std::vector<int> result;
-  for (const TagEvidence& tag : explanation.fit.tags) {
-    if (tag.num_pixels >= kLeastPixels && tag.clean_correlation() < kMaxCorrelation)
-      result.push_back(tag.tag_index);
+  for (const TagEquations& tag : explanation.fit.equations) {
+    const bool took_part = !tag.H.isZero();
+    if (took_part && tag.evidence.num_pixels >= kLeastPixels &&
+        tag.evidence.clean_correlation() < kMaxCorrelation)
+      result.push_back(tag.evidence.tag_index);
   }
   return result;
+}
+
+bool has_moved(const PhotometricWorld& world, const std::vector<int>& tags, const Pose& from,
+               const Pose& to) {
+  return std::ranges::any_of(tags, [&](int index) {
+    const Eigen::Vector3d centre = world.tag_at(index).tag.T_map_tag.translation();
+    const auto before = world.model.project(camera_from_map(from, world.mode) * centre);
+    const auto after = world.model.project(camera_from_map(to, world.mode) * centre);
+    return !(before && after && (*after - *before).norm() < kPulled_px);
+  });
 }
 
 Explanation explained_from(const StartFit& start_fit, const BlurFrame& frame, const Explanation& start) {
@@ -34,9 +51,10 @@ void explain_tags_that_pull(const StartFit& start_fit, const BlurFrame& frame,
   for (const int index : pulling) world.tag_at(index).is_hidden = true;
   const Explanation without = explained_from(start_fit, frame, best);
   for (const int index : pulling) world.tag_at(index).is_hidden = false;
+  if (!has_moved(world, pulling, best.fit.state.pose, without.fit.state.pose)) return;
   Explanation all = explained_from(start_fit, frame, without);
-  if (all.score < best.score + kBetter) return;
-  found.push_back(std::move(all));
+  if (!(all.score >= best.score + kBetter)) return;
+  found.front() = std::move(all);  // what was pulled is no second pose
   sort_by_score(found);
 }
 
