@@ -124,8 +124,6 @@ TEST(PathRatio, SaysNothingWhereNothingMovesOrFramesLieFarApart) {
   EXPECT_FALSE(ratio_of(even_motion, {1.0, 1.0, 1.033}, 1.2));
 }
 
-/// Brownian motion of the velocity, in steps of a thousandth of the span: as much as motion_variance says,
-/// for one observation alone.
 TEST(PathRatio, SaysNothingWhereAFilmIsCut) {
   // Even motions, but the last frame is of another place, or of another turn: what lies between was no path.
   for (const double angle : {0.0, 0.8}) {
@@ -133,12 +131,24 @@ TEST(PathRatio, SaysNothingWhereAFilmIsCut) {
                          instant(even_motion, 1.066, 1.0)};
     EXPECT_TRUE(path_ratio(frames, MotionNoise()));
     const Pose elsewhere(Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ())),
-                         Eigen::Vector3d(angle > 0.0 ? 0.0 : 0.3, 0.0, 0.0));
+                         Eigen::Vector3d(angle > 0.0 ? 0.0 : 0.6, 0.0, 0.0));
     frames[2].pose = frames[2].pose * elsewhere;
     EXPECT_FALSE(path_ratio(frames, MotionNoise())) << angle;
   }
 }
 
+TEST(PathRatio, TakesNoDepthThatIsKnownBadlyForAJump) {
+  // At 120 Hz, half a centimetre off along the line of sight, each way in turn.
+  std::array frames = {instant(even_motion, 1.0, 1.0), instant(even_motion, 1.00833, 1.0),
+                       instant(even_motion, 1.01667, 1.0)};
+  for (std::size_t i = 0; i < 3; ++i)
+    frames[i].pose = frames[i].pose *
+                     Pose(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, 0.0, i == 1 ? 0.005 : -0.005));
+  EXPECT_TRUE(path_ratio(frames, MotionNoise()));
+}
+
+/// Brownian motion of the velocity, in steps of a thousandth of the span: as much as motion_variance says,
+/// for one observation alone.
 TEST(PathRatio, KnowsHowMuchTheMotionChangesBetweenFrames) {
   RandomStream random(7);
   const MotionNoise noise;

@@ -1,5 +1,6 @@
 #include "path_ratio.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -18,9 +19,11 @@ constexpr double kPathSigma_px = 1.0;
 constexpr double kPathSigmaShare = 0.05;
 /// Of the logarithm: beyond it the motion may as well have turned about.
 constexpr double kMaxMotionVariance = 0.5;
-/// Of the change between two mean velocities, squared, in the motion's sigmas: beyond it the poses are not
-/// those of one motion, but of a cut film or a false pose.
+/// Of the change between two mean velocities, squared, in sigmas: beyond it the poses are not those of one
+/// motion, but of a cut film or a false pose.
 constexpr double kMaxJump = 25.0;
+/// Of a corner's place by a pose, amply.
+constexpr double kPoseSigma_px = 0.2;
 /// Of the motion noise, which allows for the sharpest turn: ratios scatter by a tenth of what it says in our
 /// recordings. Not less, for frames take part in three observations, which are no independent ones.
 constexpr double kNoiseShare = 0.5;
@@ -51,11 +54,19 @@ Vector6d densities(const MotionNoise& noise) {
   return result;
 }
 
-/// Mean velocities over two intervals, one after the other, span_s together: under white acceleration of
-/// density q, the variance of their change is q span_s / 3.
-bool is_jump(const Vector6d& before, const Vector6d& after, double span_s, const Vector6d& q) {
-  const Vector6d change = after - before;
-  return change.dot(change.cwiseQuotient(q * (span_s / 3.0))) > kMaxJump;
+/// change: from the mean velocity before the middle frame to the one after. Under white acceleration of
+/// density q its variance is q span / 3; to that comes that of the poses, which the middle one is in with
+/// both intervals.
+bool is_jump(const Vector6d& change, double before_s, double after_s, const BlurredInstant& middle,
+             const Vector6d& q) {
+  constexpr double kLeastShare = 1e-9;  // of what is seen best
+  Matrix6d seen = middle.pixels_by_pose.transpose() * middle.pixels_by_pose / (kPoseSigma_px * kPoseSigma_px);
+  seen.diagonal().array() += kLeastShare * seen.diagonal().maxCoeff();
+  const double both = 1.0 / before_s + 1.0 / after_s;
+  const double by_pose = 1.0 / (before_s * before_s) + 1.0 / (after_s * after_s) + both * both;
+  Matrix6d covariance = by_pose * seen.ldlt().solve(Matrix6d::Identity());
+  covariance.diagonal() += q * ((before_s + after_s) / 3.0);
+  return change.dot(covariance.ldlt().solve(change)) > kMaxJump;
 }
 
 }  // namespace
@@ -76,7 +87,7 @@ std::optional<PathRatio> path_ratio(const std::array<BlurredInstant, 3>& frames,
                                          velocity_between(first, last, middle.pose),
                                          velocity_between(middle, last, middle.pose)};
   const Vector6d q = densities(noise);
-  if (is_jump(moved[0], moved[2], span_s, q)) return std::nullopt;
+  if (is_jump(moved[2] - moved[0], before_s, after_s, middle, q)) return std::nullopt;
   Eigen::VectorXd blurred_px = Eigen::VectorXd::Zero(J.rows());
   for (std::size_t i = 0; i < 3; ++i) {
     const Eigen::VectorXd path_px = middle.exposure_s * (J * velocity_at(frames[i], middle.pose));
