@@ -24,8 +24,9 @@ void reveal(PhotometricWorld& world, int tag) {
 
 void HiddenTags::mark(PhotometricWorld& world, const std::vector<TagObservation>& observations) {
   mark_doubted(world, observations);
-  for (const int tag : hidden_) {
-    if (!is_doubted(tag)) hide(world, tag);
+  for (const int tag : hidden_) hide(world, tag);
+  for (int tag = 0; is_map_doubted_ && tag < static_cast<int>(world.tags.size()); ++tag) {
+    if (!was_seen(tag)) hide(world, tag);
   }
   for (const TagObservation& seen : observations) reveal(world, seen.tag_index);
 }
@@ -33,7 +34,7 @@ void HiddenTags::mark(PhotometricWorld& world, const std::vector<TagObservation>
 void HiddenTags::mark_doubted(PhotometricWorld& world, const std::vector<TagObservation>& observations) {
   unmark(world);
   if (!is_map_doubted_) return;
-  for (int tag = 0; tag < static_cast<int>(world.tags.size()); ++tag) {
+  for (const auto& [tag, frames] : frames_unseen_) {
     if (was_seen(tag)) continue;
     hide(world, tag);
     world.tag_at(tag).is_passed_over = (tag + turn_) % kTurns != 0;
@@ -68,8 +69,8 @@ void HiddenTags::learn(const std::vector<TagEvidence>& tags, const TagVotes& vot
   ++turn_;
 }
 
-bool HiddenTags::has_undoubted() const {
-  return std::ranges::any_of(hidden_, [&](int tag) { return !is_doubted(tag); });
+bool HiddenTags::has_hopeful() const {
+  return is_map_doubted_ || !hidden_.empty();
 }
 
 bool HiddenTags::was_seen(int tag) const {

@@ -15,8 +15,8 @@ namespace apriltrack {
 /// are seen again they take no part: what stands before them says nothing of a state.
 ///
 /// Where more tags were missed, and never seen, than were seen, the map is doubted, and all its tags that
-/// were never seen with it: these take no part from the start, and are looked for in turns. So the time that
-/// a frame takes goes by the tags that are there.
+/// were never seen with it: these take no part from the start, and once missed are looked for in turns. So
+/// the time that a frame takes goes by the tags that are there.
 class HiddenTags {
  public:
   /// So many sure poses must miss a tag: the first may be off, and every one is a fit of its own that the
@@ -25,7 +25,8 @@ class HiddenTags {
 
   /// Before a frame: marks them in the world, but for those that the frame reads.
   void mark(PhotometricWorld& world, const std::vector<TagObservation>& observations);
-  /// Marks those alone that nothing is to be expected of, even where nothing else convinces.
+  /// Marks those alone that nothing is to be expected of, even where nothing else convinces: of a doubted
+  /// map, those that were missed and never seen.
   void mark_doubted(PhotometricWorld& world, const std::vector<TagObservation>& observations);
   /// Takes the marks off.
   void unmark(PhotometricWorld& world);
@@ -35,8 +36,8 @@ class HiddenTags {
   void learn(const std::vector<TagEvidence>& tags, const TagVotes& votes, bool is_sure);
 
   bool is_empty() const { return hidden_.empty(); }
-  /// Whether mark_doubted() leaves any out that mark() does not.
-  bool has_undoubted() const;
+  /// Whether mark_doubted() may leave any out that mark() marks.
+  bool has_hopeful() const;
 
  private:
   bool was_seen(int tag) const;

@@ -26,7 +26,7 @@ class TagConsensus {
 
   /// Nothing is left out any more, but for suspects.
   void begin_frame();
-  bool knows_hidden_tags() const { return hidden_.has_undoubted(); }
+  bool knows_hidden_tags() const { return hidden_.has_hopeful(); }
   /// Of the tags read, those that take part; the world's tags are marked. with_hidden: what is known to be
   /// hidden takes part as well.
   void choose(BlurFrame& frame, bool with_hidden);
