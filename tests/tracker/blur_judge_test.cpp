@@ -60,6 +60,19 @@ TEST(BlurJudge, WantsMoreTagsForAStateThanAgainstIt) {
   }
 }
 
+TEST(BlurJudge, WantsMoreExplainedThanNotWhereALoneTagMayLieOnAnothersPlace) {
+  const BlurJudge judge = confirmed_judge();
+  const auto is_convincing = [&](double prior_spread, int samples_of_unexplained) {
+    Explanation explanation =
+        explanation_of({evidence_of(0, 0.97, 1000), evidence_of(1, 0.1, samples_of_unexplained)});
+    explanation.prior_spread = prior_spread;
+    return judge.is_convincing(explanation, kNextFrame_s);
+  };
+  EXPECT_TRUE(is_convincing(0.35, 999));
+  EXPECT_FALSE(is_convincing(0.35, 1001));
+  EXPECT_TRUE(is_convincing(0.25, 1001));  // it can be no other
+}
+
 TEST(BlurJudge, WithADetectionHalfATagBehindAHandIsEnough) {
   const BlurJudge judge;  // nothing is known of the frames before
   const auto is_convincing = [&](std::vector<TagEvidence> tags, double prior_cost = 0.0) {

@@ -14,6 +14,9 @@ constexpr double kMaxFollowed_s = 0.1;
 // Where the motion so far does not say within a tag where a tag is, its neighbours and what hangs beside
 // it lie as near: then one tag alone is not enough.
 constexpr double kMaxSpreadAlone = 1.0;
+// From here on one of a tag's own stripes may lie on another's place: then what should be seen beside a lone
+// tag and is not counts against it.
+constexpr double kMaxSpreadOutweighed = 0.3;
 // Of what a claim without a detection rests on: a sliver of a border fits nearly any edge.
 constexpr double kMinSamples = 40.0;
 
@@ -45,6 +48,13 @@ double samples_of_explained(const std::vector<TagEvidence>& tags) {
   return sum;
 }
 
+/// Less is explained than is not.
+bool is_outweighed(const std::vector<TagEvidence>& tags) {
+  double explained_px = 0.0, unexplained_px = 0.0;
+  for (const TagEvidence& tag : tags) (tag.is_explained() ? explained_px : unexplained_px) += tag.area_px;
+  return unexplained_px > explained_px;
+}
+
 }  // namespace
 
 bool BlurJudge::is_convincing(const Explanation& explanation, const std::optional<double>& interval_s) const {
@@ -59,6 +69,9 @@ bool BlurJudge::is_convincing(const Explanation& explanation, const std::optiona
   if (!votes.agreeing.empty()) return typical_correlation(tags) >= kMinCorrelationWithDetection;
   if (explanation.is_cold) return false;  // it began at a detection, and does not agree with any
   if (num_explained(tags) < 2 && explanation.prior_spread > kMaxSpreadAlone) return false;
+  if (num_explained(tags) < 2 && explanation.prior_spread > kMaxSpreadOutweighed &&
+      is_outweighed(explanation.fit.tags))
+    return false;
   const bool is_followed = is_confirmed_ && interval_s && *interval_s <= kMaxFollowed_s;
   // A lone tag found again must also be where the motion expects it: what was found eight standard deviations
   // off, before that wall, reached 0.96.
