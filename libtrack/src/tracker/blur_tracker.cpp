@@ -80,6 +80,13 @@ class BlurTracker::Implementation {
   /// detections: null where they are this tracker's own task.
   TrackResult track(const Frame& frame, const std::vector<Detection>* detections) {
     const Clock::time_point start = Clock::now();
+    TrackResult result = tracked(frame, detections);
+    result.latency_s = std::chrono::duration<double>(Clock::now() - start).count();
+    return result;
+  }
+
+ private:
+  TrackResult tracked(const Frame& frame, const std::vector<Detection>* detections) {
     if (const auto lost = lost_to_another_camera(frame, camera_)) {  // nor is its time stamp believed
       recording_->judge.missed();
       return *lost;
@@ -100,11 +107,9 @@ class BlurTracker::Implementation {
     light_ = std::move(blur_frame.photometric.light);
     result.detections = std::move(blur_frame.detections);
     result.detection_s = blur_frame.detection_s;
-    result.latency_s = std::chrono::duration<double>(Clock::now() - start).count();
     return result;
   }
 
- private:
   void start_anew() { recording_.emplace(options_, world_, reader_); }
 
   /// A frame that is much earlier than the one before is of another recording; where it is a little earlier,
