@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -36,30 +37,39 @@ MotionStart as_found(const Explanation& explanation) {
   return {explanation.fit.state, explanation.prior, explanation.is_cold};
 }
 
-/// The best of the starts is fitted where it is better than the best found, coarsely.
-void try_starts(const StartFit& start_fit, const BlurFrame& frame, const std::vector<MotionStart>& starts,
-                std::vector<Explanation>& found) {
-  const Explanation& best = found.front();
-  const auto better = [&]() -> std::optional<Sketch> {
-    const LargestTags some_tags(start_fit.world(), {&best.fit.state, 1});
+/// Round by round from the best so far to the best of `others` of it, while that is better; in coarse pixels
+/// alone. nullopt where none is.
+std::optional<MotionStart> better_start(
+    const StartFit& start_fit, const BlurFrame& frame, const Explanation& best, int max_rounds,
+    const std::function<std::vector<MotionStart>(const MotionStart&)>& others) {
+  const LargestTags some_tags(start_fit.world(), {&best.fit.state, 1});
+  const Sketch as_it_is = start_fit.sketched(frame, as_found(best), 1);
+  Sketch reached = as_it_is;
+  for (int round = 0; round < max_rounds; ++round) {
     std::vector<Sketch> sketches;
-    for (const MotionStart& start : starts) sketches.push_back(start_fit.sketched(frame, start, 2));
-    const Sketch first = *std::ranges::max_element(sketches, {}, &Sketch::score);
-    if (first.score < start_fit.sketched(frame, as_found(best), 1).score) return std::nullopt;
-    return first;
-  }();
-  if (!better) return;
-  found.push_back(
-      start_fit.explained(frame, better->start, {.coarsest_level = better->start.is_cold ? 1 : 0}));
+    for (const MotionStart& start : others(reached.start))
+      sketches.push_back(start_fit.sketched(frame, start, 2));
+    const Sketch& first = *std::ranges::max_element(sketches, {}, &Sketch::score);
+    if (!(first.score > reached.score)) break;
+    reached = first;
+  }
+  if (!(reached.score > as_it_is.score)) return std::nullopt;
+  return reached.start;
+}
+
+void add_fit(const StartFit& start_fit, const BlurFrame& frame, const std::optional<MotionStart>& start,
+             std::vector<Explanation>& found) {
+  if (!start) return;
+  found.push_back(start_fit.explained(frame, *start, {.coarsest_level = start->is_cold ? 1 : 0}));
   sort_by_score(found);
 }
 
-std::vector<MotionStart> varied_paths(const BlurFrame& frame, const Explanation& best,
+std::vector<MotionStart> varied_paths(const BlurFrame& frame, const MotionStart& best,
                                       std::span<const PathVariation> variations) {
   std::vector<MotionStart> starts;
   for (const PathVariation& variation : variations) {
-    MotionStart start = as_found(best);
-    start.state.pose = pose_after(best.fit.state, variation.shift * frame.photometric.exposure_s);
+    MotionStart start = best;
+    start.state.pose = pose_after(best.state, variation.shift * frame.photometric.exposure_s);
     start.state.velocity *= variation.factor;
     starts.push_back(start);
   }
@@ -70,11 +80,11 @@ std::vector<MotionStart> varied_paths(const BlurFrame& frame, const Explanation&
 /// its reverse look the same, so that no direction is better than rest at first. Turns of the camera each
 /// way, by so many pixels during the exposure.
 std::vector<MotionStart> turning_starts(const StartFit& start_fit, const BlurFrame& frame,
-                                        const Explanation& best) {
+                                        const MotionStart& best) {
   constexpr int kNumWays = 6;  // of half a circle: the others are their reverses
   constexpr double kPaths_px[] = {8.0, 20.0};
   const PhotometricWorld& world = start_fit.world();
-  const Matrix6d state_by_view = view_by_pose(best.fit.state.pose, world.mode).inverse();
+  const Matrix6d state_by_view = view_by_pose(best.state.pose, world.mode).inverse();
   std::vector<MotionStart> starts;
   for (const double path_px : kPaths_px) {
     const double rate_rad_per_s = path_px / (world.focal_px() * frame.photometric.exposure_s);
@@ -82,7 +92,7 @@ std::vector<MotionStart> turning_starts(const StartFit& start_fit, const BlurFra
       const double angle_rad = std::numbers::pi * way / kNumWays;
       Vector6d view_rate = Vector6d::Zero();
       view_rate.segment<2>(3) << rate_rad_per_s * std::cos(angle_rad), rate_rad_per_s * std::sin(angle_rad);
-      MotionStart start = as_found(best);
+      MotionStart start = best;
       start.state.velocity = state_by_view * view_rate;
       starts.push_back(start);
     }
@@ -95,18 +105,18 @@ std::vector<MotionStart> turning_starts(const StartFit& start_fit, const BlurFra
 void vary_velocity(const StartFit& start_fit, const BlurFrame& frame, std::vector<Explanation>& found) {
   const Explanation& best = found.front();
   const bool is_way_unknown = best.is_cold && frame.photometric.exposure_s > 0.0;
-  try_starts(
-      start_fit, frame,
-      is_way_unknown ? turning_starts(start_fit, frame, best) : varied_paths(frame, best, kOtherVelocities),
-      found);
+  const auto others = [&](const MotionStart& start) {
+    return is_way_unknown ? turning_starts(start_fit, frame, start)
+                          : varied_paths(frame, start, kOtherVelocities);
+  };
+  add_fit(start_fit, frame, better_start(start_fit, frame, best, 1, others), found);
 }
 
 void vary_length(const StartFit& start_fit, const BlurFrame& frame, std::vector<Explanation>& found) {
-  for (int round = 0; round < kMaxLengthRounds && is_path_long(found.front()); ++round) {
-    const double score = found.front().score;
-    try_starts(start_fit, frame, varied_paths(frame, found.front(), kOtherLengths), found);
-    if (found.front().score <= score) return;
-  }
+  const Explanation& best = found.front();
+  if (!is_path_long(best)) return;
+  const auto others = [&](const MotionStart& start) { return varied_paths(frame, start, kOtherLengths); };
+  add_fit(start_fit, frame, better_start(start_fit, frame, best, kMaxLengthRounds, others), found);
 }
 
 }  // namespace apriltrack
