@@ -17,6 +17,17 @@ bool is_noise_alike(const std::vector<CornerObservation>& a, const std::vector<C
   return true;
 }
 
+/// As log_likelihood(), but that a tag which is like what is seen in its place as anything may be by chance
+/// says nothing for the state: where a lone tag's tilt is open, some tilt always turns another tag's picture
+/// to a shadow or an edge that fits it a little.
+double score_of(std::vector<TagEvidence> tags) {
+  constexpr double kLeastCorrelation = 0.5;
+  std::erase_if(tags, [](const TagEvidence& tag) {
+    return tag.clean_correlation() < kLeastCorrelation && log_likelihood({tag}) > 0.0;
+  });
+  return log_likelihood(tags);
+}
+
 /// Since the frame before: no exposure is longer, whatever is told of it.
 std::optional<double> time_to_bend_s(const BlurFrame& frame) {
   if (!frame.step_s) return std::nullopt;
@@ -41,7 +52,7 @@ Explanation StartFit::explained(const BlurFrame& frame, const MotionStart& start
     explanation.prior_spread = prior_spread(world_, start.prior.by_evidence(), explanation.fit);
   explanation.bend_covariance = bend_covariance_of(frame, explanation);
   explanation.score =
-      log_likelihood(explanation.fit.tags) + start.prior.log_odds - scored_prior_cost(explanation.prior_cost);
+      score_of(explanation.fit.tags) + start.prior.log_odds - scored_prior_cost(explanation.prior_cost);
   return explanation;
 }
 
