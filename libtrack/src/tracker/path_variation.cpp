@@ -27,6 +27,8 @@ constexpr double kLongPath_px = 25.0;
 /// Where the turn seen says about how long it is.
 constexpr double kLongPathWhereSeen_px = 60.0;
 constexpr int kMaxLengthRounds = 3;
+/// Of the velocity: a start that leads to about the same path again says that there is no other near.
+constexpr double kLeastChange = 0.1;
 
 bool is_path_long(const Explanation& explanation) {
   return longest_path_px(explanation) > (is_where_seen(explanation) ? kLongPathWhereSeen_px : kLongPath_px);
@@ -51,7 +53,9 @@ std::optional<MotionStart> better_start(
       sketches.push_back(start_fit.sketched(frame, start, 2));
     const Sketch& first = *std::ranges::max_element(sketches, {}, &Sketch::score);
     if (!(first.score > reached.score)) break;
+    const Vector6d before = reached.start.state.velocity;
     reached = first;
+    if ((reached.start.state.velocity - before).norm() < kLeastChange * before.norm()) break;
   }
   if (!(reached.score > as_it_is.score)) return std::nullopt;
   return reached.start;
