@@ -60,7 +60,8 @@ class LoneTag : public ::testing::Test {
     for (int y = 0; y < image.height(); ++y) {
       for (int x = 0; x < image.width(); ++x) {
         if (front.contains(Eigen::Vector2d(x, y))) continue;
-        RandomStream random(seed, static_cast<std::uint64_t>(y / kPatch_px), static_cast<std::uint64_t>(x / kPatch_px));
+        RandomStream random(seed, static_cast<std::uint64_t>(y / kPatch_px),
+                            static_cast<std::uint64_t>(x / kPatch_px));
         image(x, y) = static_cast<std::uint8_t>(random.uniform(60.0, 200.0));
       }
     }

@@ -41,10 +41,12 @@ std::vector<MotionStart> starts_at(const PhotometricWorld& world, const PoseCand
   return starts;
 }
 
-/// One tag alone is explained, and another should be seen but is not: it may be tilted wrongly.
-bool is_tilt_doubtful(const Explanation& explanation) {
+/// One tag alone is explained, another should be seen but is not, and a detection can tell: it may be tilted
+/// wrongly.
+bool is_tilt_doubtful(const BlurFrame& frame, const Explanation& explanation) {
   const std::vector<TagEvidence>& tags = explanation.fit.tags;
-  return tags.size() > 1 && std::ranges::count_if(tags, &TagEvidence::is_explained) == 1;
+  return !frame.observations.empty() && tags.size() > 1 &&
+         std::ranges::count_if(tags, &TagEvidence::is_explained) == 1;
 }
 
 std::vector<PoseCandidate> candidates_near(const StartFit& start_fit, const BlurFrame& frame,
@@ -106,7 +108,7 @@ void add_detected(const StartFit& start_fit, const BlurFrame& frame,
 
 bool is_settled(const BlurFrame& frame, const Explanation& explanation) {
   return is_well_explained(explanation) && explanation.prior_cost <= kMaxExpectedPriorCost &&
-         !is_tilt_doubtful(explanation) &&
+         !is_tilt_doubtful(frame, explanation) &&
          std::ranges::all_of(frame.observations, [&](const TagObservation& seen) {
            return std::ranges::count(explanation.votes.agreeing, seen.tag_index) > 0;
          });
