@@ -1,6 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "apriltrack/detect/detector.h"
 #include "apriltrack/tags/tag_family.h"
@@ -66,20 +70,60 @@ INSTANTIATE_TEST_SUITE_P(AllFamilies, DetectFamily,
                          ::testing::ValuesIn(TagFamily::names().begin(), TagFamily::names().end()),
                          [](const auto& family) { return std::string(family.param); });
 
-TEST(DetectFamilies, SeveralAtOnceAreReportedByFamilyThenId) {
-  GrayImage image(720, 240, 255);
-  const std::vector<TagKey> keys = {{"tagStandard41h12", 3}, {"tag25h9", 7}, {"tag36h11", 11}};
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    const Seen seen = see(TagFamily::get(keys[i].family).pattern(keys[i].id), 1);
-    for (int y = 0; y < 240; ++y)
-      std::copy_n(seen.image.row(y), 240, image.row(y) + 240 * static_cast<std::ptrdiff_t>(i));
+/// Tags of three families side by side, each in its third of the image.
+class SeveralFamilies : public ::testing::Test {
+ protected:
+  SeveralFamilies() {
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+      const Seen seen = see(TagFamily::get(keys_[i].family).pattern(keys_[i].id), 1);
+      for (int y = 0; y < kSide_px; ++y)
+        std::copy_n(seen.image.row(y), kSide_px, image_.row(y) + kSide_px * static_cast<std::ptrdiff_t>(i));
+    }
   }
-  Detector detector({.families = {"tag36h11", "tagStandard41h12", "tag25h9"}});
-  const auto detections = detector.detect(image.view());
+  static ImageRegion third(int i) { return {kSide_px * i, 0, kSide_px, kSide_px}; }
+
+  static constexpr int kSide_px = 240;
+  const std::vector<TagKey> keys_ = {{"tagStandard41h12", 3}, {"tag25h9", 7}, {"tag36h11", 11}};
+  GrayImage image_{3 * kSide_px, kSide_px, 255};
+  Detector detector_{{.families = {"tag36h11", "tagStandard41h12", "tag25h9"}}};
+};
+
+TEST_F(SeveralFamilies, AtOnceAreReportedByFamilyThenId) {
+  const auto detections = detector_.detect(image_.view());
   ASSERT_EQ(detections.size(), 3U);
-  EXPECT_EQ(detections[0].tag, keys[1]);
-  EXPECT_EQ(detections[1].tag, keys[2]);
-  EXPECT_EQ(detections[2].tag, keys[0]);
+  EXPECT_EQ(detections[0].tag, keys_[1]);
+  EXPECT_EQ(detections[1].tag, keys_[2]);
+  EXPECT_EQ(detections[2].tag, keys_[0]);
+}
+
+TEST_F(SeveralFamilies, AreFoundInRegionsWhereTheyAreInTheWholeImage) {
+  const auto everywhere = detector_.detect(image_.view());
+  for (const Detection& expected : everywhere) {
+    const auto place = std::ranges::find(keys_, expected.tag) - keys_.begin();
+    const TagRegion any{third(static_cast<int>(place)), {}},
+        own{third(static_cast<int>(place)), expected.tag.family};
+    for (const TagRegion& region : {any, own}) {
+      const auto found = detector_.detect_in(image_.view(), std::array{region});
+      ASSERT_EQ(found.size(), 1U) << expected.tag.family;
+      EXPECT_EQ(found[0].tag, expected.tag);
+      for (std::size_t i = 0; i < kNumCorners; ++i)
+        EXPECT_LT((found[0].corners_px[i] - expected.corners_px[i]).norm(), 0.02);
+    }
+  }
+}
+
+TEST_F(SeveralFamilies, AreNotLookedForInRegionsOfOthers) {
+  const auto found_for = [&](const std::string& family) {
+    std::vector<TagRegion> regions;
+    for (int i = 0; i < 3; ++i) regions.push_back({third(i), family});
+    return detector_.detect_in(image_.view(), regions);
+  };
+  for (const TagKey& key : keys_) {
+    const auto found = found_for(key.family);
+    ASSERT_EQ(found.size(), 1U) << key.family;
+    EXPECT_EQ(found[0].tag, key);
+  }
+  EXPECT_TRUE(found_for("tag16h5").empty()) << "the detector's options do not name it";
 }
 
 TEST(DetectFamilies, AnOrdinaryTagIsNotTakenForOneWithATwoCellBorder) {

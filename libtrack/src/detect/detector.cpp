@@ -63,16 +63,16 @@ class Detector::Implementation {
 
   std::vector<Detection> detect(const GrayView& image) { return localised(image, find(image)); }
 
-  std::vector<Detection> detect_in(const GrayView& image, std::span<const ImageRegion> regions,
+  std::vector<Detection> detect_in(const GrayView& image, std::span<const TagRegion> regions,
                                    double decimate) {
     check_decimate(decimate);
     std::vector<Candidate> candidates;
-    for (const ImageRegion& region : regions) {
-      APRILTRACK_CHECK(region.x >= 0 && region.y >= 0 && region.x + region.width <= image.width() &&
-                           region.y + region.height <= image.height(),
+    for (const auto& [area, family] : regions) {
+      APRILTRACK_CHECK(area.x >= 0 && area.y >= 0 && area.x + area.width <= image.width() &&
+                           area.y + area.height <= image.height(),
                        "regions must lie inside the image");
-      std::vector<Candidate> found = find_quickly(image.part(region), decimate);
-      const Eigen::Vector2d origin(region.x, region.y);
+      std::vector<Candidate> found = find_quickly(image.part(area), family, decimate);
+      const Eigen::Vector2d origin(area.x, area.y);
       for (Candidate& candidate : found) {
         for (Eigen::Vector2d& corner : candidate.detection.corners_px) corner += origin;
         candidates.push_back(std::move(candidate));
@@ -110,14 +110,20 @@ class Detector::Implementation {
     return candidates;
   }
 
-  /// In linear light alone.
-  std::vector<Candidate> find_quickly(const GrayView& image, double decimate) {
+  /// In linear light alone. family: as TagRegion's.
+  std::vector<Candidate> find_quickly(const GrayView& image, const std::string& family, double decimate) {
+    std::optional<std::size_t> family_index;
+    if (!family.empty()) {
+      const auto one = std::ranges::find(options_.families, family);
+      if (one == options_.families.end()) return {};
+      family_index = static_cast<std::size_t>(one - options_.families.begin());
+    }
     std::vector<Candidate> candidates;
     const GrayImage linear =
         options_.response.is_linear() ? GrayImage() : to_linear_bytes(image, options_.response);
     const GrayView light = linear.is_empty() ? image : linear.view();
-    find_in(light, true, &candidates, decimate);
-    if (has_grids_) find_joined(light, &candidates);
+    find_in(light, true, &candidates, decimate, family_index);
+    if (has_grids_ && (family.empty() || family == kGridFamily)) find_joined(light, &candidates);
     return candidates;
   }
 
@@ -141,8 +147,8 @@ class Detector::Implementation {
   }
 
   void find_in(const GrayView& image, bool is_linear_light, std::vector<Candidate>* candidates,
-               double decimate) {
-    for (const LibraryDetection& found : library_.detect(image, decimate)) {
+               double decimate, std::optional<std::size_t> family_index = {}) {
+    for (const LibraryDetection& found : library_.detect(image, decimate, family_index)) {
       // A chance code is a thousand times likelier with two wrong bits than with none (sum of C(36, k)
       // patterns).
       const double min_margin = options_.min_decision_margin * (1 + found.hamming);
@@ -201,7 +207,7 @@ std::vector<Detection> Detector::detect(const GrayView& image) {
   return implementation_->detect(image);
 }
 
-std::vector<Detection> Detector::detect_in(const GrayView& image, std::span<const ImageRegion> regions,
+std::vector<Detection> Detector::detect_in(const GrayView& image, std::span<const TagRegion> regions,
                                            double decimate) {
   return implementation_->detect_in(image, regions, decimate);
 }

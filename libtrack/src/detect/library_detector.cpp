@@ -27,23 +27,36 @@ struct LibraryDetector::State {
     void operator()(apriltag_detector_t* detector) const { apriltag_detector_destroy(detector); }
   };
 
-  // The detector refers to the families until it is destroyed: it comes last, so that it goes first.
+  using NativeDetector = std::unique_ptr<apriltag_detector_t, DetectorDeleter>;
+
+  static NativeDetector make_detector(bool refine_edges) {
+    NativeDetector detector(apriltag_detector_create());
+    // With two threads the library's answer differs from run to run when an id occurs more than once.
+    detector->nthreads = 1;
+    detector->quad_decimate = 1.0F;  // as every call says anew
+    detector->refine_edges = refine_edges;
+    return detector;
+  }
+
+  apriltag_detector_t* detector(std::optional<std::size_t> family_index) const {
+    return (family_index ? of_one[*family_index] : of_all).get();
+  }
+
+  // Detectors refer to the families until they are destroyed: they come last, so that they go first.
   std::vector<NativeFamily> families;
-  std::unique_ptr<apriltag_detector_t, DetectorDeleter> detector;
+  NativeDetector of_all;
+  std::vector<NativeDetector> of_one;  ///< By family; they use the same decoding tables.
 };
 
 LibraryDetector::LibraryDetector(const std::vector<std::string>& families, bool refine_edges)
     : state_(std::make_unique<State>()) {
-  state_->detector.reset(apriltag_detector_create());
-  apriltag_detector_t* detector = state_->detector.get();
-  // With two threads the library's answer differs from run to run when an id occurs more than once.
-  detector->nthreads = 1;
-  detector->quad_decimate = 1.0F;  // as every call says anew
-  detector->refine_edges = refine_edges;
+  state_->of_all = State::make_detector(refine_edges);
   for (const std::string& name : families) {
     state_->families.push_back(make_native_family(name));
-    apriltag_detector_add_family_bits(detector, state_->families.back().get(),
-                                      TagFamily::get(name).max_corrected_bits());
+    state_->of_one.push_back(State::make_detector(refine_edges));
+    const int max_corrected_bits = TagFamily::get(name).max_corrected_bits();
+    for (apriltag_detector_t* detector : {state_->of_all.get(), state_->of_one.back().get()})
+      apriltag_detector_add_family_bits(detector, state_->families.back().get(), max_corrected_bits);
   }
 }
 
@@ -51,22 +64,24 @@ LibraryDetector::~LibraryDetector() = default;
 LibraryDetector::LibraryDetector(LibraryDetector&&) noexcept = default;
 LibraryDetector& LibraryDetector::operator=(LibraryDetector&&) noexcept = default;
 
-std::vector<LibraryDetection> LibraryDetector::detect(const GrayView& image, double decimate) {
-  state_->detector->quad_decimate = static_cast<float>(decimate);
+std::vector<LibraryDetection> LibraryDetector::detect(const GrayView& image, double decimate,
+                                                      std::optional<std::size_t> family_index) {
+  state_->detector(family_index)->quad_decimate = static_cast<float>(decimate);
   const Eigen::Vector2d offset = Eigen::Vector2d::Constant(library_pixel_offset());
-  std::vector<LibraryDetection> detections = detect_in_library_pixels(image);
+  std::vector<LibraryDetection> detections = detect_in_library_pixels(image, family_index);
   for (LibraryDetection& detection : detections)
     for (Eigen::Vector2d& corner : detection.corners_px) corner -= offset;
   return detections;
 }
 
-std::vector<LibraryDetection> LibraryDetector::detect_in_library_pixels(const GrayView& image) {
+std::vector<LibraryDetection> LibraryDetector::detect_in_library_pixels(
+    const GrayView& image, std::optional<std::size_t> family_index) {
   if (image.width() < kMinImageSide_px || image.height() < kMinImageSide_px) return {};
   // The library takes a mutable buffer but only reads it.
   image_u8_t native_image = {image.width(), image.height(), static_cast<int32_t>(image.stride()),
                              const_cast<std::uint8_t*>(image.data())};
   const std::unique_ptr<zarray_t, DetectionsDeleter> found(
-      apriltag_detector_detect(state_->detector.get(), &native_image));
+      apriltag_detector_detect(state_->detector(family_index), &native_image));
   std::vector<LibraryDetection> detections;
   for (int i = 0; i < zarray_size(found.get()); ++i) {
     apriltag_detection_t* native = nullptr;

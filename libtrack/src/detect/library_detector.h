@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,12 +38,15 @@ class LibraryDetector {
   LibraryDetector& operator=(LibraryDetector&&) noexcept;
 
   /// In the library's order. decimate: quads are searched for in an image this many times smaller.
-  std::vector<LibraryDetection> detect(const GrayView& image, double decimate);
+  /// family_index: of the only one looked for; a search for more takes longer.
+  std::vector<LibraryDetection> detect(const GrayView& image, double decimate,
+                                       std::optional<std::size_t> family_index = {});
 
  private:
   friend double measure_library_pixel_offset();
   /// Corners as the library reports them.
-  std::vector<LibraryDetection> detect_in_library_pixels(const GrayView& image);
+  std::vector<LibraryDetection> detect_in_library_pixels(const GrayView& image,
+                                                         std::optional<std::size_t> family_index = {});
 
   struct State;
   std::unique_ptr<State> state_;

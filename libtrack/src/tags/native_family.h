@@ -11,8 +11,8 @@ struct NativeFamilyDeleter {
   void operator()(apriltag_family* family) const;
 };
 
-/// A family object of the AprilTag library for one detector's own use: they must never be shared between
-/// detectors. Only the detector has a use for it; nobody else sees an AprilTag type.
+/// A family object of the AprilTag library for the use of one LibraryDetector: its decoding tables go with
+/// the first of the library's detectors that goes. Nobody else has a use for it, nor sees an AprilTag type.
 using NativeFamily = std::unique_ptr<apriltag_family, NativeFamilyDeleter>;
 
 /// Throws Error(kInvalidInput) that lists the known names.

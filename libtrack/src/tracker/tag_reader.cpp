@@ -13,7 +13,7 @@ void TagReader::read(const GrayView& image, BlurFrame& frame) {
   read_timed([&](Detector& detector) { return detector.detect(image); }, frame);
 }
 
-void TagReader::read_in(const GrayView& image, std::span<const ImageRegion> regions, double decimate,
+void TagReader::read_in(const GrayView& image, std::span<const TagRegion> regions, double decimate,
                         BlurFrame& frame) {
   read_timed([&](Detector& detector) { return detector.detect_in(image, regions, decimate); }, frame);
 }

@@ -24,8 +24,7 @@ class TagReader {
   /// In the whole image. Here as below the frame takes what is read, and the time that it took.
   void read(const GrayView& image, BlurFrame& frame);
   /// As Detector::detect_in().
-  void read_in(const GrayView& image, std::span<const ImageRegion> regions, double decimate,
-               BlurFrame& frame);
+  void read_in(const GrayView& image, std::span<const TagRegion> regions, double decimate, BlurFrame& frame);
   /// What was read elsewhere.
   void take(std::vector<Detection> detections, BlurFrame& frame) const;
 

@@ -79,8 +79,8 @@ double area_of(const ImageRegion& region) {
 
 }  // namespace
 
-std::vector<ImageRegion> TagRegions::choose(PhotometricWorld& world, const MotionBelief& expected,
-                                            double exposure_s, int width, int height) {
+std::vector<TagRegion> TagRegions::choose(PhotometricWorld& world, const MotionBelief& expected,
+                                          double exposure_s, int width, int height) {
   ++num_calls_;
   std::vector<Place> places = readable_places(world, expected, exposure_s, width, height);
   const bool is_by_turn = num_calls_ % kCallsByTurn == 0;
@@ -89,11 +89,11 @@ std::vector<ImageRegion> TagRegions::choose(PhotometricWorld& world, const Motio
     if (!is_by_turn && at_a.was_read != at_b.was_read) return at_a.was_read;
     return at_a.last < at_b.last;
   });
-  std::vector<ImageRegion> regions;
+  std::vector<TagRegion> regions;
   double left = kMaxShare * width * height;
   for (const Place& place : places) {
     if (!regions.empty() && area_of(place.region) > left) continue;
-    regions.push_back(place.region);
+    regions.push_back({place.region, world.tags[place.tag_index].tag.key.family});
     left -= area_of(place.region);
     looked_[place.tag_index].last = num_calls_;
   }

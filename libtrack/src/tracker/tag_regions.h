@@ -4,6 +4,7 @@
 #include <map>
 #include <vector>
 
+#include "apriltrack/detect/detector.h"
 #include "apriltrack/image/image.h"
 #include "apriltrack/motion/motion_state.h"
 #include "apriltrack/photometric/photometric_world.h"
@@ -17,9 +18,10 @@ class TagRegions {
  public:
   /// Of tags that may be read: neither too small nor too blurred on the path expected. First those that were
   /// read before, for these are likely to be read again, then the others; of each, those that were not looked
-  /// at for longest. One at least, where there is any. Every region lies in the image.
-  std::vector<ImageRegion> choose(PhotometricWorld& world, const MotionBelief& expected, double exposure_s,
-                                  int width, int height);
+  /// at for longest. One at least, where there is any. Every region lies in the image, and is for its tag's
+  /// family alone.
+  std::vector<TagRegion> choose(PhotometricWorld& world, const MotionBelief& expected, double exposure_s,
+                                int width, int height);
 
   /// After every frame: the tags that were read in it, by index.
   void were_read(const std::vector<TagObservation>& observations);

@@ -15,10 +15,10 @@ void TagSearch::look(const Frame& frame, const MotionBelief& expected, BlurFrame
   const GrayView& image = frame.image;
   if (seconds_between(last_search_, frame.timestamp) >= kGlanceInterval_s) {
     last_search_ = frame.timestamp;
-    const std::array whole = {ImageRegion{0, 0, image.width(), image.height()}};
+    const std::array whole = {TagRegion{{0, 0, image.width(), image.height()}, {}}};
     return reader_.read_in(image, whole, kGlanceDecimate, blur_frame);
   }
-  const std::vector<ImageRegion> regions =
+  const std::vector<TagRegion> regions =
       regions_.choose(world_, expected, blur_frame.photometric.exposure_s, image.width(), image.height());
   reader_.read_in(image, regions, 1.0, blur_frame);
 }

@@ -33,6 +33,12 @@ struct DetectorOptions {
   void check() const;
 };
 
+/// Where a tag is looked for.
+struct TagRegion {
+  ImageRegion area;
+  std::string family;  ///< The only one looked for there; empty: all of the detector's.
+};
+
 /// Finds tags. One detector works on one image at a time; give each thread its own.
 class Detector {
  public:
@@ -47,10 +53,10 @@ class Detector {
   std::vector<Detection> detect(const GrayView& image);
 
   /// The same, of what lies whole within one of the regions, which must lie inside the image: for tags about
-  /// whose place one knows. Searched in linear light alone, in an image `decimate` times smaller (as
-  /// DetectorOptions'), corners as exact as ever: a fraction of the cost, but dark and blurred tags are
-  /// missed that detect() finds.
-  std::vector<Detection> detect_in(const GrayView& image, std::span<const ImageRegion> regions,
+  /// whose place one knows. A region for a family that the options do not name shows none. Searched in linear
+  /// light alone, in an image `decimate` times smaller (as DetectorOptions'), corners as exact as ever: a
+  /// fraction of the cost, but dark and blurred tags are missed that detect() finds.
+  std::vector<Detection> detect_in(const GrayView& image, std::span<const TagRegion> regions,
                                    double decimate = 1.0);
 
   const DetectorOptions& options() const;
