@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "plain_world.h"
+
 namespace apriltrack {
 namespace {
 
@@ -44,9 +46,7 @@ TagObservation observation_of(const MapTag& tag, const Eigen::Vector2d& shift_px
 /// The tags slide to the right by path_px during the exposure; in both modes the same is seen.
 class DetectedTags : public ::testing::TestWithParam<TrackMode> {
  protected:
-  DetectedTags() : world_(camera(), map_, GetParam(), 320, 240) {}
-
-  static Camera camera() { return {.model = CameraModel({200.0, 200.0, 160.0, 120.0}, NoDistortion{})}; }
+  DetectedTags() : world_(test::plain_camera(), map_, GetParam(), 320, 240) {}
 
   MotionState sliding(double path_px) const {
     const double speed_m_per_s = path_px * kDepth_m / kFocal_px / kExposure_s;

@@ -8,6 +8,7 @@
 #include "blur_corners.h"
 #include "blur_film.h"
 #include "motion_memory.h"
+#include "plain_world.h"
 
 namespace apriltrack::test {
 namespace {
@@ -158,20 +159,13 @@ TEST(MotionMemory, GrowsOldFromTheEvidenceOn) {
 /// Two tags of 0.2 m, 0.5 m apart, square before a camera, 2 m away.
 class TagsReadAsOthers : public ::testing::Test {
  protected:
-  TagsReadAsOthers() : world_(camera(), map(), TrackMode::kJoint, 320, 240) {
+  TagsReadAsOthers() : world_(plain_camera(), map(), TrackMode::kJoint, 320, 240) {
     state_.pose = {Eigen::Quaterniond::Identity(), {0.0, 0.0, 2.0}};
   }
 
-  static Camera camera() { return {.model = CameraModel({200.0, 200.0, 160.0, 120.0}, NoDistortion{})}; }
   static TagMap map() {
-    TagMap map;
-    for (const int id : {0, 1}) {
-      MapTag tag;
-      tag.key = {"tag36h11", id};
-      tag.size_m = 0.2;
-      tag.T_map_tag = {Eigen::Quaterniond::Identity(), {0.5 * id, 0.0, 0.0}};
-      map.tags.push_back(tag);
-    }
+    TagMap map = tags_at_origin({0, 1});
+    map.tags[1].T_map_tag = {Eigen::Quaterniond::Identity(), {0.5, 0.0, 0.0}};
     return map;
   }
   /// Usually 20 px wide, as the tags are.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apriltrack/geometry/rotation.h"
+#include "plain_world.h"
 
 namespace apriltrack {
 namespace {
@@ -15,16 +16,11 @@ class ReportedPose : public ::testing::TestWithParam<TrackMode> {
  protected:
   static constexpr double kSigma = 0.01;
 
-  ReportedPose() : world_(camera(), map(), GetParam(), 320, 240), report_(world_) {}
+  ReportedPose() : world_(test::plain_camera(), map(), GetParam(), 320, 240), report_(world_) {}
 
-  static Camera camera() { return {.model = CameraModel({200.0, 200.0, 160.0, 120.0}, NoDistortion{})}; }
   static TagMap map() {
-    TagMap map;
-    MapTag tag;
-    tag.key = {"tag36h11", 5};
-    tag.size_m = 0.2;
-    tag.covariance = map_sigma().cwiseAbs2().asDiagonal();
-    map.tags = {tag};
+    TagMap map = test::tags_at_origin({5});
+    map.tags[0].covariance = map_sigma().cwiseAbs2().asDiagonal();
     return map;
   }
   static Vector6d map_sigma() { return (Vector6d() << 0.003, 0.001, 0.006, 0.002, 0.008, 0.004).finished(); }

@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "plain_world.h"
+
 namespace apriltrack {
 namespace {
 
@@ -15,17 +17,8 @@ class WhatIsLeftOpen : public ::testing::Test {
  protected:
   static constexpr double kSigma_m = 0.01, kVelocitySigma_m_per_s = 0.1;
 
-  WhatIsLeftOpen() : world_(camera(), map(), TrackMode::kJoint, 320, 240) {}
+  WhatIsLeftOpen() : world_(test::plain_camera(), test::tags_at_origin({5}), TrackMode::kJoint, 320, 240) {}
 
-  static Camera camera() { return {.model = CameraModel({200.0, 200.0, 160.0, 120.0}, NoDistortion{})}; }
-  static TagMap map() {
-    TagMap map;
-    MapTag tag;
-    tag.key = {"tag36h11", 5};
-    tag.size_m = 0.2;
-    map.tags = {tag};
-    return map;
-  }
   static Explanation at(double x_m, double score, double velocity_m_per_s = 0.0) {
     Explanation explanation;
     explanation.fit.state.pose = Pose(Eigen::Quaterniond::Identity(), {x_m, 0.0, 2.0});

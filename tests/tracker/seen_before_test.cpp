@@ -4,6 +4,7 @@
 
 #include "contrast_memory.h"
 #include "hidden_tags.h"
+#include "plain_world.h"
 
 namespace apriltrack {
 namespace {
@@ -60,19 +61,9 @@ TEST(ContrastMemory, DoubtsEachTagByItsOwn) {
 /// Three tags of a map, with ids that are no indices.
 class TagsBehindThings : public ::testing::Test {
  protected:
-  TagsBehindThings() : world_(camera(), map(), TrackMode::kEgo, 64, 64) {}
+  TagsBehindThings() : world_(camera(), test::tags_at_origin({12, 10, 11}), TrackMode::kEgo, 64, 64) {}
 
   static Camera camera() { return {.model = CameraModel({60.0, 60.0, 31.5, 31.5}, NoDistortion{})}; }
-  static TagMap map() {
-    TagMap map;
-    for (const int id : {12, 10, 11}) {
-      MapTag tag;
-      tag.key = {"tag36h11", id};
-      tag.size_m = 0.2;
-      map.tags.push_back(tag);
-    }
-    return map;
-  }
   /// Which are, by index, in a frame that reads these.
   std::vector<bool> hidden(const std::vector<int>& indices_read = {}) {
     std::vector<TagObservation> observations;
