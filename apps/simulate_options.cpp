@@ -13,24 +13,6 @@
 namespace apriltrack::app {
 namespace {
 
-constexpr std::size_t kMaxFrames = 1'000'000;
-
-void check_range(const char* option, double value, double low, double high, const char* unit) {
-  if (value >= low && value <= high) return;  // false for NaN too
-  throw invalid_input(option, fmt::format("must lie in [{:g}, {:g}]{} (is {:g})", low, high, unit, value));
-}
-
-void check(const SimulateOptions& options) {
-  check_range("--speed", options.speed, 0.0, 100.0, "");
-  check_range("--noise", options.noise, 0.0, 100.0, "");
-  check_range("--flicker", options.flicker, 0.0, 0.9, "");
-  check_range("--light", options.light, 0.002, 10.0, "");
-  check_range("--gain", options.gain, 0.01, 1000.0, "");
-  check_range("--occlude", options.occlude, 0.0, 1.0, "");
-  if (options.frames) check_range("--frames", static_cast<double>(*options.frames), 1, kMaxFrames, "");
-  if (options.rate_hz) check_range("--rate", *options.rate_hz, 0.01, 10000.0, " Hz");
-}
-
 /// START:COUNT. Whole numbers of at most seven digits, so that none wraps round.
 FrameSpan blackout_of(const std::string& text) {
   static const std::regex kForm("([0-9]{1,7}):([0-9]{1,7})");
@@ -59,10 +41,23 @@ void add_stress(const SimulateOptions& options, Scene& scene) {
   }
 }
 
+struct OptionRange {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+/// help: with {} where the range is to be told.
+template <class Number>
+CLI::Option* add_number(CLI::App& command, const char* name, Number& value, const OptionRange& range,
+                        const char* help) {
+  const std::string limits = fmt::format("{:g} to {:g}", range.low, range.high);
+  return command.add_option(name, value, fmt::format(fmt::runtime(help), limits))
+      ->check(number_between(range.low, range.high));
+}
+
 }  // namespace
 
 Scene configured_scene(const SimulateOptions& options) {
-  check(options);
   Scene scene = make_scene(options.scene, {.speed = options.speed});
   if (options.frames) scene.num_frames = static_cast<std::size_t>(*options.frames);
   if (options.rate_hz) scene.rate_hz = *options.rate_hz;
@@ -83,28 +78,34 @@ void add_simulate_options(CLI::App& command, SimulateOptions& options) {
   command.add_option("--scene", options.scene, "What to film: see the list above")->required();
   command.add_option("--output", options.output, "Folder to write; must be new or empty, unless --force")
       ->required();
-  command.add_option("--frames", options.frames, "How many frames (default: the scene's own)");
-  command.add_option("--rate", options.rate_hz, "Frames per second (default: the scene's own)");
+  constexpr int kMaxFrames = 1'000'000;
+  command
+      .add_option("--frames", options.frames,
+                  fmt::format("How many frames, 1 to {} (default: the scene's own)", kMaxFrames))
+      ->check(whole_number(1, kMaxFrames));
+  add_number(command, "--rate", options.rate_hz, {0.01, 10000.0},
+             "Frames per second, {} (default: the scene's own)");
   command.add_option("--exposure", options.exposure_s,
-                     "Seconds; at most the frame interval (default: the scene's own)");
-  command
-      .add_option("--speed", options.speed,
-                  "Moves so many times faster along the same path; 0 = stands still")
+                     fmt::format("Seconds, from {:g} to the frame interval, {:g} at most (default: the "
+                                 "scene's own)",
+                                 kMinExposure_s, kMaxExposure_s));
+  add_number(command, "--speed", options.speed, {0.0, 100.0},
+             "Moves so many times faster along the same path, {}; 0 = stands still")
       ->capture_default_str();
-  command.add_option("--noise", options.noise, "Scales shot and read noise; 0 = none")->capture_default_str();
-  command.add_option("--flicker", options.flicker, "Depth of the lamps' 100 Hz flicker; fills frames.csv")
+  add_number(command, "--noise", options.noise, {0.0, 100.0}, "Scales shot and read noise, {}; 0 = none")
       ->capture_default_str();
-  command
-      .add_option("--light", options.light,
-                  "Share of the usual light: 0.05 leaves few photons, and a dark image")
+  add_number(command, "--flicker", options.flicker, {0.0, 0.9},
+             "Depth of the lamps' 100 Hz flicker, {}; fills frames.csv")
       ->capture_default_str();
-  command
-      .add_option("--gain", options.gain, "Amplifies what the sensor saw, noise included: a camera's gain")
+  add_number(command, "--light", options.light, {0.002, 10.0},
+             "Share of the usual light, {}: 0.05 leaves few photons, and a dark image")
       ->capture_default_str();
-  command
-      .add_option(
-          "--occlude", options.occlude,
-          "A hand passes to and fro before the lens, hiding such a share of the image's width; 0 = none")
+  add_number(command, "--gain", options.gain, {0.01, 1000.0},
+             "Amplifies what the sensor saw, noise included, {}: a camera's gain")
+      ->capture_default_str();
+  add_number(command, "--occlude", options.occlude, {0.0, 1.0},
+             "A hand passes to and fro before the lens, hiding such a share of the image's width, {}; 0 = "
+             "none")
       ->capture_default_str();
   command.add_option("--blackout", options.blackouts,
                      "START:COUNT, black frames from START (counted from 0); may be given several times");

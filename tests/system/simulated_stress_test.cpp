@@ -86,5 +86,33 @@ TEST(SimulateOptions, SayWhatIsWrongWithAStress) {
   refused("--occlude", "1.5");
 }
 
+TEST(SimulateOptions, TellTheirLimitsInTheHelp) {
+  const std::string help = run_program({"simulate", "--help"}).out;
+  const auto help_of = [&](const std::string& option) {
+    const std::size_t start = help.find("\n  " + option + " ", help.find("Options:"));  // behind the examples
+    return start == std::string::npos ? "" : help.substr(start, help.find('\n', start + 1) - start);
+  };
+  const std::pair<const char*, const char*> limits[] = {
+      {"--frames", "1 to 1000000"}, {"--rate", "0.01 to 10000"}, {"--exposure", "from 1e-07"},
+      {"--speed", "0 to 100"},      {"--noise", "0 to 100"},     {"--flicker", "0 to 0.9"},
+      {"--light", "0.002 to 10"},   {"--gain", "0.01 to 1000"},  {"--occlude", "0 to 1"}};
+  for (const auto& [option, limit] : limits)
+    EXPECT_NE(help_of(option).find(limit), std::string::npos) << option << ": " << help_of(option);
+}
+
+TEST(SimulateOptions, RefuseWhatIsBeyondTheirLimits) {
+  const auto output_of = [](const char* option, const char* value) {
+    return run_program(
+               {"simulate", "--scene", "single", option, value, "--output", temporary_folder() / "none"})
+        .err;
+  };
+  EXPECT_NE(output_of("--flicker", "0.91").find("--flicker: must be in [0, 0.9] (is '0.91')"),
+            std::string::npos);
+  EXPECT_NE(output_of("--rate", "nan").find("--rate: must be in [0.01, 10000] (is 'nan')"),
+            std::string::npos);
+  EXPECT_NE(output_of("--frames", "0").find("--frames: must be a whole number from 1 to 1000000 (is '0')"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace apriltrack::test
