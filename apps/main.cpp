@@ -44,10 +44,29 @@ int tell_of_commands(const CLI::App& app, const std::vector<std::string>& strays
   return kStatusUsage;
 }
 
+/// An option of the commands chosen that takes one value and was given several; nullptr where there is none.
+const CLI::Option* given_too_often(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    const bool takes_one = option->get_expected_max() == 1;
+    if (takes_one && option->results().size() > 1) return option;
+  }
+  for (const CLI::App* command : app.get_subcommands()) {
+    if (const CLI::Option* option = given_too_often(*command)) return option;
+  }
+  return nullptr;
+}
+
+std::string text_of(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::Option* option = given_too_often(app);
+  if (option == nullptr) return error.what();
+  return fmt::format("{}: is given {} times ('{}'): give it once", option->get_name(),
+                     option->results().size(), fmt::join(option->results(), "', '"));
+}
+
 /// CLI11 speaks of what is missing before it speaks of what it did not understand; users mistype more often.
 int tell_usage_error(const CLI::App& app, const CLI::ParseError& error) {
   if (const CLI::App* parent = without_command(app)) return tell_of_commands(*parent, app.remaining(true));
-  std::cerr << "error: " << error.what() << '\n';
+  std::cerr << "error: " << text_of(app, error) << '\n';
   const std::vector<std::string> strays = app.remaining(true);
   if (!strays.empty()) std::cerr << "not understood: " << fmt::format("{}", fmt::join(strays, " ")) << '\n';
   std::cerr << "Run with --help for more information.\n";

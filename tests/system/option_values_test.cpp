@@ -23,6 +23,17 @@ TEST_F(OptionValues, MissingOutputIs2) {
   EXPECT_THAT(run_program({"detect", path("frames")}), EndsWith(2, "--output"));
 }
 
+TEST_F(OptionValues, AnOptionOfOneValueGivenTwiceIs2AndNamesBoth) {
+  EXPECT_THAT(run_program({"track", path("frames"), "--output", path("o.tum"), "--video", "a.mp4", "--video",
+                           "b.mp4"}),
+              EndsWith(2, "error: --video: is given 2 times ('a.mp4', 'b.mp4'): give it once"));
+  EXPECT_THAT(
+      run_program({"simulate", "--scene", "single", "--output", "a", "--output", "b", "--output", "c"}),
+      EndsWith(2, "error: --output: is given 3 times ('a', 'b', 'c'): give it once"));
+  EXPECT_THAT(run_program({"map", "align", "--output", "a", "--output", "b"}),
+              EndsWith(2, "error: --output: is given 2 times ('a', 'b'): give it once"));
+}
+
 TEST_F(OptionValues, WrongTagSizeIs2) {
   EXPECT_THAT(calibrate({"--tag-size", "-0.16"}), EndsWith(2, "-0.16"));
   EXPECT_THAT(run_program({"calibrate", path("frames"), "--camera", path("camera.yaml"), "--output",
