@@ -37,18 +37,16 @@ Sightings gather(const CalibrateOptions& a, const CameraRig& rig, const std::vec
 }
 
 /// Of the cameras that may take part.
-std::vector<std::string> warnings_of(const CameraRig& rig, const std::string& camera_name,
-                                     const std::vector<Recording>& recordings) {
-  std::vector<std::string> warnings;
+void warn_of_shutters(const CameraRig& rig, const std::string& camera_name,
+                      const std::vector<Recording>& recordings, const Console& console) {
   for (const Camera& camera : rig.cameras) {
     const bool is_filmed = std::any_of(recordings.begin(), recordings.end(),
                                        [&](const Recording& r) { return r.camera == camera.name; });
     const bool takes_part =
         recordings.empty() ? camera_name.empty() || camera_name == camera.name : is_filmed;
     if (!takes_part) continue;
-    if (const auto warning = rolling_shutter_warning(camera)) warnings.push_back(*warning);
+    if (const auto warning = rolling_shutter_warning(camera)) console.warning(*warning);
   }
-  return warnings;
 }
 
 void run(CLI::App& command, CalibrateOptions& a) {
@@ -58,17 +56,15 @@ void run(CLI::App& command, CalibrateOptions& a) {
   const CameraRig rig = read_cameras(camera, a.console.log());
   const TagSizes sizes = tag_sizes(a);
   const std::vector<Recording> recordings = parse_recordings(a.inputs, rig, a.camera_name);
-  std::vector<std::string> warnings = warnings_of(rig, a.camera_name, recordings);
-  for (const std::string& warning : warnings) a.console.warning(warning);
+  warn_of_shutters(rig, a.camera_name, recordings, a.console);
   const Sightings sightings = gather(a, rig, recordings);
   for (const std::string& warning : sightings.warnings) a.console.warning(warning);
-  warnings.insert(warnings.end(), sightings.warnings.begin(), sightings.warnings.end());
 
   a.calibration.num_threads = a.num_threads;
   if (!a.held_tag.empty()) a.calibration.held_tag = parse_held_tag(a, sightings);
-  CalibrationResult result = calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
+  CalibrationResult result =
+      calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
   for (const std::string& warning : result.warnings) a.console.warning(warning);
-  result.warnings.insert(result.warnings.begin(), warnings.begin(), warnings.end());
   const CalibrationFiles files = write_calibration(a, camera, sightings, result);
   tell_calibration(a, sightings, result, files);
 }

@@ -125,7 +125,6 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
                                   {"left_out", names(result.left_out)},
                                   {"other_parts", other_parts},
                                   {"part_files", files.parts},
-                                  {"warnings", result.warnings},
                                   {"interrupted", sightings.counts.is_interrupted},
                                   {"output", a.output},
                                   {"observations", files.observations.string()}};

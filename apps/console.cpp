@@ -71,8 +71,9 @@ LogSink Console::log() const {
   };
 }
 
-void Console::finish(const nlohmann::json& summary, std::string_view text) const {
+void Console::finish(nlohmann::json summary, std::string_view text) const {
   if (json_) {
+    summary["warnings"] = warnings();
     // A file's name may be any bytes; JSON is UTF-8, and what is not becomes U+FFFD.
     std::cout << summary.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   } else {

@@ -34,8 +34,9 @@ class Console {
   const std::vector<std::string>& warnings() const { return *warnings_; }
 
   /// The end of a command: `summary` on stdout as JSON under --json, else `text` on stdout (even under
-  /// --quiet, which hushes talk and not answers). Throws Error(kIo) when stdout cannot be written.
-  void finish(const nlohmann::json& summary, std::string_view text) const;
+  /// --quiet, which hushes talk and not answers). `summary`, an object, gets warnings() as "warnings". Throws
+  /// Error(kIo) when stdout cannot be written.
+  void finish(nlohmann::json summary, std::string_view text) const;
 
  private:
   friend class Progress;

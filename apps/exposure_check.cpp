@@ -23,7 +23,7 @@ void ExposureCheck::add(Timestamp time, const std::optional<double>& exposure_s,
       "time between frames",
       *exposure_s, interval_s, time.ns);
   if (was_second) throw invalid_input(where, fault);
-  if (!has_warned_) warnings_.add(fmt::format("{}: {}", where, fault));
+  if (!has_warned_) console_.warning(fmt::format("{}: {}", where, fault));
   has_warned_ = true;
 }
 

@@ -73,14 +73,14 @@ bool track_detections(const TrackArguments& arguments, const std::vector<FrameDe
 }
 
 bool track_images(const TrackArguments& arguments, const Camera& camera, const Method& method,
-                  Warnings& warnings, TrackRecord& record, std::optional<TrackVideo>& video) {
+                  TrackRecord& record, std::optional<TrackVideo>& video) {
   const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
-  const auto warn = [&](LogLevel, std::string_view text) { warnings.add(std::string(text)); };
   const std::unique_ptr<FrameSource> source = open_source(
-      arguments.input, {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name, .log = warn});
+      arguments.input,
+      {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name, .log = arguments.console.log()});
   const std::string exposure_of_camera =
       fmt::format("{}: {}.exposure_time", camera_file(arguments).string(), camera.name);
-  ExposureCheck exposures(warnings);
+  ExposureCheck exposures(arguments.console);
   const auto track = [&](DetectedFrame detected) {
     const SourceFrame& image = detected.source;
     if (!image.is_readable()) {
@@ -118,17 +118,17 @@ std::string frames_by_tag(const std::map<TagKey, int>& tags) {
 /// Single tags still give poses in the map of another place: who reads only these would not notice. And a
 /// camera file that is somewhat wrong, or a tag that was moved, gives poses that are surely wrong: right ones
 /// left no tag aside in 400 frames of the recordings that we have exact truth of.
-void warn_of_contradictions(const TrackRecord& record, const std::string& method, Warnings& warnings) {
+void warn_of_contradictions(const TrackRecord& record, const std::string& method, const Console& console) {
   const auto [frames, without_pose, with_strays] = record.frames_with_several_tags();
   constexpr std::size_t kFew = 3;
   if (without_pose >= kFew && 5 * without_pose >= frames) {
-    warnings.add(fmt::format(
+    console.warning(fmt::format(
         "in {} of {} frames with several tags these do not agree on a pose, and poses from single "
         "tags cannot tell: is this the map of this place, with the right tag sizes? Is this the "
         "right camera file?",
         without_pose, frames));
   } else if (method != "paper" && with_strays >= kFew && 20 * with_strays >= frames) {
-    warnings.add(fmt::format(
+    console.warning(fmt::format(
         "in {} of {} frames with several tags some of these are not where the pose puts them ({}), and "
         "poses may be wrong by more than they claim: is this the right camera file? Was a tag "
         "moved since the map was made?",
@@ -138,11 +138,11 @@ void warn_of_contradictions(const TrackRecord& record, const std::string& method
 
 /// Some hang behind a wall, or a person; where most are not seen, the map tells of another place, or of tags
 /// that were taken down.
-void warn_of_unseen_tags(const TrackRecord& record, Warnings& warnings) {
+void warn_of_unseen_tags(const TrackRecord& record, const Console& console) {
   constexpr std::size_t kMany = 10;
   const std::set<TagKey> unseen = record.never_seen_tags();
   if (unseen.size() < kMany || unseen.size() <= record.seen_tags().size()) return;
-  warnings.add(
+  console.warning(
       fmt::format("{} tags of the map were in view and never seen, {} were seen: is this the map of this "
                   "place? Were tags "
                   "taken down, or do they hang behind a wall? They were left out",
@@ -150,22 +150,20 @@ void warn_of_unseen_tags(const TrackRecord& record, Warnings& warnings) {
 }
 
 /// Poses do not suffer much, but predictions do, until the motion has told.
-void warn_of_exposure(const TrackRecord& record, Warnings& warnings) {
+void warn_of_exposure(const TrackRecord& record, const Console& console) {
   const std::optional<ExposureReport>& last = record.last_exposure();
   if (!last || !last->is_doubted()) return;
-  warnings.add(fmt::format(
+  console.warning(fmt::format(
       "the exposure told, {:.3g} ms, is not what blur and motion show: {:.3g} ms, to {:.0f} %; is "
       "exposure_time right, or exposure_s of frames.csv?",
       1e3 * *last->told_s, 1e3 * last->exposure_s, 100.0 * last->sigma));
 }
 
-void finish(const TrackArguments& arguments, const TrackRecord& record, bool was_interrupted,
-            const Warnings& warnings) {
+void finish(const TrackArguments& arguments, const TrackRecord& record, bool was_interrupted) {
   nlohmann::json summary = record.summary();
   summary["mode"] = arguments.mode;
   summary["method"] = arguments.method();
   summary["interrupted"] = was_interrupted;
-  summary["warnings"] = warnings.texts();
   summary["output"] = arguments.output;
   std::string text =
       fmt::format("{}\n{}: {}", record.text(), arguments.mode == "ego" ? "T_world_camera" : "T_camera_body",
@@ -208,9 +206,8 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   const Camera& camera =
       arguments.camera_name.empty() ? rig.cameras.front() : rig.find(arguments.camera_name);
   const TagMap map = read_tag_map(map_file(arguments));
-  Warnings warnings(arguments.console);
-  if (const auto warning = rolling_shutter_warning(camera)) warnings.add(*warning);
-  const Method method = make_method(arguments.method_options(), camera, map, warnings);
+  if (const auto warning = rolling_shutter_warning(camera)) arguments.console.warning(*warning);
+  const Method method = make_method(arguments.method_options(), camera, map, arguments.console);
 
   TrackRecord record;
   const bool has_images = arguments.detections.empty();
@@ -219,17 +216,17 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   std::optional<TrackVideo> video;
   if (!arguments.video.empty())
     video.emplace(arguments.video, camera, map, arguments.method_options().localizer.mode);
-  const bool was_interrupted = has_images ? track_images(arguments, camera, method, warnings, record, video)
+  const bool was_interrupted = has_images ? track_images(arguments, camera, method, record, video)
                                           : track_detections(arguments, detections, method, record);
-  warn_of_contradictions(record, arguments.method(), warnings);
-  warn_of_unseen_tags(record, warnings);
-  warn_of_exposure(record, warnings);
+  warn_of_contradictions(record, arguments.method(), arguments.console);
+  warn_of_unseen_tags(record, arguments.console);
+  warn_of_exposure(record, arguments.console);
   write_outputs(arguments,
                 {command_line_of(command), arguments, camera_file(arguments), map_file(arguments), camera,
                  map, record, was_interrupted},
                 video);
   record.check_has_pose(has_images ? arguments.input : arguments.detections, map);
-  finish(arguments, record, was_interrupted, warnings);
+  finish(arguments, record, was_interrupted);
 }
 
 }  // namespace

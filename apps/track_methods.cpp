@@ -31,7 +31,8 @@ Method paper_method(const MethodOptions& given, const Camera& camera, const TagM
           }};
 }
 
-Method blur_method(const MethodOptions& given, const Camera& camera, const TagMap& map, Warnings& warnings) {
+Method blur_method(const MethodOptions& given, const Camera& camera, const TagMap& map,
+                   const Console& console) {
   constexpr std::size_t kFewest = 16;
   if (given.num_particles && *given.num_particles < kFewest) {
     throw invalid_input("--particles", fmt::format("must be at least {} for --method blur (is {})", kFewest,
@@ -48,9 +49,9 @@ Method blur_method(const MethodOptions& given, const Camera& camera, const TagMa
   const auto has_warned = std::make_shared<bool>(camera.exposure_s.has_value());
   tracker->prepare();
   return {
-      std::nullopt, [=, &warnings](const Frame& frame, const std::vector<Detection>&) {
+      std::nullopt, [=, &console](const Frame& frame, const std::vector<Detection>&) {
         if (!frame.exposure_s && !*has_warned) {
-          warnings.add(fmt::format(
+          console.warning(fmt::format(
               "no exposure is known: {} s is assumed until the motion tells; blur fits the worse the more it "
               "is off: give exposure_time in the camera file",
               options.default_exposure_s));
@@ -63,10 +64,10 @@ Method blur_method(const MethodOptions& given, const Camera& camera, const TagMa
 }  // namespace
 
 Method make_method(const MethodOptions& options, const Camera& camera, const TagMap& map,
-                   Warnings& warnings) {
+                   const Console& console) {
   if (options.name == "paper") return paper_method(options, camera, map);
   if (options.name == "pnp") return pnp_method(options, camera, map);
-  return blur_method(options, camera, map, warnings);
+  return blur_method(options, camera, map, console);
 }
 
 }  // namespace apriltrack::app

@@ -9,7 +9,7 @@
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/image/frame.h"
 #include "apriltrack/tracker/localizer.h"
-#include "warnings.h"
+#include "console.h"
 
 namespace apriltrack::app {
 
@@ -29,7 +29,8 @@ struct Method {
   std::function<TrackResult(const Frame&, const std::vector<Detection>&)> track;
 };
 
-/// Warns of what the method misses in the camera's file; `warnings` must outlive it.
-Method make_method(const MethodOptions& options, const Camera& camera, const TagMap& map, Warnings& warnings);
+/// Warns of what the method misses in the camera's file; `console` must outlive it.
+Method make_method(const MethodOptions& options, const Camera& camera, const TagMap& map,
+                   const Console& console);
 
 }  // namespace apriltrack::app

@@ -103,6 +103,11 @@ TEST(Pipeline, PosesOfAnotherRecordingAreDoubtedByTheNamesOfBothFiles) {
   EXPECT_THAT(run, EndsWith(0, "poses are over 100 px off: does " + other + "/truth.tum belong to " + room +
                                    "/truth.tum?"));
   EXPECT_EQ(score(room + "/truth.tum").err, "");
+  const json summary = run_for_json({"evaluate", "--truth", room, "--estimate", other + "/truth.tum"});
+  ASSERT_EQ(summary["warnings"].size(), 1U) << summary.dump(1);
+  EXPECT_EQ(run.err, "warning: " + summary["warnings"][0].get<std::string>() + "\n");
+  EXPECT_EQ(run_for_json({"evaluate", "--truth", room, "--estimate", room + "/truth.tum"})["warnings"],
+            json::array());
 
   // Half of the poses are the right ones: bad, and yet of this recording.
   Trajectory half = read_tum(room + "/truth.tum");
@@ -232,7 +237,9 @@ TEST(Pipeline, ACorruptImageIsLeftOutCountedAndNoFailure) {
     const ProgramRun run = run_program(words);
     EXPECT_THAT(run, EndsWith(0, "warning: 1 of 12 frames")) << words[0];
     EXPECT_THAT(run, EndsWith(0, image.string())) << words[0];
-    EXPECT_EQ(json::parse(run.out)["unreadable"], 1) << words[0];
+    const json summary = json::parse(run.out);
+    EXPECT_EQ(summary["unreadable"], 1) << words[0];
+    EXPECT_THAT(summary["warnings"].dump(), ::testing::HasSubstr("1 of 12 frames")) << words[0];
   }
   EXPECT_EQ(num_lines(folder / "frames.csv"), 13U);
   EXPECT_THAT(read_text(folder / "frames.csv"), ::testing::HasSubstr(image.stem().string() + ",unreadable,"));
