@@ -121,6 +121,11 @@ TEST(BlurTracker, StartsAnewWhereTimeRunsBackwards) {
   tracker.track(film.frames[22].frame(), film.detections[22]);
   const TrackResult again = tracker.track(film.frames[2].frame(), film.detections[2]);
   EXPECT_EQ(again.status, TrackStatus::kDetected);
+  EXPECT_EQ(
+      again.warning,
+      "the time stamp is 0.666667 s earlier than that of the frame before: another recording begins, and "
+      "nothing is kept of the last");
+  EXPECT_EQ(tracker.track(film.frames[3].frame(), film.detections[3]).warning, "");
   EXPECT_LT(film.corner_error_px(2, *again.pose), 0.5);
   const TrackResult blurred = tracker.track(film.frames[0].frame(), {});
   EXPECT_EQ(blurred.status, TrackStatus::kLost);
@@ -171,11 +176,15 @@ TEST(BlurTracker, OutlivesExposuresThatMeanNothing) {
   const BlurFilm& film = waved_tag();
   Frame frame = film.frames[0].frame();
   const TrackResult right = tracker_of(film).track(frame, film.detections[0]);
-  for (const double exposure_s : {std::nan(""), -0.01}) {  // the camera's own holds instead
-    frame.exposure_s = exposure_s;
+  EXPECT_EQ(right.warning, "");
+  for (const auto& [exposure_s, told] :
+       {std::pair(std::nan(""), "nan s"), {-0.01, "-0.01 s"}, {10.0, "10 s"}, {1e300, "1e+300 s"}}) {
+    frame.exposure_s = exposure_s;  // the camera's own holds instead
     const TrackResult result = tracker_of(film).track(frame, film.detections[0]);
     ASSERT_TRUE(result.pose);
     EXPECT_EQ(result.pose->matrix(), right.pose->matrix());
+    EXPECT_EQ(result.warning, std::string("the exposure that the frame tells, ") + told +
+                                  ", is not from 0 to 1 s: it counts as not told");
   }
   for (const double exposure_s : {0.0, 1.0}) {  // an instant; far too long
     BlurTracker tracker = tracker_of(film);
@@ -188,8 +197,25 @@ TEST(BlurTracker, OutlivesExposuresThatMeanNothing) {
       ASSERT_TRUE(result.pose && result.covariance) << "frame " << i << ", exposure " << exposure_s << " s";
       EXPECT_TRUE(result.pose->is_finite() && result.covariance->allFinite());
       EXPECT_LT(film.corner_error_px(i, *result.pose), 0.5) << "frame " << i << ", exposure " << exposure_s;
+      EXPECT_EQ(result.warning, "");
     }
   }
+}
+
+TEST(BlurTracker, WarnsOfACameraWhoseExposureCannotBe) {
+  const BlurFilm& film = waved_tag();
+  Camera camera = film.scene.camera;
+  camera.exposure_s = 10.0;  // milliseconds, surely
+  BlurTracker tracker(camera, film.scene.map, {});
+  Frame frame = film.frames[0].frame();
+  EXPECT_EQ(tracker.track(frame, film.detections[0]).warning, "") << "the frame's own holds";
+  frame = film.frames[1].frame();
+  frame.exposure_s.reset();
+  const TrackResult result = tracker.track(frame, film.detections[1]);
+  EXPECT_EQ(result.warning,
+            "the exposure that the camera tells, 10 s, is not from 0 to 1 s: it counts as not told");
+  ASSERT_TRUE(result.exposure);
+  EXPECT_FALSE(result.exposure->told_s);
 }
 
 TEST(BlurTracker, KnowsAnExposureThatNobodyTells) {

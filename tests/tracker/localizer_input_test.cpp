@@ -116,14 +116,19 @@ TEST(Localizer, AnExposureThatCannotBeIsAsIfItWereNotTold) {
     const TrackResult result = localizer.localize(
         test::seen(camera, test::only(test::room(), {2}), Pose(), {1'033'000'000}), exposure_s);
     EXPECT_TRUE(result.pose && result.covariance->allFinite()) << result.reason;
+    const auto is_odd = [](std::optional<double> told_s) {
+      return told_s && !(*told_s >= 0.0 && *told_s <= 1.0);
+    };
+    EXPECT_EQ(result.warning.empty(), !is_odd(exposure_s) && (exposure_s || !is_odd(of_camera_s)))
+        << result.warning;
     return result.pose ? std::sqrt(result.covariance->trace()) : 0.0;
   };
   const double not_told = sigma_with(std::nullopt, std::nullopt);
   const double of_camera = sigma_with(std::nullopt, 0.03);
   ASSERT_GT(of_camera, 1.5 * not_told) << "the exposure must matter, or this proves nothing";
   ASSERT_LT(sigma_with(0.0, std::nullopt), 0.7 * not_told);
-  for (const double odd_s :
-       {std::numeric_limits<double>::quiet_NaN(), -0.03, -1e300, std::numeric_limits<double>::infinity()}) {
+  for (const double odd_s : {std::numeric_limits<double>::quiet_NaN(), -0.03, -1e300, 10.0,
+                             std::numeric_limits<double>::infinity()}) {
     EXPECT_EQ(sigma_with(odd_s, std::nullopt), not_told) << odd_s;
     EXPECT_EQ(sigma_with(odd_s, 0.03), of_camera) << odd_s;
     EXPECT_EQ(sigma_with(std::nullopt, odd_s), not_told) << odd_s;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "blur_explanation.h"
+#include "frame_warning.h"
 #include "image_size.h"
 #include "known_exposure.h"
 #include "lost_reason.h"
@@ -80,7 +81,9 @@ class BlurTracker::Implementation {
   /// detections: null where they are this tracker's own task.
   TrackResult track(const Frame& frame, const std::vector<Detection>* detections) {
     const Clock::time_point start = Clock::now();
+    const std::optional<Timestamp> before = recording_->last_time;
     TrackResult result = tracked(frame, detections);
+    result.warning = warning_of(frame, before);
     result.latency_s = std::chrono::duration<double>(Clock::now() - start).count();
     return result;
   }
@@ -108,6 +111,12 @@ class BlurTracker::Implementation {
     result.detections = std::move(blur_frame.detections);
     result.detection_s = blur_frame.detection_s;
     return result;
+  }
+
+  std::string warning_of(const Frame& frame, const std::optional<Timestamp>& before) const {
+    const bool is_anew = before && *recording_->last_time < *before;
+    return joined_warnings(is_anew ? new_recording_warning(*before, frame.timestamp) : "",
+                           exposure_warning(frame.exposure_s, camera_.exposure_s));
   }
 
   void start_anew() { recording_.emplace(options_, world_, reader_); }

@@ -1,15 +1,21 @@
 #pragma once
 
-#include <cmath>
 #include <optional>
+
+#include "apriltrack/image/exposure.h"
 
 namespace apriltrack {
 
-/// What is told of the frame, else of the camera; NaN, infinite or negative says nothing.
+/// 0, an instant, to the longest of a camera; not NaN.
+inline bool is_exposure(double exposure_s) {
+  return exposure_s >= 0.0 && exposure_s <= kMaxExposure_s;
+}
+
+/// What is told of the frame, else of the camera; what is none of a camera says nothing.
 inline std::optional<double> known_exposure_s(std::optional<double> of_frame,
                                               std::optional<double> of_camera) {
   for (const std::optional<double>& exposure_s : {of_frame, of_camera})
-    if (exposure_s && std::isfinite(*exposure_s) && *exposure_s >= 0.0) return exposure_s;
+    if (exposure_s && is_exposure(*exposure_s)) return exposure_s;
   return std::nullopt;
 }
 

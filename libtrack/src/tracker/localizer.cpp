@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "corner_noise.h"
+#include "frame_warning.h"
 #include "image_size.h"
 #include "known_exposure.h"
 #include "map_detection.h"
@@ -73,6 +74,7 @@ class Localizer::Implementation {
                        std::chrono::steady_clock::time_point start) {
     TrackResult result;
     result.timestamp = time;
+    result.warning = exposure_warning(exposure_of_frame_s, camera_.exposure_s);
     const double exposure_s =
         known_exposure_s(exposure_of_frame_s, camera_.exposure_s).value_or(kUnknownExposure_s);
     const auto observations = observe_mapped_tags(map_, index_, camera_.model, detections);

@@ -46,8 +46,9 @@ struct BlurTrackerOptions {
 /// camera is taken as exact.
 ///
 /// One recording at a time, frames in the order of time; a frame that is earlier than the one before by more
-/// than 0.1 s starts anew; one that is not later is lost, and the motion goes on without it. Memory is
-/// bounded. No frame throws, whatever it shows: a pose is finite, or there is none and the result says why.
+/// than 0.1 s starts anew, with a warning in its result: so does the one after a time stamp that is far
+/// ahead. One that is not later is lost, and the motion goes on without it. Memory is bounded. No frame
+/// throws, whatever it shows: a pose is finite, or there is none and the result says why.
 class BlurTracker {
  public:
   /// Throws Error(kInvalidInput) when the map is empty, names an unknown family or id, or an option is out of
@@ -62,8 +63,9 @@ class BlurTracker {
   void prepare();
 
   /// An image of another resolution than the camera's is lost; its reason says so. Where the camera tells
-  /// none, the first image's holds. An exposure of 0 is an instant: nothing is blurred; one that is negative
-  /// or no number counts as unknown.
+  /// none, the first image's holds. An exposure of 0 is an instant: nothing is blurred; one that is negative,
+  /// no number, or longer than kMaxExposure_s counts as unknown, with a warning in the result. One that is
+  /// wrong within these limits is put right by the motion (TrackResult::exposure).
   TrackResult track(const Frame& frame);
   /// The same with detections made elsewhere, by a detector of detector_options(): for instance several
   /// frames at a time.

@@ -95,6 +95,9 @@ struct TrackResult {
   double latency_s = 0.0;                  ///< From the decoded image to the result;
   double detection_s = 0.0;                ///< of that, looking for tags that can be read.
   std::string reason;                      ///< Why there is no pose; empty otherwise.
+  /// What the frame, or the camera, tells and is not believed, and what holds instead; empty otherwise. The
+  /// pose is made without it. Other frames may say the same: to be shown once. Not of the paper's tracker.
+  std::string warning;
 };
 
 }  // namespace apriltrack
