@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -207,6 +208,26 @@ TEST(Video, CutBehindItsHeaderIsToldOfWithTheFramesThatAreThere) {
                     path.string() + ": the file is cut off or damaged: " + std::to_string(kNumWhole) +
                     " of the " + std::to_string(kNumFrames) + " frames that its header promises are there"));
   }
+}
+
+/// Its header counts no frames, but tells how long they go on.
+TEST(Video, OfMatroskaThatIsCutIsToldOfWithBothDurations) {
+  const auto path = temporary_folder() / "cut.mkv";
+  constexpr std::int64_t kNumFrames = 16;  // at 4 Hz
+  std::vector<std::int64_t> times_ticks;
+  for (std::int64_t i = 0; i < kNumFrames; ++i) times_ticks.push_back(i * kTicksPerSecond / 4);
+  write_mjpeg_video(path, plan_of_levels(times_ticks));
+  const std::string whole = read_bytes(path);
+  EXPECT_THAT(told_of(path, whole), ::testing::IsEmpty());
+  const std::vector<std::string> told = told_of(path, whole.substr(0, whole.size() / 2));
+  const std::size_t num_there = read_all(path.string()).size();
+  ASSERT_GT(num_there, 4U);
+  ASSERT_LT(num_there, 12U);
+  EXPECT_THAT(told,
+              ::testing::ElementsAre(fmt::format(
+                  "{}: the file is cut off or damaged: its {} frames end after {:.1f} of the 3.8 s that its "
+                  "header promises",
+                  path.string(), num_there, 0.25 * static_cast<double>(num_there - 1))));
 }
 
 TEST(Video, OfAPhoneHasItsRecordedSizeAndTimes) {

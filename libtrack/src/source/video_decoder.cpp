@@ -5,6 +5,7 @@ extern "C" {
 #include <libavformat/avformat.h>
 #include <libavutil/common.h>
 #include <libavutil/display.h>
+#include <libavutil/parseutils.h>
 }
 
 #include <fmt/format.h>
@@ -59,6 +60,19 @@ std::optional<std::size_t> count_in_header(const AVFormatContext& file, const AV
   return num_indexed > 0 ? std::min(count, static_cast<std::size_t>(num_indexed)) : count;
 }
 
+/// Matroska holds the duration of the whole file, whose sound may go on longer, and those of its streams as
+/// text. What FFmpeg estimates from a file's size says nothing of what is missing.
+std::optional<double> duration_in_header(const AVFormatContext& file, const AVStream& stream) {
+  if (file.duration_estimation_method != AVFMT_DURATION_FROM_STREAM) return std::nullopt;
+  if (stream.duration > 0) return static_cast<double>(stream.duration) * av_q2d(stream.time_base);
+  std::int64_t duration_us = 0;
+  const AVDictionaryEntry* text = av_dict_get(stream.metadata, "DURATION", nullptr, 0);
+  if (text != nullptr && av_parse_time(&duration_us, text->value, 1) >= 0)
+    return 1e-6 * static_cast<double>(duration_us);
+  if (file.nb_streams != 1 || file.duration <= 0) return std::nullopt;
+  return static_cast<double>(file.duration) / AV_TIME_BASE;
+}
+
 }  // namespace
 
 void VideoDecoder::Deleter::operator()(AVFormatContext* context) const {
@@ -98,6 +112,7 @@ void VideoDecoder::open_stream(const std::string& path) {
   stream_ = file_->streams[index];
   stream_->discard = AVDISCARD_DEFAULT;
   num_promised_ = count_in_header(*file_, *stream_);
+  promised_s_ = duration_in_header(*file_, *stream_);
   turns_ = quarter_turns_anticlockwise(*stream_);
   codec_.reset(avcodec_alloc_context3(decoder));
   avcodec_parameters_to_context(codec_.get(), stream_->codecpar);
@@ -137,7 +152,11 @@ std::optional<VideoDecoder::Decoded> VideoDecoder::feed() {
     if (broke_off) return Decoded{std::nullopt, fmt::format("the file breaks off: {}", reason(got))};
     return std::nullopt;
   }
-  if ((packet_->flags & AV_PKT_FLAG_CORRUPT) == 0) ++num_whole_;
+  if ((packet_->flags & AV_PKT_FLAG_CORRUPT) == 0) {
+    ++num_whole_;
+    if (packet_->pts != AV_NOPTS_VALUE)
+      shown_s_ = std::max(shown_s_, static_cast<double>(packet_->pts) * av_q2d(stream_->time_base));
+  }
   num_idle_errors_ = 0;
   const int sent = avcodec_send_packet(codec_.get(), packet_.get());
   if (sent < 0) return Decoded{time_of(packet_->pts), fmt::format("cannot be decoded: {}", reason(sent))};

@@ -45,6 +45,11 @@ class VideoDecoder {
   std::optional<std::size_t> num_promised() const { return num_promised_; }
   /// Of the frames whose data were there so far, and not cut off.
   std::size_t num_whole() const { return num_whole_; }
+  /// How long a whole file's pictures go on, as its header says; none where that tells no duration of its own
+  /// for them.
+  std::optional<double> promised_s() const { return promised_s_; }
+  /// When the last of the whole frames so far is shown, by the same clock.
+  double shown_s() const { return shown_s_; }
   /// False for raw streams, whose times the demuxer makes up.
   bool has_times() const;
 
@@ -72,6 +77,8 @@ class VideoDecoder {
   bool is_draining_ = false;
   std::optional<std::size_t> num_promised_;
   std::size_t num_whole_ = 0;
+  std::optional<double> promised_s_;
+  double shown_s_ = 0.0;
   int num_idle_errors_ = 0;  ///< Since the decoder was last fed.
 };
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "apriltrack/base/error.h"
@@ -53,13 +54,27 @@ class VideoFile : public SkippableSource {
 
  private:
   void tell_if_cut() {
-    const auto promised = decoder_.num_promised();
-    if (has_told_ || !promised || decoder_.num_whole() >= *promised) return;
+    if (has_told_) return;
+    const std::string missing = decoder_.num_promised() ? missing_frames() : missing_time();
+    if (missing.empty()) return;
     has_told_ = true;
-    log_(LogLevel::kWarning,
-         fmt::format(
-             "{}: the file is cut off or damaged: {} of the {} frames that its header promises are there",
-             name_, decoder_.num_whole(), *promised));
+    log_(LogLevel::kWarning, fmt::format("{}: the file is cut off or damaged: {}", name_, missing));
+  }
+  std::string missing_frames() const {
+    if (decoder_.num_whole() >= *decoder_.num_promised()) return "";
+    return fmt::format("{} of the {} frames that its header promises are there", decoder_.num_whole(),
+                       *decoder_.num_promised());
+  }
+  /// Where the header counts no frames. The last one is shown for a while that nobody tells.
+  std::string missing_time() const {
+    constexpr double kLeast_s = 0.2, kFewFrames = 3.0;
+    const double shown_s = decoder_.shown_s();
+    const double interval_s = shown_s / static_cast<double>(std::max<std::size_t>(1, decoder_.num_whole()));
+    if (!decoder_.promised_s() ||
+        *decoder_.promised_s() - shown_s <= std::max(kLeast_s, kFewFrames * interval_s))
+      return "";
+    return fmt::format("its {} frames end after {:.1f} of the {:.1f} s that its header promises",
+                       decoder_.num_whole(), shown_s, *decoder_.promised_s());
   }
 
   std::string name_;
