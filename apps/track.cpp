@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -136,6 +137,18 @@ void warn_of_contradictions(const TrackRecord& record, const std::string& method
   }
 }
 
+/// No two tags are read together, and fit, where there are none. Where tags are mostly too blurred to be
+/// read, many are tracked.
+void warn_of_few_readings(const TrackRecord& record, const TagMap& map, const Console& console) {
+  constexpr std::size_t kOneIn = 20;
+  const auto num_with = [&](int num_tags) {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        record.rows(), [&](const FrameLogRow& row) { return row.tags_tracked >= num_tags; }));
+  };
+  if (!record.has_pose() || num_with(2) > 0 || kOneIn * num_with(1) > record.rows().size()) return;
+  if (const std::string doubt = record.doubt_of_readings(map); !doubt.empty()) console.warning(doubt);
+}
+
 /// Some hang behind a wall, or a person; where most are not seen, the map tells of another place, or of tags
 /// that were taken down.
 void warn_of_unseen_tags(const TrackRecord& record, const Console& console) {
@@ -219,6 +232,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   const bool was_interrupted = has_images ? track_images(arguments, camera, method, record, video)
                                           : track_detections(arguments, detections, method, record);
   warn_of_contradictions(record, arguments.method(), arguments.console);
+  warn_of_few_readings(record, map, arguments.console);
   warn_of_unseen_tags(record, arguments.console);
   warn_of_exposure(record, arguments.console);
   write_outputs(arguments,

@@ -26,6 +26,9 @@ struct MapContents {
   }
 };
 
+constexpr const char* kAreTheyThere =
+    "is this the family that is printed? Are the tags sharp, with a white margin, and 20 px wide or more?";
+
 /// What the tracker said of most frames in which it saw tags.
 std::string usual_reason(const std::map<std::string, int>& reasons) {
   const auto usual =
@@ -37,10 +40,8 @@ std::string why_without_pose(const MapContents& map, const std::set<TagKey>& see
                              const std::map<std::string, int>& reasons) {
   if (num_frames == 0) return "has no frames";
   if (seen.empty()) {
-    return fmt::format(
-        "no tag of family {} in any of {} frames; is this the family that is printed? Are the "
-        "tags sharp, with a white margin, and 20 px wide or more?",
-        fmt::join(map.families, ", "), num_frames);
+    return fmt::format("no tag of family {} in any of {} frames; {}", fmt::join(map.families, ", "),
+                       num_frames, kAreTheyThere);
   }
   const bool sees_mapped =
       std::any_of(seen.begin(), seen.end(), [&](const TagKey& key) { return map.tags.contains(key); });
@@ -84,6 +85,7 @@ void TrackRecord::add(const FrameDetections& frame, const TrackResult& result,
   std::set<TagKey> tags;
   for (const Detection& detection : frame.detections) tags.insert(detection.tag);
   for (const TagKey& tag : tags) ++frames_by_tag_[tag];
+  num_with_tags_ += tags.empty() ? 0 : 1;
   rows_.push_back({.timestamp = result.timestamp,
                    .status = to_string(result.status),
                    .pose = result.pose,
@@ -126,9 +128,25 @@ void TrackRecord::searches(int image_width_px, double decimate) {
   searches_large_images_ = searches_large_images_ || (image_width_px > kLarge_px && decimate < kEnough);
 }
 
+std::set<TagKey> TrackRecord::read_tags() const {
+  std::set<TagKey> tags;
+  for (const auto& [key, count] : frames_by_tag_) tags.insert(key);
+  return tags;
+}
+
+std::string TrackRecord::doubt_of_readings(const TagMap& map) const {
+  constexpr std::size_t kOneIn = 20;
+  const std::size_t num_readable = rows_.size() - num_unreadable_;
+  if (num_with_tags_ == 0 || kOneIn * num_with_tags_ > num_readable) return "";
+  return fmt::format(
+      "tags of family {} were read in {} of {} frames only ({}), perhaps where there are none; {}",
+      fmt::join(MapContents(map).families, ", "), num_with_tags_, num_readable, list_of_tags(read_tags()),
+      kAreTheyThere);
+}
+
 std::string TrackRecord::why_no_pose(const TagMap& map) const {
-  std::set<TagKey> seen;
-  for (const auto& [key, count] : frames_by_tag_) seen.insert(key);
+  if (std::string doubt = doubt_of_readings(map); !doubt.empty()) return doubt;
+  const std::set<TagKey> seen = read_tags();
   std::string why = why_without_pose(MapContents(map), seen, num_lost(), lost_reasons_);
   // The edges of their tags may be smeared over more pixels than the search spans.
   if (seen.empty() && searches_large_images_) why += " The images are large: try --decimate 4";

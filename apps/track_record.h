@@ -32,6 +32,9 @@ class TrackRecord {
   void searches(int image_width_px, double decimate);
 
   bool has_pose() const { return !trajectory_.empty(); }
+  /// Tags were read, but in so few frames that these may be false readings: what to ask then. Empty where
+  /// none was, or more.
+  std::string doubt_of_readings(const TagMap& map) const;
   /// Why a whole recording gave no pose, and what to do.
   std::string why_no_pose(const TagMap& map) const;
   /// Throws Error(kNoResult) that says so.
@@ -76,6 +79,7 @@ class TrackRecord {
   std::string text() const;
 
  private:
+  std::set<TagKey> read_tags() const;
   std::size_t num_lost() const { return rows_.size() - trajectory_.size() - num_unreadable_; }
   std::size_t count(TrackStatus status) const;
   double latency_ms(double fraction) const;
@@ -87,6 +91,7 @@ class TrackRecord {
   std::optional<ExposureReport> last_exposure_;
   std::vector<double> latencies_ms_;
   std::map<TagKey, int> frames_by_tag_;  ///< Everything detected, mapped or not.
+  std::size_t num_with_tags_ = 0;        ///< Frames in which anything was.
   std::vector<bool> has_strays_;         ///< For each row.
   std::map<TagKey, int> strays_;
   std::set<TagKey> seen_tags_;
