@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <memory>
 
+#include "apriltrack/base/error.h"
 #include "apriltrack/calib/calibrate_map.h"
+#include "blank_images.h"
 #include "calibrate_camera.h"
 #include "calibrate_input.h"
 #include "calibrate_options.h"
@@ -59,11 +61,12 @@ void run(CLI::App& command, CalibrateOptions& a) {
   warn_of_shutters(rig, a.camera_name, recordings, a.console);
   const Sightings sightings = gather(a, rig, recordings);
   for (const std::string& warning : sightings.warnings) a.console.warning(warning);
+  if (sightings.counts.are_all_blank())
+    throw no_result("calibrate", told_of_blank_images(sightings.counts.readable));
 
   a.calibration.num_threads = a.num_threads;
   if (!a.held_tag.empty()) a.calibration.held_tag = parse_held_tag(a, sightings);
-  CalibrationResult result =
-      calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
+  CalibrationResult result = calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
   for (const std::string& warning : result.warnings) a.console.warning(warning);
   const CalibrationFiles files = write_calibration(a, camera, sightings, result);
   tell_calibration(a, sightings, result, files);

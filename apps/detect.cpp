@@ -9,6 +9,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/io/numbers.h"
+#include "blank_images.h"
 #include "command_help.h"
 #include "commands.h"
 #include "frame_loop.h"
@@ -99,6 +100,8 @@ Record detect(const DetectArguments& arguments) {
 
 void check_result(const DetectArguments& arguments, const Record& record) {
   if (!record.frames.empty()) return;
+  if (record.counts.are_all_blank())
+    throw no_result(arguments.input, told_of_blank_images(record.counts.readable));
   throw no_result(
       arguments.input,
       fmt::format("no tag of family {} in any of {} frames; try the family that is printed (--family), "

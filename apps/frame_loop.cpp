@@ -9,6 +9,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
+#include "blank_images.h"
 
 namespace apriltrack::app {
 namespace {
@@ -138,6 +139,7 @@ class BatchDetector {
 /// Counts a frame; keeps the first one that is unreadable, with its cause.
 void count(const SourceFrame& frame, FrameCounts& counts, std::string& first_unreadable) {
   if (frame.is_readable()) {
+    if (counts.blank == counts.readable && is_blank(frame.pixels.view())) ++counts.blank;
     ++counts.readable;
   } else if (counts.unreadable++ == 0) {
     first_unreadable = frame.name + ": " + frame.error;

@@ -32,7 +32,10 @@ struct DetectedFrame {
 struct FrameCounts {
   std::size_t readable = 0;
   std::size_t unreadable = 0;
+  std::size_t blank = 0;  ///< Readable ones that show nothing, until the first that shows something.
   bool is_interrupted = false;
+
+  bool are_all_blank() const { return readable > 0 && blank == readable; }
 };
 
 /// Detects in every frame of `source`, several side by side, each thread with a detector of its own; `sink`

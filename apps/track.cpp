@@ -102,7 +102,9 @@ bool track_images(const TrackArguments& arguments, const Camera& camera, const M
     record.add(frame, result, image.exposure_s);
     if (video) video->add(image, result);
   };
-  return detect_frames(*source, options, arguments.console, track).is_interrupted;
+  const FrameCounts counts = detect_frames(*source, options, arguments.console, track);
+  if (counts.are_all_blank()) record.found_all_blank();
+  return counts.is_interrupted;
 }
 
 /// "tag36h11 3 in 12 frames, tag36h11 5 in 2", the most frequent first.

@@ -10,6 +10,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/eval/statistics.h"
+#include "blank_images.h"
 
 namespace apriltrack::app {
 namespace {
@@ -145,6 +146,7 @@ std::string TrackRecord::doubt_of_readings(const TagMap& map) const {
 }
 
 std::string TrackRecord::why_no_pose(const TagMap& map) const {
+  if (are_all_blank_) return told_of_blank_images(rows_.size() - num_unreadable_);
   if (std::string doubt = doubt_of_readings(map); !doubt.empty()) return doubt;
   const std::set<TagKey> seen = read_tags();
   std::string why = why_without_pose(MapContents(map), seen, num_lost(), lost_reasons_);

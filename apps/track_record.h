@@ -31,6 +31,9 @@ class TrackRecord {
   /// An image in which tags are looked for, `decimate` times smaller.
   void searches(int image_width_px, double decimate);
 
+  /// That no image shows anything.
+  void found_all_blank() { are_all_blank_ = true; }
+
   bool has_pose() const { return !trajectory_.empty(); }
   /// Tags were read, but in so few frames that these may be false readings: what to ask then. Empty where
   /// none was, or more.
@@ -99,6 +102,7 @@ class TrackRecord {
   std::map<std::string, int> lost_reasons_;  ///< Frames without a pose, by cause.
   std::size_t num_unreadable_ = 0;
   bool searches_large_images_ = false;
+  bool are_all_blank_ = false;
 };
 
 }  // namespace apriltrack::app

@@ -75,6 +75,23 @@ TEST_F(ExitStatus, NoTagSeenIs1AndSaysWhatToDo) {
   EXPECT_FALSE(fs::exists(path("corners.csv")));
 }
 
+TEST_F(ExitStatus, FramesThatShowNothingAre1AndAskForTheLens) {
+  const std::string advice = "each of 2 frames is of one brightness; is the lens covered, or the exposure";
+  const auto write_even = [&](const char* name, char grey) {
+    write_text(path(name), "P5\n160 120\n255\n" + std::string(160 * 120, grey));
+  };
+  for (const char grey : {'\x00', '\xFF'}) {
+    write_even("frames/1000000000.pgm", grey);
+    write_even("frames/2000000000.pgm", grey);
+    for (const ProgramRun& run : {track(), track({"--method", "pnp"}), calibrate(), detect()}) {
+      EXPECT_THAT(run, EndsWith(1, advice));
+      EXPECT_THAT(run.err, testing::Not(testing::HasSubstr("family")));
+    }
+  }
+  write_image(path("frames/3000000000.pgm"), 160, 120);
+  for (const ProgramRun& run : {track(), calibrate(), detect()}) EXPECT_THAT(run, EndsWith(1, "family"));
+}
+
 TEST_F(ExitStatus, NoTagSeenInLargeImagesAdvisesASmallerSearch) {
   const std::string advice = "try --decimate 4";
   EXPECT_THAT(track().err, testing::Not(testing::HasSubstr(advice)));

@@ -21,8 +21,10 @@ void OneImage::SetUp() {
 }
 
 void OneImage::write_image(const std::string& file, int width, int height) {
+  const std::size_t half = static_cast<std::size_t>(width) * (height / 2);  // a wall over a floor
   write_text(file, "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n" +
-                       std::string(static_cast<std::size_t>(width) * height, '\x80'));
+                       std::string(half, '\x80') +
+                       std::string(static_cast<std::size_t>(width) * height - half, '\x60'));
 }
 
 ProgramRun OneImage::run_with(std::vector<std::string> words, const std::vector<std::string>& changes) {

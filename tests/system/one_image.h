@@ -14,7 +14,7 @@ namespace apriltrack::test {
 extern const char* const kGoodCamera;
 extern const char* const kGoodMap;
 
-/// A folder with a good camera, a good map, and one blank image; each test spoils one thing.
+/// A folder with a good camera, a good map, and one image without a tag; each test spoils one thing.
 class OneImage : public ::testing::Test {
  protected:
   void SetUp() override;

@@ -90,9 +90,10 @@ TEST_F(LensOfDetections, AnotherNameIsTakenWhereTheCameraFileHasOne) {
 
 class OwnCameraFiles : public SeveralCameras {
  protected:
-  /// A sequence folder with one blank image: past the camera file, calibrate ends with status 1.
+  /// A sequence folder with one image without a tag: past the camera file, calibrate ends with status 1.
   void write_sequence(const std::string& name, const std::string& camera) const {
-    write_text(path(name) + "/frames/1000000000.pgm", "P5\n640 480\n255\n" + std::string(640 * 480, '\x80'));
+    write_text(path(name) + "/frames/1000000000.pgm",
+               "P5\n640 480\n255\n" + std::string(640 * 240, '\x80') + std::string(640 * 240, '\x60'));
     write_text(path(name) + "/camera.yaml", camera);
   }
   ProgramRun calibrate(const Words& inputs) const {
