@@ -138,6 +138,7 @@ Scene swung_scene() {
 BlurFilm::BlurFilm(Scene filmed, std::uint64_t noise_seed) : scene(std::move(filmed)) {
   const Renderer renderer(scene, {.seed = noise_seed});
   DetectorOptions options;
+  options.families = {scene.map.tags.front().key.family};
   options.response = scene.camera.response;
   Detector detector(options);
   for (std::size_t i = 0; i < scene.num_frames; ++i) {

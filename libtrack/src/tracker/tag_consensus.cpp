@@ -19,6 +19,8 @@ constexpr double kMaxSigmasOfUnknown = 6.0;
 constexpr double kMinSpreadOfMistakes = 0.3;
 /// Nats, of each tag: right ones reached 24 and more in a page full of tags, another's 7.
 constexpr double kMinIdentityLogOdds = 20.0;
+/// What tags reach that are read and nothing hides.
+constexpr double kLeastCorrelationOfRead = 0.94;
 constexpr double kWeightOfMotion = 0.5;  // as a witness against a tag
 /// Of a tag that a start should show and does not; and what the place of such a one may be open by, pixels.
 constexpr double kSamplesToBeMissed = 100.0;
@@ -114,7 +116,10 @@ std::vector<int> TagConsensus::strained_tags() const {
 
 std::string TagConsensus::objection(const BlurFrame& frame, const Explanation& best,
                                     const std::vector<MotionHypothesis>& expected) {
+  readings_.were_read(frame.read);
   if (is_torn_) return "the tags seen do not agree on a pose";
+  if (is_read_by_chance(best))
+    return "a tag of so few bits that chance may read it, and none beside that agrees";
   if (is_vague(best))
     return "one far tag alone does not tell its tilt, and another is not seen where it has it";
   if (jumps_alone(best, expected))
@@ -127,6 +132,17 @@ std::string TagConsensus::objection(const BlurFrame& frame, const Explanation& b
 /// Where these are not where it has them, nothing says which of its tilts is right.
 bool TagConsensus::is_vague(const Explanation& best) const {
   return best.is_cold && leaves_open_what_is_missed(best, kMaxSigmaOfMissed_px);
+}
+
+/// No tag of these was read for sure, or seen to fit another before; nor are two read here that look it.
+bool TagConsensus::is_read_by_chance(const Explanation& best) const {
+  const bool is_known = std::ranges::any_of(supporting_tags(best), [&](int tag) {
+    return trust_.is_confirmed(tag) || readings_.is_surely_read(tag);
+  });
+  return !is_known && std::ranges::count_if(best.fit.tags, [&](const TagEvidence& tag) {
+                        return contains(best.votes.agreeing, tag.tag_index) &&
+                               tag.clean_correlation() >= kLeastCorrelationOfRead;
+                      }) < 2;
 }
 
 bool TagConsensus::is_doubtful(const Explanation& best) const {

@@ -6,6 +6,7 @@
 #include "apriltrack/tracker/blur_tracker.h"
 #include "apriltrack/tracker/track_result.h"
 #include "blur_frame.h"
+#include "chance_readings.h"
 #include "explanation.h"
 #include "hidden_tags.h"
 #include "tag_strain.h"
@@ -19,7 +20,7 @@ namespace apriltrack {
 class TagConsensus {
  public:
   TagConsensus(PhotometricWorld& world, const BlurTrackerOptions& options)
-      : world_(world), options_(options) {}
+      : world_(world), options_(options), readings_(world) {}
   ~TagConsensus() { unmark(); }
   TagConsensus(const TagConsensus&) = delete;
   TagConsensus& operator=(const TagConsensus&) = delete;
@@ -64,6 +65,7 @@ class TagConsensus {
   std::vector<int> strained_tags() const;
   bool jumps_alone(const Explanation& best, const std::vector<MotionHypothesis>& expected);
   bool is_vague(const Explanation& best) const;
+  bool is_read_by_chance(const Explanation& best) const;
   bool leaves_open_what_is_missed(const Explanation& best, double max_sigma_px) const;
   bool may_be_mistaken(const BlurFrame& frame, const Explanation& best) const;
   void learn_hidden_tags(const BlurFrame& frame, const Explanation& best, bool has_rival);
@@ -75,6 +77,7 @@ class TagConsensus {
   const BlurTrackerOptions& options_;
   HiddenTags hidden_;
   TagTrust trust_;
+  ChanceReadings readings_;
   std::vector<int> witnesses_;  ///< Tags that the motion so far rests on.
 
   // Of this frame:

@@ -48,6 +48,8 @@ class TagFamily {
 
   const std::string& name() const { return name_; }
   int num_codes() const { return num_codes_; }
+  /// Of each code.
+  int num_bits() const { return static_cast<int>(bit_cells_.size()); }
   /// Cells across the square whose corners the detector reports.
   int width_at_border() const { return width_at_border_; }
   /// Cells across the whole printed tag.

@@ -1,0 +1,41 @@
+#include "chance_readings.h"
+
+#include <cmath>
+
+#include "apriltrack/tags/tag_family.h"
+
+namespace apriltrack {
+namespace {
+
+/// Of quads; a frame shows tens of them.
+constexpr double kMostByChance = 3e-4;
+
+/// In how many ways `count` of `all` are chosen.
+double choices(int all, int count) {
+  double ways = 1.0;
+  for (int i = 0; i < count; ++i) ways *= static_cast<double>(all - i) / static_cast<double>(i + 1);
+  return ways;
+}
+
+}  // namespace
+
+double chance_of_reading(const std::string& family, int num_mapped, int corrected_bits) {
+  constexpr double kTurns = 4.0;
+  const int num_bits = TagFamily::get(family).num_bits();
+  return std::ldexp(kTurns * num_mapped * choices(num_bits, corrected_bits), -num_bits);
+}
+
+ChanceReadings::ChanceReadings(const PhotometricWorld& world) {
+  for (const PhotometricTag& one : world.tags) ++num_mapped_[one.tag.key.family];
+}
+
+void ChanceReadings::were_read(const std::vector<TagObservation>& observations) {
+  for (const TagObservation& seen : observations) {
+    const std::string& family = seen.tag->key.family;
+    if (!seen.is_repeated &&
+        chance_of_reading(family, num_mapped_.at(family), seen.corrected_bits) < kMostByChance)
+      surely_read_.insert(seen.tag_index);
+  }
+}
+
+}  // namespace apriltrack
