@@ -61,7 +61,8 @@ void run(CLI::App& command, CalibrateOptions& a) {
   warn_of_shutters(rig, a.camera_name, recordings, a.console);
   const Sightings sightings = gather(a, rig, recordings);
   for (const std::string& warning : sightings.warnings) a.console.warning(warning);
-  if (sightings.counts.are_all_blank())
+  if (sightings.counts.are_all_blank() &&
+      std::ranges::all_of(sightings.frames, [](const auto& one) { return one.detections.empty(); }))
     throw no_result("calibrate", told_of_blank_images(sightings.counts.readable));
 
   a.calibration.num_threads = a.num_threads;

@@ -55,12 +55,35 @@ TEST(ChanceReadings, OfOneTagOfManyAreClaimedByNoFrame) {
   }
 }
 
+TEST(ChanceReadings, OfFourTagsAreTooMany) {
+  const BlurFilm film = of_few_bits(still_tag().scene, 3);
+  for (const TrackResult& result : tracked(tracker_with(film, 3), film))
+    EXPECT_EQ(result.status, TrackStatus::kLost);
+}
+
 TEST(ChanceReadings, OfSeveralTagsThatAgreeAreClaimed) {
   const BlurFilm film = of_few_bits(shaken_camera().scene, 4);
   for (const TrackResult& result : tracked(tracker_with(film, 15), film)) {
     EXPECT_GE(result.tags_detected, 2);
     EXPECT_TRUE(has_evidence(result)) << result.reason;
   }
+}
+
+TEST(ChanceReadings, OfATagThatOnceFittedOthersStartNoMotionAnew) {
+  Scene scene = shaken_camera().scene;
+  scene.map.tags[0].key.id = still_tag().scene.map.tags[0].key.id;
+  const BlurFilm film = of_few_bits(scene, 3);
+  BlurTracker tracker = tracker_with(film, 15);
+  for (std::size_t i = 0; i < film.size(); ++i)
+    ASSERT_TRUE(has_evidence(tracker.track(film.frames[i].frame(), film.detections[i])));
+  // A minute later, elsewhere, the same picture alone.
+  const BlurFilm elsewhere = of_few_bits(still_tag().scene, 1);
+  Frame later = elsewhere.frames[0].frame();
+  later.timestamp.ns += 60'000'000'000;
+  ASSERT_EQ(elsewhere.detections[0].size(), 1U);
+  const TrackResult result = tracker.track(later, elsewhere.detections[0]);
+  EXPECT_FALSE(has_evidence(result));
+  EXPECT_THAT(result.reason, HasSubstr("chance"));
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ TEST_F(LoneTag, GainsNothingFromAnotherThatIsLikeAWallByChance) {
     show(patches(static_cast<std::uint64_t>(id)).view());
     const Explanation beside_a_wall = mistaken_explanation();
     ASSERT_EQ(beside_a_wall.fit.tags.size(), 2U);
-    num_alike += log_likelihood({beside_a_wall.fit.tags[1]}) > 2.0 ? 1 : 0;
+    num_alike += beside_a_wall.fit.tags[1].log_likelihood() > 2.0 ? 1 : 0;
     world_->tags[1].is_hidden = true;
     EXPECT_LE(beside_a_wall.score, mistaken_explanation().score + 0.5) << "tag " << id;
   }

@@ -115,7 +115,7 @@ class Detector::Implementation {
     std::optional<std::size_t> family_index;
     if (!family.empty()) {
       const auto one = std::ranges::find(options_.families, family);
-      if (one == options_.families.end()) return {};
+      APRILTRACK_CHECK(one != options_.families.end(), "regions must be for families of the options");
       family_index = static_cast<std::size_t>(one - options_.families.begin());
     }
     std::vector<Candidate> candidates;

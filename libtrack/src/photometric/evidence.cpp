@@ -84,9 +84,12 @@ double identity_log_odds(PhotometricWorld& world, const PhotometricFrame& frame,
 
 double log_likelihood(const std::vector<TagEvidence>& tags) {
   double sum = 0.0;
-  for (const TagEvidence& tag : tags)
-    sum += profile_log_likelihood(tag.correlation, tag.independent_samples(), kUnexplainedVariance);
+  for (const TagEvidence& tag : tags) sum += tag.log_likelihood();
   return sum;
+}
+
+double TagEvidence::log_likelihood() const {
+  return profile_log_likelihood(correlation, independent_samples(), kUnexplainedVariance);
 }
 
 double typical_correlation(const std::vector<TagEvidence>& tags) {

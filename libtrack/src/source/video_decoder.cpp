@@ -155,7 +155,9 @@ std::optional<VideoDecoder::Decoded> VideoDecoder::feed() {
   if ((packet_->flags & AV_PKT_FLAG_CORRUPT) == 0) {
     ++num_whole_;
     if (packet_->pts != AV_NOPTS_VALUE)
-      shown_s_ = std::max(shown_s_, static_cast<double>(packet_->pts) * av_q2d(stream_->time_base));
+      shown_s_ = std::max(shown_s_,
+                          static_cast<double>(packet_->pts + std::max<std::int64_t>(0, packet_->duration)) *
+                              av_q2d(stream_->time_base));
   }
   num_idle_errors_ = 0;
   const int sent = avcodec_send_packet(codec_.get(), packet_.get());

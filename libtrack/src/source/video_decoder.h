@@ -48,7 +48,7 @@ class VideoDecoder {
   /// How long a whole file's pictures go on, as its header says; none where that tells no duration of its own
   /// for them.
   std::optional<double> promised_s() const { return promised_s_; }
-  /// When the last of the whole frames so far is shown, by the same clock.
+  /// Until when the last of the whole frames so far is shown, by the same clock; as far as the file tells.
   double shown_s() const { return shown_s_; }
   /// False for raw streams, whose times the demuxer makes up.
   bool has_times() const;

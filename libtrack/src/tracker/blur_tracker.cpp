@@ -200,6 +200,7 @@ class BlurTracker::Implementation {
                                                       BlurFrame& blur_frame) {
     TagConsensus& consensus = recording_->consensus;
     consensus.begin_frame();
+    consensus.were_read(blur_frame);
     std::vector<Explanation> found;
     do {
       found = explain(frame, expected, blur_frame);
@@ -218,6 +219,7 @@ class BlurTracker::Implementation {
     if (!blur_frame.is_searched && !(is_convincing(found, blur_frame) && found.front().is_explained())) {
       const std::vector<Detection> before = blur_frame.detections;
       recording_->search.look_everywhere(frame, blur_frame);
+      consensus.were_read(blur_frame);
       consensus.choose(blur_frame, false);
       if (!are_same(before, blur_frame.detections)) found = explainer_.explain(blur_frame, expected);
     }

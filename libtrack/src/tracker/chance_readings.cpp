@@ -7,8 +7,11 @@
 namespace apriltrack {
 namespace {
 
-/// Of quads; a frame shows tens of them.
-constexpr double kMostByChance = 3e-4;
+/// Of quads: a film of minutes shows ten thousands of them.
+constexpr double kMostByChance = 1e-5;
+/// Where the map's only tag is looked for, nothing else can confirm it: all of tag16h5 is refused but what
+/// was read without a correction.
+constexpr double kMostOfOneTag = 1e-4;
 
 /// In how many ways `count` of `all` are chosen.
 double choices(int all, int count) {
@@ -25,17 +28,22 @@ double chance_of_reading(const std::string& family, int num_mapped, int correcte
   return std::ldexp(kTurns * num_mapped * choices(num_bits, corrected_bits), -num_bits);
 }
 
-ChanceReadings::ChanceReadings(const PhotometricWorld& world) {
+ChanceReadings::ChanceReadings(const PhotometricWorld& world) : is_of_one_tag_(world.tags.size() == 1) {
   for (const PhotometricTag& one : world.tags) ++num_mapped_[one.tag.key.family];
 }
 
 void ChanceReadings::were_read(const std::vector<TagObservation>& observations) {
+  now_.clear();
   for (const TagObservation& seen : observations) {
-    const std::string& family = seen.tag->key.family;
-    if (!seen.is_repeated &&
-        chance_of_reading(family, num_mapped_.at(family), seen.corrected_bits) < kMostByChance)
-      surely_read_.insert(seen.tag_index);
+    if (is_sure(seen)) now_.insert(seen.tag_index);
   }
+  ever_.insert(now_.begin(), now_.end());
+}
+
+bool ChanceReadings::is_sure(const TagObservation& seen) const {
+  const std::string& family = seen.tag->key.family;
+  return !seen.is_repeated && chance_of_reading(family, num_mapped_.at(family), seen.corrected_bits) <
+                                  (is_of_one_tag_ ? kMostOfOneTag : kMostByChance);
 }
 
 }  // namespace apriltrack

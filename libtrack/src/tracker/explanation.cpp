@@ -35,6 +35,11 @@ double prior_spread(const PhotometricWorld& world, const MotionBelief& prior, co
   return least;
 }
 
+bool is_missed(const TagEvidence& tag) {
+  constexpr double kLeastSamples = 100.0;
+  return !tag.is_explained() && tag.independent_samples() >= kLeastSamples;
+}
+
 bool is_where_seen(const Explanation& explanation) {
   return explanation.prior.agrees_with_turn && explanation.prior_cost <= kMaxExpectedPriorCost;
 }

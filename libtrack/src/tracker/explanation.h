@@ -46,6 +46,9 @@ inline constexpr double kMaxExpectedPriorCost = 14.0;
 /// As Explanation::prior_spread.
 double prior_spread(const PhotometricWorld& world, const MotionBelief& prior, const MotionFit& fit);
 
+/// Of a tag that a state should show: more than a sliver, and not explained.
+bool is_missed(const TagEvidence& tag);
+
 /// Where the motion so far and the turn that was seen since agree on.
 bool is_where_seen(const Explanation& explanation);
 

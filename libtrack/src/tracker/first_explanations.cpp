@@ -45,7 +45,7 @@ std::vector<MotionStart> starts_at(const PhotometricWorld& world, const PoseCand
 /// wrongly.
 bool is_tilt_doubtful(const BlurFrame& frame, const Explanation& explanation) {
   const std::vector<TagEvidence>& tags = explanation.fit.tags;
-  return !frame.observations.empty() && tags.size() > 1 &&
+  return !frame.observations.empty() && std::ranges::any_of(tags, is_missed) &&
          std::ranges::count_if(tags, &TagEvidence::is_explained) == 1;
 }
 

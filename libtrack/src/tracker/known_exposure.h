@@ -6,9 +6,9 @@
 
 namespace apriltrack {
 
-/// 0, an instant, to the longest of a camera; not NaN.
+/// 0, an instant, or one of a camera.
 inline bool is_exposure(double exposure_s) {
-  return exposure_s >= 0.0 && exposure_s <= kMaxExposure_s;
+  return exposure_s == 0.0 || !fault_of_exposure(exposure_s);
 }
 
 /// What is told of the frame, else of the camera; what is none of a camera says nothing.

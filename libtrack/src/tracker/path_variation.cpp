@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -27,7 +28,7 @@ constexpr double kLongPath_px = 25.0;
 /// Where the turn seen says about how long it is.
 constexpr double kLongPathWhereSeen_px = 60.0;
 constexpr int kMaxLengthRounds = 3;
-/// Of the velocity: a start that leads to about the same path again says that there is no other near.
+/// Of the path: a start that leads to about the same one again says that there is no other near.
 constexpr double kLeastChange = 0.1;
 
 bool is_path_long(const Explanation& explanation) {
@@ -37,6 +38,22 @@ bool is_path_long(const Explanation& explanation) {
 /// What a start found already, for others to be compared with.
 MotionStart as_found(const Explanation& explanation) {
   return {explanation.fit.state, explanation.prior, explanation.is_cold};
+}
+
+/// Of the paths of the explained tags' centres during the exposure: how far their ends are apart, at most.
+double ends_apart_px(const PhotometricWorld& world, const Explanation& best, const MotionState& a,
+                     const MotionState& b, double exposure_s) {
+  double apart_px = 0.0;
+  for (const TagEvidence& tag : explained_tags(best.fit.tags)) {
+    const Eigen::Vector3d centre = world.tag_at(tag.tag_index).tag.T_map_tag.translation();
+    for (const double time_s : {-0.5 * exposure_s, 0.5 * exposure_s}) {
+      const auto at_a = world.model.project(camera_from_map(pose_after(a, time_s), world.mode) * centre);
+      const auto at_b = world.model.project(camera_from_map(pose_after(b, time_s), world.mode) * centre);
+      if (!at_a || !at_b) return std::numeric_limits<double>::infinity();
+      apart_px = std::max(apart_px, (*at_b - *at_a).norm());
+    }
+  }
+  return apart_px;
 }
 
 /// Round by round from the best so far to the best of `others` of it, while that is better; in coarse pixels
@@ -53,9 +70,11 @@ std::optional<MotionStart> better_start(
       sketches.push_back(start_fit.sketched(frame, start, 2));
     const Sketch& first = *std::ranges::max_element(sketches, {}, &Sketch::score);
     if (!(first.score > reached.score)) break;
-    const Vector6d before = reached.start.state.velocity;
+    const MotionState before = reached.start.state;
     reached = first;
-    if ((reached.start.state.velocity - before).norm() < kLeastChange * before.norm()) break;
+    const double apart_px =
+        ends_apart_px(start_fit.world(), best, before, reached.start.state, frame.photometric.exposure_s);
+    if (apart_px < kLeastChange * longest_path_px(best)) break;
   }
   if (!(reached.score > as_it_is.score)) return std::nullopt;
   return reached.start;

@@ -20,12 +20,16 @@ bool is_noise_alike(const std::vector<CornerObservation>& a, const std::vector<C
 /// As log_likelihood(), but that a tag which is like what is seen in its place as anything may be by chance
 /// says nothing for the state: where a lone tag's tilt is open, some tilt always turns another tag's picture
 /// to a shadow or an edge that fits it a little.
-double score_of(std::vector<TagEvidence> tags) {
-  constexpr double kLeastCorrelation = 0.5;
-  std::erase_if(tags, [](const TagEvidence& tag) {
-    return tag.clean_correlation() < kLeastCorrelation && log_likelihood({tag}) > 0.0;
-  });
-  return log_likelihood(tags);
+double score_of(const std::vector<TagEvidence>& tags) {
+  constexpr double kByChance = 0.4, kNotByChance = 0.6;
+  double sum = 0.0;
+  for (const TagEvidence& tag : tags) {
+    const double gain = tag.log_likelihood();
+    const double share =
+        std::clamp((tag.clean_correlation() - kByChance) / (kNotByChance - kByChance), 0.0, 1.0);
+    sum += gain > 0.0 ? share * gain : gain;
+  }
+  return sum;
 }
 
 /// Since the frame before: no exposure is longer, whatever is told of it.
@@ -66,7 +70,7 @@ Sketch StartFit::sketched(const BlurFrame& frame, MotionStart start, int coarses
       weigh_evidence(world_, frame.photometric, start.state,
                      {.level = 1, .max_pixels_per_tag = kPixelsPerTag, .is_robust = false});
   const double of_prior = prior_cost(start.prior.belief, start.state);
-  return {start, log_likelihood(tags) + start.prior.log_odds - scored_prior_cost(of_prior)};
+  return {start, score_of(tags) + start.prior.log_odds - scored_prior_cost(of_prior)};
 }
 
 Matrix6d StartFit::bend_covariance_of(const BlurFrame& frame, const Explanation& explanation) const {

@@ -22,8 +22,7 @@ constexpr double kMinIdentityLogOdds = 20.0;
 /// What tags reach that are read and nothing hides.
 constexpr double kLeastCorrelationOfRead = 0.94;
 constexpr double kWeightOfMotion = 0.5;  // as a witness against a tag
-/// Of a tag that a start should show and does not; and what the place of such a one may be open by, pixels.
-constexpr double kSamplesToBeMissed = 100.0;
+/// What the place of a tag that a start should show and does not may be open by.
 constexpr double kMaxSigmaOfMissed_px = 3.0;
 constexpr double kMaxSigmaOfMissedFollowed_px = 10.0;
 /// What is asked of tags that take no part: whether they are there, not where to a hundredth of a pixel.
@@ -116,7 +115,6 @@ std::vector<int> TagConsensus::strained_tags() const {
 
 std::string TagConsensus::objection(const BlurFrame& frame, const Explanation& best,
                                     const std::vector<MotionHypothesis>& expected) {
-  readings_.were_read(frame.read);
   if (is_torn_) return "the tags seen do not agree on a pose";
   if (is_read_by_chance(best))
     return "a tag of so few bits that chance may read it, and none beside that agrees";
@@ -134,15 +132,17 @@ bool TagConsensus::is_vague(const Explanation& best) const {
   return best.is_cold && leaves_open_what_is_missed(best, kMaxSigmaOfMissed_px);
 }
 
-/// No tag of these was read for sure, or seen to fit another before; nor are two read here that look it.
+/// No tag of these is read for sure, nor are two read that look it; nor does a motion go on that rests on a
+/// tag that once was, or that was seen to fit another.
 bool TagConsensus::is_read_by_chance(const Explanation& best) const {
   const bool is_known = std::ranges::any_of(supporting_tags(best), [&](int tag) {
-    return trust_.is_confirmed(tag) || readings_.is_surely_read(tag);
+    return readings_.is_surely_read_now(tag) ||
+           (!best.is_cold && (trust_.is_confirmed(tag) || readings_.was_surely_read(tag)));
   });
-  return !is_known && std::ranges::count_if(best.fit.tags, [&](const TagEvidence& tag) {
-                        return contains(best.votes.agreeing, tag.tag_index) &&
-                               tag.clean_correlation() >= kLeastCorrelationOfRead;
-                      }) < 2;
+  const auto looks_read = [&](const TagEvidence& tag) {
+    return contains(best.votes.agreeing, tag.tag_index) && tag.clean_correlation() >= kLeastCorrelationOfRead;
+  };
+  return !is_known && std::ranges::count_if(best.fit.tags, looks_read) < 2;
 }
 
 bool TagConsensus::is_doubtful(const Explanation& best) const {
@@ -153,7 +153,7 @@ bool TagConsensus::is_doubtful(const Explanation& best) const {
 bool TagConsensus::leaves_open_what_is_missed(const Explanation& best, double max_sigma_px) const {
   const Matrix6d covariance = fit_covariance(world_, best.fit).topLeftCorner<6, 6>() + best.bend_covariance;
   return std::ranges::any_of(best.fit.tags, [&](const TagEvidence& tag) {
-    if (tag.is_explained() || tag.independent_samples() < kSamplesToBeMissed) return false;
+    if (!is_missed(tag)) return false;
     const PhotometricTag& missed = world_.tag_at(tag.tag_index);
     return !(place_sigma_px(world_, missed, best.fit.state.pose, covariance) <= max_sigma_px);
   });

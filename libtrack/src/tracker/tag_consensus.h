@@ -32,6 +32,9 @@ class TagConsensus {
   /// hidden takes part as well.
   void choose(BlurFrame& frame, bool with_hidden);
 
+  /// Of every frame: all that was read in it.
+  void were_read(const BlurFrame& frame) { readings_.were_read(frame.read); }
+
   /// Whether the tags of the convincing explanation contradict each other, and one is to be left out from now
   /// on: explain the frame anew.
   bool leaves_one_out(const BlurFrame& frame, const Explanation& best);

@@ -53,7 +53,7 @@ class Detector {
   std::vector<Detection> detect(const GrayView& image);
 
   /// The same, of what lies whole within one of the regions, which must lie inside the image: for tags about
-  /// whose place one knows. A region for a family that the options do not name shows none. Searched in linear
+  /// whose place one knows. A region's family must be one of the options'. Searched in linear
   /// light alone, in an image `decimate` times smaller (as DetectorOptions'), corners as exact as ever: a
   /// fraction of the cost, but dark and blurred tags are missed that detect() finds.
   std::vector<Detection> detect_in(const GrayView& image, std::span<const TagRegion> regions,

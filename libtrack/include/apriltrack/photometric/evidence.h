@@ -22,6 +22,9 @@ struct TagEvidence {
   /// How many independent pixels they are worth: neighbours err together, and a tag is never all there is.
   double independent_samples() const;
 
+  /// As the function of this name below: of this tag.
+  double log_likelihood() const;
+
   /// Right states reach 0.943 and more where a tag is read, 0.957 where none is, in photoreal recordings;
   /// half a tag behind a hand costs some of that.
   static constexpr double kExplained = 0.85;
