@@ -44,17 +44,20 @@ std::string why_without_pose(const MapContents& map, const std::set<TagKey>& see
     return fmt::format("no tag of family {} in any of {} frames; {}", fmt::join(map.families, ", "),
                        num_frames, kAreTheyThere);
   }
-  const bool sees_mapped =
-      std::any_of(seen.begin(), seen.end(), [&](const TagKey& key) { return map.tags.contains(key); });
-  if (!sees_mapped) {
+  std::set<TagKey> mapped, others;
+  for (const TagKey& key : seen) (map.tags.contains(key) ? mapped : others).insert(key);
+  if (mapped.empty()) {
     return fmt::format(
         "no tag of the map in any of {} frames: seen {}; the map has {}; give the map of this place",
         num_frames, list_of_tags(seen), list_of_tags(map.tags));
   }
+  const std::string question = others.size() > mapped.size()
+                                   ? "is this the family that is printed, and the map of this place?"
+                                   : "check the tag sizes and poses of the map, and the camera file";
   return fmt::format(
-      "tags of the map are seen ({}), but none of {} frames gives a pose (most often: {}); check the tag "
-      "sizes and poses of the map, and the camera file",
-      list_of_tags(seen), num_frames, usual_reason(reasons));
+      "tags of the map are seen ({}){}, but none of {} frames gives a pose (most often: {}); {}",
+      list_of_tags(mapped), others.empty() ? "" : ", and others (" + list_of_tags(others) + ")", num_frames,
+      usual_reason(reasons), question);
 }
 
 }  // namespace

@@ -57,5 +57,22 @@ TEST_F(FewReadings, AreDoubtedWhereAllPosesRestOnThem) {
   EXPECT_EQ(nlohmann::json::parse(run.out)["warnings"].size(), 1U);
 }
 
+TEST(TagsWithoutAPose, AreToldApartFromThoseThatTheMapHasNot) {
+  const fs::path folder = temporary_folder();
+  const std::string film = folder / "film", map_file = folder / "map.yaml";
+  run_for_json({"simulate", "--scene", "wall", "--frames", "1", "--speed", "0", "--output", film});
+  TagMap map = read_tag_map(film + "/map.yaml");
+  const TagKey first = map.tags[0].key, second = map.tags[1].key;
+  map.tags.resize(2);
+  map.tags[1].T_map_tag = Pose(map.tags[1].T_map_tag.rotation(),
+                               map.tags[1].T_map_tag.translation() + Eigen::Vector3d(0.5, 0.5, 0.5));
+  write_tag_map(map_file, map);
+  const ProgramRun run = run_program(
+      {"track", film, "--method", "pnp", "--map", map_file, "--output", folder / "out.tum"});
+  EXPECT_THAT(run, EndsWith(1, "tags of the map are seen (" + to_string(first) + " to " +
+                                   std::to_string(second.id) + "), and others (" + first.family + "/"));
+  EXPECT_THAT(run, EndsWith(1, "is this the family that is printed, and the map of this place?"));
+}
+
 }  // namespace
 }  // namespace apriltrack::test
