@@ -67,8 +67,8 @@ TEST(TagsWithoutAPose, AreToldApartFromThoseThatTheMapHasNot) {
   map.tags[1].T_map_tag = Pose(map.tags[1].T_map_tag.rotation(),
                                map.tags[1].T_map_tag.translation() + Eigen::Vector3d(0.5, 0.5, 0.5));
   write_tag_map(map_file, map);
-  const ProgramRun run = run_program(
-      {"track", film, "--method", "pnp", "--map", map_file, "--output", folder / "out.tum"});
+  const ProgramRun run =
+      run_program({"track", film, "--method", "pnp", "--map", map_file, "--output", folder / "out.tum"});
   EXPECT_THAT(run, EndsWith(1, "tags of the map are seen (" + to_string(first) + " to " +
                                    std::to_string(second.id) + "), and others (" + first.family + "/"));
   EXPECT_THAT(run, EndsWith(1, "is this the family that is printed, and the map of this place?"));

@@ -135,6 +135,8 @@ bool TagConsensus::is_vague(const Explanation& best) const {
 /// No tag of these is read for sure, nor are two read that look it; nor does a motion go on that rests on a
 /// tag that once was, or that was seen to fit another.
 bool TagConsensus::is_read_by_chance(const Explanation& best) const {
+  if (!best.is_cold && best.votes.agreeing.empty())
+    return false;  // it goes on by itself, from what was claimed
   const bool is_known = std::ranges::any_of(supporting_tags(best), [&](int tag) {
     return readings_.is_surely_read_now(tag) ||
            (!best.is_cold && (trust_.is_confirmed(tag) || readings_.was_surely_read(tag)));
