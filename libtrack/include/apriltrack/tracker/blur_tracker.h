@@ -45,6 +45,9 @@ struct BlurTrackerOptions {
 /// covariance is that of the fit, of what the model is known to leave out, and of the tags in the map; the
 /// camera is taken as exact.
 ///
+/// A reading that chance may make, of tag16h5 above all, starts nothing by itself: a map with several of
+/// these needs two in one frame. The only tag of a map needs none, where no bit was corrected.
+///
 /// One recording at a time, frames in the order of time; a frame that is earlier than the one before by more
 /// than 0.1 s starts anew, with a warning in its result: so does the one after a time stamp that is far
 /// ahead. One that is not later is lost, and the motion goes on without it. Memory is bounded. No frame
