@@ -177,14 +177,17 @@ TEST(BlurTracker, OutlivesExposuresThatMeanNothing) {
   Frame frame = film.frames[0].frame();
   const TrackResult right = tracker_of(film).track(frame, film.detections[0]);
   EXPECT_EQ(right.warning, "");
-  for (const auto& [exposure_s, told] :
-       {std::pair(std::nan(""), "nan s"), {-0.01, "-0.01 s"}, {10.0, "10 s"}, {1e300, "1e+300 s"}}) {
+  for (const auto& [exposure_s, told] : {std::pair(std::nan(""), "nan s"),
+                                         {-0.01, "-0.01 s"},
+                                         {1e-9, "1e-09 s"},
+                                         {10.0, "10 s"},
+                                         {1e300, "1e+300 s"}}) {
     frame.exposure_s = exposure_s;  // the camera's own holds instead
     const TrackResult result = tracker_of(film).track(frame, film.detections[0]);
     ASSERT_TRUE(result.pose);
     EXPECT_EQ(result.pose->matrix(), right.pose->matrix());
     EXPECT_EQ(result.warning, std::string("the exposure that the frame tells, ") + told +
-                                  ", is not from 0 to 1 s: it counts as not told");
+                                  ", is neither 0 nor from 1e-07 to 1 s: it counts as not told");
   }
   for (const double exposure_s : {0.0, 1.0}) {  // an instant; far too long
     BlurTracker tracker = tracker_of(film);
@@ -212,8 +215,9 @@ TEST(BlurTracker, WarnsOfACameraWhoseExposureCannotBe) {
   frame = film.frames[1].frame();
   frame.exposure_s.reset();
   const TrackResult result = tracker.track(frame, film.detections[1]);
-  EXPECT_EQ(result.warning,
-            "the exposure that the camera tells, 10 s, is not from 0 to 1 s: it counts as not told");
+  EXPECT_EQ(
+      result.warning,
+      "the exposure that the camera tells, 10 s, is neither 0 nor from 1e-07 to 1 s: it counts as not told");
   ASSERT_TRUE(result.exposure);
   EXPECT_FALSE(result.exposure->told_s);
 }

@@ -9,8 +9,9 @@ namespace {
 
 std::string warning_of(const char* whose, std::optional<double> exposure_s) {
   if (!exposure_s || is_exposure(*exposure_s)) return "";
-  return fmt::format("the exposure that the {} tells, {:g} s, is not from 0 to {:g} s: it counts as not told",
-                     whose, *exposure_s, kMaxExposure_s);
+  return fmt::format(
+      "the exposure that the {} tells, {:g} s, is neither 0 nor from {:g} to {:g} s: it counts as not told",
+      whose, *exposure_s, kMinExposure_s, kMaxExposure_s);
 }
 
 }  // namespace

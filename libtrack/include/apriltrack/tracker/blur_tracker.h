@@ -66,9 +66,10 @@ class BlurTracker {
   void prepare();
 
   /// An image of another resolution than the camera's is lost; its reason says so. Where the camera tells
-  /// none, the first image's holds. An exposure of 0 is an instant: nothing is blurred; one that is negative,
-  /// no number, or longer than kMaxExposure_s counts as unknown, with a warning in the result. One that is
-  /// wrong by a factor of up to 25 is put right by the motion, where it moves enough (TrackResult::exposure).
+  /// none, the first image's holds. An exposure of 0 is an instant: nothing is blurred; any other that
+  /// is not from kMinExposure_s to kMaxExposure_s counts as unknown, with a warning in the result. One that
+  /// is wrong by a factor of up to 25 is put right by the motion, where it moves enough
+  /// (TrackResult::exposure).
   TrackResult track(const Frame& frame);
   /// The same with detections made elsewhere, by a detector of detector_options(): for instance several
   /// frames at a time.

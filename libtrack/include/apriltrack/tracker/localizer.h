@@ -54,8 +54,8 @@ class Localizer {
   /// names both.
   TrackResult localize(const Frame& frame);
   /// The same from detections made elsewhere, for instance several frames at a time.
-  /// exposure_s: of this frame; else, and with a warning where it is not from 0 to kMaxExposure_s, the
-  /// camera's own value holds.
+  /// exposure_s: of this frame; else, and with a warning where it is neither 0 nor from kMinExposure_s to
+  /// kMaxExposure_s, the camera's own value holds.
   TrackResult localize(const FrameDetections& detections, std::optional<double> exposure_s = std::nullopt);
 
   /// What localize(Frame) detects with: the options given, with the map's families and the camera's response.
