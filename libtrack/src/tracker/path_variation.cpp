@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <span>
 
 #include "largest_tags.h"
+#include "place_spread.h"
 
 namespace apriltrack {
 namespace {
@@ -45,13 +45,9 @@ double ends_apart_px(const PhotometricWorld& world, const Explanation& best, con
                      const MotionState& b, double exposure_s) {
   double apart_px = 0.0;
   for (const TagEvidence& tag : explained_tags(best.fit.tags)) {
-    const Eigen::Vector3d centre = world.tag_at(tag.tag_index).tag.T_map_tag.translation();
-    for (const double time_s : {-0.5 * exposure_s, 0.5 * exposure_s}) {
-      const auto at_a = world.model.project(camera_from_map(pose_after(a, time_s), world.mode) * centre);
-      const auto at_b = world.model.project(camera_from_map(pose_after(b, time_s), world.mode) * centre);
-      if (!at_a || !at_b) return std::numeric_limits<double>::infinity();
-      apart_px = std::max(apart_px, (*at_b - *at_a).norm());
-    }
+    for (const double time_s : {-0.5 * exposure_s, 0.5 * exposure_s})
+      apart_px = std::max(apart_px, place_shift_px(world, world.tag_at(tag.tag_index), pose_after(a, time_s),
+                                                   pose_after(b, time_s)));
   }
   return apart_px;
 }

@@ -10,4 +10,9 @@ namespace apriltrack {
 double place_sigma_px(const PhotometricWorld& world, const PhotometricTag& tag, const Pose& pose,
                       const Matrix6d& covariance);
 
+/// How far the tag's centre moves in the image from one pose to the other; infinite where one of the two does
+/// not show it.
+double place_shift_px(const PhotometricWorld& world, const PhotometricTag& tag, const Pose& from,
+                      const Pose& to);
+
 }  // namespace apriltrack

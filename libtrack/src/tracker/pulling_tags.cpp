@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "place_spread.h"
+
 namespace apriltrack {
 namespace {
 
@@ -28,12 +30,8 @@ std::vector<int> tags_that_may_pull(const Explanation& explanation) {
 
 bool has_moved(const PhotometricWorld& world, const std::vector<int>& tags, const Pose& from,
                const Pose& to) {
-  return std::ranges::any_of(tags, [&](int index) {
-    const Eigen::Vector3d centre = world.tag_at(index).tag.T_map_tag.translation();
-    const auto before = world.model.project(camera_from_map(from, world.mode) * centre);
-    const auto after = world.model.project(camera_from_map(to, world.mode) * centre);
-    return !(before && after && (*after - *before).norm() < kPulled_px);
-  });
+  return std::ranges::any_of(
+      tags, [&](int index) { return !(place_shift_px(world, world.tag_at(index), from, to) < kPulled_px); });
 }
 
 Explanation explained_from(const StartFit& start_fit, const BlurFrame& frame, const Explanation& start) {

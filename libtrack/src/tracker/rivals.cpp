@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 
 #include "blur_covariance.h"
+#include "place_spread.h"
 
 namespace apriltrack {
 namespace {
@@ -22,14 +22,6 @@ constexpr double kElsewhere_px = 10.0;
 
 double score_over(const Explanation& best, const Explanation& other) {
   return std::min(0.0, other.score - best.score);
-}
-
-/// Of the tag's centre in the image; infinite where one of the two does not show it.
-double shift_px(const PhotometricWorld& world, const TagEvidence& tag, const Pose& from, const Pose& to) {
-  const Eigen::Vector3d centre = world.tag_at(tag.tag_index).tag.T_map_tag.translation();
-  const auto before = world.model.project(camera_from_map(from, world.mode) * centre);
-  const auto after = world.model.project(camera_from_map(to, world.mode) * centre);
-  return before && after ? (*after - *before).norm() : std::numeric_limits<double>::infinity();
 }
 
 /// By score: what lies beyond its prior comes last in `found`, and may be right all the same. Null for none.
@@ -60,7 +52,8 @@ bool has_rival(const PhotometricWorld& world, const std::vector<Explanation>& fo
   return std::any_of(std::next(found.begin()), found.end(), [&](const Explanation& other) {
     return other.score - best.score > kLeastScoreOfRival &&
            std::ranges::any_of(best.fit.tags, [&](const TagEvidence& tag) {
-             return !(shift_px(world, tag, best.fit.state.pose, other.fit.state.pose) <= kElsewhere_px);
+             return !(place_shift_px(world, world.tag_at(tag.tag_index), best.fit.state.pose,
+                                     other.fit.state.pose) <= kElsewhere_px);
            });
   });
 }
