@@ -52,6 +52,55 @@ TEST(Localizer, TwoTagsThatDisagreeGiveNoPoseUnlessTheMotionSpeaksForOne) {
   EXPECT_EQ(result.tags_tracked, 1);
 }
 
+/// The map with all its tags of a family, and further ones elsewhere.
+TagMap of_family(TagMap map, const std::string& family, int num_elsewhere) {
+  for (int i = 0; i < num_elsewhere; ++i)
+    map.tags.push_back(test::tag_at(10 + i, Pose(Eigen::Quaterniond::Identity(), {0.0, 0.0, 20.0 + i})));
+  for (MapTag& tag : map.tags) tag.key.family = family;
+  return map;
+}
+
+/// Whether one of the room's tags, alone in the frame, is claimed.
+TrackResult of_lone_tag(const std::string& family, int num_mapped, int corrected_bits) {
+  const Camera camera = test::radtan();
+  const TagMap one = test::only(test::room(), {1});
+  FrameDetections frame = test::seen(camera, of_family(one, family, 0), Pose());
+  frame.detections.at(0).hamming = corrected_bits;
+  Localizer localizer(camera, of_family(one, family, num_mapped - 1));
+  return localizer.localize(frame);
+}
+
+TEST(Localizer, ALoneTagThatChanceMayReadGivesNoPose) {
+  const TrackResult result = of_lone_tag("tag16h5", 7, 0);
+  EXPECT_EQ(result.status, TrackStatus::kLost);
+  EXPECT_FALSE(result.pose);
+  EXPECT_EQ(result.tags_detected, 1);
+  EXPECT_THAT(result.reason, testing::HasSubstr("chance may read it"));
+  EXPECT_FALSE(of_lone_tag("tag16h5", 2, 0).pose);
+  EXPECT_FALSE(of_lone_tag("tag16h5", 1, 1).pose);
+  EXPECT_TRUE(of_lone_tag("tag16h5", 1, 0).pose) << "nothing else could confirm it";
+  EXPECT_FALSE(of_lone_tag("tag25h9", 20, 2).pose);
+}
+
+TEST(Localizer, ALoneTagOfManyBitsGivesAPoseInAnyMap) {
+  for (const int corrected_bits : {0, 1, 2}) {
+    EXPECT_TRUE(of_lone_tag("tag36h11", 1, corrected_bits).pose);
+    EXPECT_TRUE(of_lone_tag("tag36h11", 577, corrected_bits).pose);
+  }
+}
+
+TEST(Localizer, TagsOfFewBitsThatAgreeGiveAPose) {
+  const Camera camera = test::radtan();
+  const TagMap two = of_family(test::only(test::room(), {1, 2}), "tag16h5", 0);
+  Localizer localizer(camera, of_family(test::room(), "tag16h5", 0));
+  const TrackResult result = localizer.localize(test::seen(camera, two, Pose()));
+  ASSERT_EQ(result.status, TrackStatus::kDetected) << result.reason;
+  EXPECT_THAT(*result.pose, PoseNear(Pose(), 1e-6, 1e-6));
+  // Nor does the motion that they showed make one of them alone any surer.
+  const TagMap one = test::only(two, {1});
+  EXPECT_FALSE(localizer.localize(test::seen(camera, one, Pose(), {1'033'000'000})).pose);
+}
+
 /// The map of another place: a pose from two tags that happen to fit must not live on among tags that refute
 /// it.
 TEST(Localizer, AMinorityOfTagsGivesNoPoseEvenWithTheMotion) {

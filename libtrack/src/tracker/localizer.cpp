@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
+#include <string>
 
+#include "chance_readings.h"
 #include "corner_noise.h"
 #include "frame_warning.h"
 #include "image_size.h"
@@ -21,6 +24,8 @@ namespace {
 constexpr double kUnknownExposure_s = 0.01;     // indoor webcams: 5 to 30 ms
 constexpr double kMinOdds = 1e-3;               // what is less likely than this is ruled out
 constexpr double kMinLogPriorOfSupport = -5.0;  // 3 sigma from the prediction
+/// Of quads: all of tag36h11 with two bits corrected stays below (2e-5), two of tag16h5 with none are above.
+constexpr double kMostByChance = 1e-4;
 
 struct Choice {
   PoseCandidate candidate;
@@ -48,7 +53,9 @@ class Localizer::Implementation {
         map_(map),
         index_(map),
         options_(options),
-        detector_options_((options.check(), detector_options_for(camera, map, options.detector))) {}
+        detector_options_((options.check(), detector_options_for(camera, map, options.detector))) {
+    for (const MapTag& tag : map_.tags) ++num_mapped_[tag.key.family];
+  }
 
   TrackResult localize(const Frame& frame) {
     if (const auto lost = lost_to_another_camera(frame, camera_)) return *lost;
@@ -81,20 +88,34 @@ class Localizer::Implementation {
     result.tags_detected = count_tags(observations);
     if (observations.empty()) {
       result.reason = detections.empty() ? "no tag seen" : "no tag of the map seen";
-    } else if (const auto choice = choose(time, observations, exposure_s)) {
-      report(time, *choice, &result);
-      if (result.pose) result.contradicting_tags = left_aside(observations, choice->candidate.inliers);
     } else {
-      result.reason =
-          result.tags_detected > 1 ? "the tags seen do not agree on a pose" : "the corners seen fit no pose";
+      localize(time, observations, exposure_s, &result);
     }
     result.latency_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return result;
   }
 
-  /// The candidate that corners and recent poses together make most likely, if it has enough behind it.
-  std::optional<Choice> choose(Timestamp time, const std::vector<TagObservation>& observations,
-                               double exposure_s) const {
+  void localize(Timestamp time, const std::vector<TagObservation>& observations, double exposure_s,
+                TrackResult* result) {
+    std::vector<PoseCandidate> candidates = supported_candidates(time, observations);
+    if (candidates.empty()) {
+      result->reason =
+          result->tags_detected > 1 ? "the tags seen do not agree on a pose" : "the corners seen fit no pose";
+      return;
+    }
+    std::erase_if(candidates, [&](const PoseCandidate& c) { return is_read_by_chance(c); });
+    if (candidates.empty()) {
+      result->reason = "a tag of so few bits that chance may read it, and none beside that agrees";
+      return;
+    }
+    const Choice choice = choose(time, observations, candidates, exposure_s);
+    report(time, choice, result);
+    if (result->pose) result->contradicting_tags = left_aside(observations, choice.candidate.inliers);
+  }
+
+  /// Those that have enough behind them.
+  std::vector<PoseCandidate> supported_candidates(Timestamp time,
+                                                  const std::vector<TagObservation>& observations) const {
     std::vector<Pose> predictions;
     for (const PoseMemory::Mode& mode : memory_.predict(time))
       predictions.push_back(T_camera_map_of(mode.pose));
@@ -102,8 +123,21 @@ class Localizer::Implementation {
     std::vector<PoseCandidate> candidates =
         find_pose_candidates(camera_.model, observations, predictions, options);
     std::erase_if(candidates, [&](const PoseCandidate& c) { return !is_supported(time, observations, c); });
-    if (candidates.empty()) return std::nullopt;
+    return candidates;
+  }
 
+  /// Whether it rests on one tag alone, of a family with so few bits that a quad of something else is read as
+  /// a mapped one now and then.
+  bool is_read_by_chance(const PoseCandidate& candidate) const {
+    if (candidate.inliers.size() > 1) return false;
+    const TagObservation& only = *candidate.inliers.front();
+    const std::string& family = only.tag->key.family;
+    return chance_of_reading(family, num_mapped_.at(family), only.corrected_bits) >= kMostByChance;
+  }
+
+  /// The candidate that corners and recent poses together make most likely. candidates: not empty.
+  Choice choose(Timestamp time, const std::vector<TagObservation>& observations,
+                const std::vector<PoseCandidate>& candidates, double exposure_s) const {
     // One sigma for all, or a bad fit would excuse itself.
     const auto best_fit =
         std::min_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
@@ -200,7 +234,8 @@ class Localizer::Implementation {
 
   Camera camera_;
   TagMap map_;
-  TagIndex index_;  ///< Of the map's tags.
+  TagIndex index_;                         ///< Of the map's tags.
+  std::map<std::string, int> num_mapped_;  ///< By family.
   LocalizerOptions options_;
   DetectorOptions detector_options_;
   std::optional<Detector> detector_;  ///< Made by prepare(): detections from a file need none.
