@@ -198,21 +198,36 @@ void finish(const TrackArguments& arguments, const TrackRecord& record, bool was
   arguments.console.finish(summary, text);
 }
 
-/// A run without a pose leaves the page alone, which says why; others all that was asked for, or nothing.
+/// What is there already is the result of an earlier run, which one without a pose leaves alone; an empty
+/// file is none.
+bool writes_frame_log(const TrackArguments& arguments, const TrackRecord& record) {
+  if (arguments.frames_csv.empty()) return false;
+  const bool is_there = fs::is_regular_file(arguments.frames_csv) && !fs::is_empty(arguments.frames_csv);
+  return record.has_pose() || !is_there;
+}
+
+/// A run without a pose leaves what says why, the page and the frame log; others all that was asked for, or
+/// nothing.
 void write_outputs(const TrackArguments& arguments, const TrackRun& tracked,
                    std::optional<TrackVideo>& video) {
   const TrackRecord& record = tracked.record;
   StagedFiles outputs;
   if (!arguments.report.empty())
     outputs.write(arguments.report, [&](const fs::path& path) { write_track_report(path, tracked); });
+  if (writes_frame_log(arguments, record))
+    outputs.write(arguments.frames_csv, [&](const fs::path& path) { write_frame_log(path, record.rows()); });
   if (record.has_pose()) {
     outputs.write(arguments.output, [&](const fs::path& path) { write_tum(path, record.trajectory()); });
-    if (!arguments.frames_csv.empty())
-      outputs.write(arguments.frames_csv,
-                    [&](const fs::path& path) { write_frame_log(path, record.rows()); });
     if (video) video->close(outputs);
   }
   outputs.commit();
+}
+
+/// Where a run without a pose says more than its error; as the end of that.
+std::string told_of_frame_log(const TrackArguments& arguments, bool is_written) {
+  if (arguments.frames_csv.empty()) return "";
+  return is_written ? fmt::format(" (each frame's status: {})", arguments.frames_csv)
+                    : fmt::format(" ({} is kept, of an earlier run)", arguments.frames_csv);
 }
 
 void run(const CLI::App& command, const TrackArguments& arguments) {
@@ -237,11 +252,14 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   warn_of_few_readings(record, map, arguments.console);
   warn_of_unseen_tags(record, arguments.console);
   warn_of_exposure(record, arguments.console);
+  const bool has_log = writes_frame_log(arguments, record);  // before there is one
   write_outputs(arguments,
                 {command_line_of(command), arguments, camera_file(arguments), map_file(arguments), camera,
                  map, record, was_interrupted},
                 video);
-  record.check_has_pose(has_images ? arguments.input : arguments.detections, map);
+  if (!record.has_pose())
+    throw no_result(has_images ? arguments.input : arguments.detections,
+                    record.why_no_pose(map) + told_of_frame_log(arguments, has_log));
   finish(arguments, record, was_interrupted);
 }
 

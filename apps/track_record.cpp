@@ -158,10 +158,6 @@ std::string TrackRecord::why_no_pose(const TagMap& map) const {
   return why;
 }
 
-void TrackRecord::check_has_pose(const std::string& input, const TagMap& map) const {
-  if (!has_pose()) throw no_result(input, why_no_pose(map));
-}
-
 TrackRecord::SeveralTags TrackRecord::frames_with_several_tags() const {
   SeveralTags result;
   for (std::size_t i = 0; i < rows_.size(); ++i) {

@@ -40,8 +40,6 @@ class TrackRecord {
   std::string doubt_of_readings(const TagMap& map) const;
   /// Why a whole recording gave no pose, and what to do.
   std::string why_no_pose(const TagMap& map) const;
-  /// Throws Error(kNoResult) that says so.
-  void check_has_pose(const std::string& input, const TagMap& map) const;
 
   struct SeveralTags {
     std::size_t frames = 0;

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
+#include "apriltrack/eval/frame_log.h"
 #include "one_image.h"
 #include "program.h"
 
@@ -73,6 +76,26 @@ TEST_F(ExitStatus, NoTagSeenIs1AndSaysWhatToDo) {
   EXPECT_FALSE(fs::exists(path("out.tum")));
   EXPECT_FALSE(fs::exists(path("new_map.yaml")));
   EXPECT_FALSE(fs::exists(path("corners.csv")));
+}
+
+TEST_F(ExitStatus, NoPoseInAnyFrameIs1AndLeavesTheFrameLogThatTheErrorNames) {
+  write_image(path("frames/2000000000.pgm"), 160, 120);
+  write_text(path("frames/3000000000.pgm"), "no picture");
+  for (const char* method : {"blur", "paper", "pnp"}) {
+    const std::string log = path(std::string(method) + ".csv");
+    const std::string status = "(each frame's status: " + log + ")";
+    EXPECT_THAT(track({"--method", method, "--frames-csv", log}), EndsWith(1, status));
+    EXPECT_FALSE(fs::exists(path("out.tum")));
+    std::vector<std::string> statuses;
+    for (const FrameLogRow& row : read_frame_log(log)) statuses.push_back(row.status);
+    EXPECT_THAT(statuses, testing::ElementsAre("lost", "lost", "unreadable")) << method;
+  }
+  // An output that is there is of a run that gave poses.
+  write_text(path("old.csv"), "old\n");
+  const std::string kept = "(" + path("old.csv") + " is kept, of an earlier run)";
+  EXPECT_THAT(track({"--frames-csv", path("old.csv")}), EndsWith(1, kept));
+  EXPECT_EQ(read_text(path("old.csv")), "old\n");
+  EXPECT_THAT(track({"--frames-csv", "/dev/stdout"}).out, testing::HasSubstr("1000000000,lost,"));
 }
 
 TEST_F(ExitStatus, FramesThatShowNothingAre1AndAskForTheLens) {
