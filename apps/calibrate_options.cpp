@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 
 void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
   command.add_option(
-      "input", a.inputs,
-      "INPUT: sequence folder, folder of images, glob, EuRoC mav0 folder or video; of several cameras: "
+      "INPUT", a.inputs,
+      "Sequence folder, folder of images, glob, EuRoC mav0 folder or video; of several cameras: "
       "cam0=PATH cam1=PATH");
   command.add_option("--detections", a.detections, "Detection file(s) in place of images");
   command.add_option("--camera", a.camera, "Camera file; a sequence folder's own by default");

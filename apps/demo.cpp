@@ -68,10 +68,9 @@ void add_demo_command(CLI::App& app) {
       app, "demo",
       {"The whole job on rendered recordings, with a page that shows it.",
        "apriltrack demo --output demo-output",
-       "Calibrates a room from a gentle recording; tracks a violently blurred one through that map, a "
-       "tumbling body and a single tag, by detection, by the seed paper and through the blur; compares with "
-       "the "
-       "truth. report.html has figures, pictures and videos."});
+       "Calibrates a room from a gentle recording; tracks a violently blurred one through that map, a\n"
+       "tumbling body and a single tag, by detection, by the seed paper and through the blur; compares\n"
+       "with the truth. report.html has figures, pictures and videos."});
   command
       .add_option("--output", options->output,
                   "Folder for recordings, maps, trajectories, pictures and report.html")
@@ -81,8 +80,8 @@ void add_demo_command(CLI::App& app) {
       ->capture_default_str();
   command
       .add_option("--frames", options->num_frames,
-                  "Of the room's recording; the bodies' are half as long. Fewer: a quicker look")
-      ->check(CLI::Range(8, 10'000))
+                  "Of the room's recording, 8 to 10000; the bodies' are half as long. Fewer: a quicker look")
+      ->check(whole_number(8, 10'000))
       ->capture_default_str();
   command.add_option("--threads", options->threads, "0 = all cores; results do not depend on it")
       ->capture_default_str()

@@ -97,7 +97,7 @@ void add_track_options(CLI::App& command, TrackArguments& arguments) {
       .add_option(
           "--particles", arguments.options.num_particles,
           "Of --method blur (default: 240 in each of five rounds) and paper (3000 printed, 6000 program)")
-      ->check(CLI::Range(1, 10'000'000));
+      ->check(whole_number(1, 10'000'000));
   command
       .add_option("--seed", arguments.options.seed,
                   "Of --method blur and paper: the same seed gives the same trajectory")

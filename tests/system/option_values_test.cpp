@@ -56,6 +56,10 @@ TEST_F(OptionValues, ANumberOutOfRangeIs2WithTheOptionsOwnName) {
               EndsWith(2, "--step: must be a whole number of at least 1 (is '-1')"));
   EXPECT_THAT(calibrate({"--step", "0"}),
               EndsWith(2, "--step: must be a whole number of at least 1 (is '0')"));
+  EXPECT_THAT(track({"--particles", "0"}),
+              EndsWith(2, "--particles: must be a whole number from 1 to 10000000 (is '0')"));
+  EXPECT_THAT(run_program({"demo", "--output", path("demo"), "--frames", "7"}),
+              EndsWith(2, "--frames: must be a whole number from 8 to 10000 (is '7')"));
   EXPECT_THAT(calibrate({"--max-frames", "-2"}),
               EndsWith(2, "--max-frames: must be a whole number of at least 1"));
   EXPECT_THAT(calibrate({"--min-views", "0"}), EndsWith(2, "--min-views: must be a whole number from 1"));
