@@ -41,7 +41,8 @@ void add_scene(HtmlPage& page, const DemoFiles& files, const DemoScene& scene,
       "The blur tracker's predicted poses, which nothing in their frame confirms, have marks of their own.");
   page.video(files.video(scene),
              "Every mapped tag outlined where the blur tracker puts it. Green: the pose rests on a "
-             "detection in this frame; blue: on the pixels alone; orange: predicted; red: lost.");
+             "detection in this frame; blue: on the pixels alone; orange: predicted; red: lost. Without "
+             "an outline: clutter that looks like tags, and tags seen too obliquely to compare.");
 }
 
 void add_detection(HtmlPage& page, const DemoFiles& files) {
@@ -78,13 +79,12 @@ void write_demo_report(const DemoOptions& options, const DemoFiles& files,
   HtmlPage page("AprilTrack: the pose through motion blur");
   page.paragraph(
       "Everything here was rendered, calibrated, tracked and measured by one command, against the "
-      "simulator's "
-      "exact truth; the trackers saw images only.");
+      "simulator's exact truth; the trackers saw images only.");
   page.code(command_line(options));
   const DemoTable table = tabulate(scores);
   page.table(
       {table.header, table.rows,
-       fmt::format("Claimed: frames with status detected or tracked. {} Claimed, > 10 px: claimed poses "
+       fmt::format("Claimed: frames with status detected or tracked. {} Claimed, over 10 px: claimed poses "
                    "that are wrong. ms: median of a frame, all threads at work beside it.",
                    explain_blur_columns())});
   add_calibration(page, files);

@@ -112,7 +112,7 @@ DemoTable tabulate(const std::vector<DemoScore>& scores) {
   DemoTable table;
   table.header = {"scene", "method", "claimed", "within 5 px"};
   for (const Range& range : kBlurRanges) table.header.push_back(fmt::format("blur {} px", range.name));
-  table.header.insert(table.header.end(), {"claimed, > 10 px", "ms"});
+  table.header.insert(table.header.end(), {"claimed, over 10 px", "ms"});
   for (const DemoScore& score : scores) table.rows.push_back(row(score));
   return table;
 }

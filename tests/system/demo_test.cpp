@@ -157,7 +157,8 @@ void expect_plain_arithmetic(const fs::path& demo, const json& summary) {
   for (const char* line :
        {"size: 0.16\n", "position: {x: 0, y: 0, z: 0}", "orientation: {x: 0, y: 0, z: 0, w: 1}"})
     ASSERT_NE(map.find(line), std::string::npos) << line;
-  auto claimed = column_of_single(summary, "claimed"), wrong = column_of_single(summary, "claimed, > 10 px"),
+  auto claimed = column_of_single(summary, "claimed"),
+       wrong = column_of_single(summary, "claimed, over 10 px"),
        good = column_of_single(summary, "within 5 px");
   ASSERT_EQ(claimed.size(), 3U);
   int num_unclaimed = 0, num_silent = 0;
