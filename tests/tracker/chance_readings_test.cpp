@@ -18,6 +18,32 @@ TEST(ChanceReadings, AreAsFrequentAsCoinsMakeCodes) {
   EXPECT_NEAR(chance_of_reading("tag36h11", 587, 2), 4.0 * 587.0 * 36.0 * 35.0 / 2.0 / 68719476736.0, 1e-12);
 }
 
+/// Whether a reading with so many bits corrected may be chance, in a map of so many tags of this family and
+/// one of another.
+bool may_be_chance(const std::string& family, int num_mapped, int corrected_bits, bool with_another) {
+  TagMap map;
+  map.tags.resize(static_cast<std::size_t>(num_mapped));
+  for (MapTag& tag : map.tags) tag.key.family = family;
+  if (with_another) map.tags.emplace_back().key.family = "tagStandard41h12";
+  TagObservation seen;
+  seen.tag = &map.tags.front();
+  seen.corrected_bits = corrected_bits;
+  return ReadingOdds(map).may_be_chance(seen);
+}
+
+TEST(ReadingOdds, AreOfTheFamilyTheMapAndTheBitsCorrected) {
+  EXPECT_FALSE(may_be_chance("tag16h5", 1, 0, false)) << "nothing else could confirm it";
+  EXPECT_TRUE(may_be_chance("tag16h5", 1, 1, false));
+  EXPECT_TRUE(may_be_chance("tag16h5", 1, 0, true));
+  EXPECT_TRUE(may_be_chance("tag16h5", 2, 0, false));
+  EXPECT_FALSE(may_be_chance("tag25h9", 35, 0, false));
+  EXPECT_FALSE(may_be_chance("tag25h9", 3, 1, false));
+  EXPECT_TRUE(may_be_chance("tag25h9", 4, 1, false));
+  EXPECT_FALSE(may_be_chance("tag36h11", 587, 1, false));
+  EXPECT_FALSE(may_be_chance("tag36h11", 272, 2, false));
+  EXPECT_TRUE(may_be_chance("tag36h11", 273, 2, false));
+}
+
 /// The film of a scene whose tags are of a family with 16 bits.
 BlurFilm of_few_bits(Scene scene, int num_frames) {
   for (MapTag& tag : scene.map.tags) tag.key.family = "tag16h5";

@@ -119,7 +119,7 @@ class BlurTracker::Implementation {
                            exposure_warning(frame.exposure_s, camera_.exposure_s));
   }
 
-  void start_anew() { recording_.emplace(options_, world_, reader_); }
+  void start_anew() { recording_.emplace(options_, map_, world_, reader_); }
 
   /// A frame that is much earlier than the one before is of another recording; where it is a little earlier,
   /// or of the same time, its stamp is wrong, or it was delivered twice.

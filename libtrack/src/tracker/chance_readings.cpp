@@ -28,22 +28,22 @@ double chance_of_reading(const std::string& family, int num_mapped, int correcte
   return std::ldexp(kTurns * num_mapped * choices(num_bits, corrected_bits), -num_bits);
 }
 
-ChanceReadings::ChanceReadings(const PhotometricWorld& world) : is_of_one_tag_(world.tags.size() == 1) {
-  for (const PhotometricTag& one : world.tags) ++num_mapped_[one.tag.key.family];
+ReadingOdds::ReadingOdds(const TagMap& map) : is_of_one_tag_(map.tags.size() == 1) {
+  for (const MapTag& tag : map.tags) ++num_mapped_[tag.key.family];
+}
+
+bool ReadingOdds::may_be_chance(const TagObservation& seen) const {
+  const std::string& family = seen.tag->key.family;
+  return chance_of_reading(family, num_mapped_.at(family), seen.corrected_bits) >=
+         (is_of_one_tag_ ? kMostOfOneTag : kMostByChance);
 }
 
 void ChanceReadings::were_read(const std::vector<TagObservation>& observations) {
   now_.clear();
   for (const TagObservation& seen : observations) {
-    if (is_sure(seen)) now_.insert(seen.tag_index);
+    if (!seen.is_repeated && !odds_.may_be_chance(seen)) now_.insert(seen.tag_index);
   }
   ever_.insert(now_.begin(), now_.end());
-}
-
-bool ChanceReadings::is_sure(const TagObservation& seen) const {
-  const std::string& family = seen.tag->key.family;
-  return !seen.is_repeated && chance_of_reading(family, num_mapped_.at(family), seen.corrected_bits) <
-                                  (is_of_one_tag_ ? kMostOfOneTag : kMostByChance);
 }
 
 }  // namespace apriltrack

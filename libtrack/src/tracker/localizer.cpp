@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
-#include <string>
 
 #include "chance_readings.h"
 #include "corner_noise.h"
@@ -24,8 +22,6 @@ namespace {
 constexpr double kUnknownExposure_s = 0.01;     // indoor webcams: 5 to 30 ms
 constexpr double kMinOdds = 1e-3;               // what is less likely than this is ruled out
 constexpr double kMinLogPriorOfSupport = -5.0;  // 3 sigma from the prediction
-/// Of quads: all of tag36h11 with two bits corrected stays below (2e-5), two of tag16h5 with none are above.
-constexpr double kMostByChance = 1e-4;
 
 struct Choice {
   PoseCandidate candidate;
@@ -52,10 +48,9 @@ class Localizer::Implementation {
       : camera_(camera),
         map_(map),
         index_(map),
+        reading_odds_(map),
         options_(options),
-        detector_options_((options.check(), detector_options_for(camera, map, options.detector))) {
-    for (const MapTag& tag : map_.tags) ++num_mapped_[tag.key.family];
-  }
+        detector_options_((options.check(), detector_options_for(camera, map, options.detector))) {}
 
   TrackResult localize(const Frame& frame) {
     if (const auto lost = lost_to_another_camera(frame, camera_)) return *lost;
@@ -129,10 +124,7 @@ class Localizer::Implementation {
   /// Whether it rests on one tag alone, of a family with so few bits that a quad of something else is read as
   /// a mapped one now and then.
   bool is_read_by_chance(const PoseCandidate& candidate) const {
-    if (candidate.inliers.size() > 1) return false;
-    const TagObservation& only = *candidate.inliers.front();
-    const std::string& family = only.tag->key.family;
-    return chance_of_reading(family, num_mapped_.at(family), only.corrected_bits) >= kMostByChance;
+    return candidate.inliers.size() == 1 && reading_odds_.may_be_chance(*candidate.inliers.front());
   }
 
   /// The candidate that corners and recent poses together make most likely. candidates: not empty.
@@ -234,8 +226,8 @@ class Localizer::Implementation {
 
   Camera camera_;
   TagMap map_;
-  TagIndex index_;                         ///< Of the map's tags.
-  std::map<std::string, int> num_mapped_;  ///< By family.
+  TagIndex index_;  ///< Of the map's tags.
+  ReadingOdds reading_odds_;
   LocalizerOptions options_;
   DetectorOptions detector_options_;
   std::optional<Detector> detector_;  ///< Made by prepare(): detections from a file need none.

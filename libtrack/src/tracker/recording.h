@@ -18,13 +18,13 @@
 namespace apriltrack {
 
 /// All that is known of one recording, frame after frame: the next one begins with another of these, so that
-/// nothing of the last is left. options, world, reader: must outlive it.
+/// nothing of the last is left. options, world, reader: must outlive it. map: the world's.
 struct Recording {
-  Recording(const BlurTrackerOptions& options, PhotometricWorld& world, TagReader& reader)
+  Recording(const BlurTrackerOptions& options, const TagMap& map, PhotometricWorld& world, TagReader& reader)
       : motion(options.motion_noise, options.max_prediction_s),
         exposures(options.motion_noise, options.default_exposure_s),
         search(reader, world),
-        consensus(world, options),
+        consensus(map, world, options),
         report(world) {
     if (options.mode == TrackMode::kEgo && options.is_scene_at_rest) turns.emplace(world.model);
   }

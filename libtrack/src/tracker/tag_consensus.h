@@ -16,11 +16,11 @@ namespace apriltrack {
 
 /// Which tags are believed: those that fit one pose, in this frame and in those before
 /// (docs/algorithms/blur_tracker.md, section 7). Owns the marks of the world's tags: what is hidden, suspect
-/// or left out takes no part in fits. Of one recording; world, options: must outlive it.
+/// or left out takes no part in fits. Of one recording; world, options: must outlive it. map: the world's.
 class TagConsensus {
  public:
-  TagConsensus(PhotometricWorld& world, const BlurTrackerOptions& options)
-      : world_(world), options_(options), readings_(world) {}
+  TagConsensus(const TagMap& map, PhotometricWorld& world, const BlurTrackerOptions& options)
+      : world_(world), options_(options), readings_(map) {}
   ~TagConsensus() { unmark(); }
   TagConsensus(const TagConsensus&) = delete;
   TagConsensus& operator=(const TagConsensus&) = delete;
