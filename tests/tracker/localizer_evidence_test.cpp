@@ -1,7 +1,11 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <initializer_list>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "apriltrack/tracker/localizer.h"
 #include "pose_adjustment.h"
@@ -102,6 +106,57 @@ TEST(Localizer, TagsOfFewBitsThatAgreeGiveAPose) {
   // Nor does the motion that they showed make one of them alone any surer.
   const TagMap one = test::only(two, {1});
   EXPECT_FALSE(localizer.localize(test::seen(camera, one, Pose(), {1'033'000'000})).pose);
+}
+
+/// The room's tags, all of tag16h5 but those of these ids.
+TagMap room_of_few_bits_but(std::initializer_list<int> ids) {
+  TagMap map = test::room();
+  for (MapTag& tag : map.tags) {
+    if (std::ranges::count(ids, tag.key.id) == 0) tag.key.family = "tag16h5";
+  }
+  return map;
+}
+
+/// Tags of the map as seen from its origin; and the picture of the tag `looks_like` read as `read_as`.
+FrameDetections with_mistake(const TagMap& map, std::initializer_list<int> ids, int looks_like, int read_as) {
+  const Camera camera = test::radtan();
+  FrameDetections frame = test::seen(camera, test::only(map, ids), Pose());
+  Detection mistake = test::seen(camera, test::only(map, {looks_like}), Pose()).detections.at(0);
+  mistake.tag = test::only(map, {read_as}).tags.at(0).key;
+  frame.detections.push_back(mistake);
+  return frame;
+}
+
+TEST(Localizer, WhatChanceMayReadDoesNotOutvoteATagReadForSure) {
+  const TagMap map = room_of_few_bits_but({1});
+  Localizer localizer(test::radtan(), map);
+  const TrackResult result = localizer.localize(with_mistake(map, {1}, 5, 3));
+  ASSERT_EQ(result.status, TrackStatus::kDetected) << result.reason;
+  EXPECT_EQ(result.tags_detected, 2);
+  EXPECT_EQ(result.tags_tracked, 1);
+  EXPECT_THAT(*result.pose, PoseNear(Pose(), 1e-6, 1e-6));
+}
+
+TEST(Localizer, AccusesNoTagThatChanceMayHaveRead) {
+  for (const auto& [map, accused] :
+       {std::pair(room_of_few_bits_but({0, 1, 2}), std::vector<TagKey>{}),
+        std::pair(room_of_few_bits_but({0, 1, 2, 3}), std::vector<TagKey>{{"tag36h11", 3}})}) {
+    Localizer localizer(test::radtan(), map);
+    const TrackResult result = localizer.localize(with_mistake(map, {0, 1, 2}, 5, 3));
+    ASSERT_EQ(result.tags_tracked, 3) << result.reason;
+    EXPECT_EQ(result.contradicting_tags, accused);
+  }
+}
+
+TEST(Localizer, TagsOfFewBitsThatAgreeGiveNoPoseAmongMoreThatDoNot) {
+  TagMap elsewhere = room_of_few_bits_but({});
+  for (std::size_t i = 2; i < elsewhere.tags.size(); ++i) {
+    const double turn = 0.4 + 0.1 * static_cast<double>(i);
+    elsewhere.tags[i].T_map_tag =
+        elsewhere.tags[i].T_map_tag * Pose::exp((Vector6d() << turn, -turn, 0, 0, turn, 0).finished());
+  }
+  Localizer localizer(test::radtan(), elsewhere);
+  EXPECT_FALSE(localizer.localize(test::seen(test::radtan(), room_of_few_bits_but({}), Pose())).pose);
 }
 
 /// The map of another place: a pose from two tags that happen to fit must not live on among tags that refute

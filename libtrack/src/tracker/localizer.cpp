@@ -29,15 +29,10 @@ struct Choice {
   std::optional<PoseMemory::Mode> second;    ///< T_camera_map, and its odds.
 };
 
-/// Tags read beyond doubt that are not among the inliers.
-std::vector<TagKey> left_aside(const std::vector<TagObservation>& observations,
-                               const std::vector<const TagObservation*>& inliers) {
-  std::vector<TagKey> keys;
-  for (const TagObservation& seen : observations) {
-    const bool is_sure = seen.corrected_bits == 0 && !seen.is_repeated;
-    if (is_sure && std::ranges::count(inliers, &seen) == 0) keys.push_back(seen.tag->key);
-  }
-  return keys;
+using Inliers = std::vector<const TagObservation*>;
+
+bool contains(const Inliers& inliers, const TagObservation& seen) {
+  return std::ranges::count(inliers, &seen) > 0;
 }
 
 }  // namespace
@@ -108,6 +103,18 @@ class Localizer::Implementation {
     if (result->pose) result->contradicting_tags = left_aside(observations, choice.candidate.inliers);
   }
 
+  /// Tags read beyond doubt that are not among the inliers.
+  std::vector<TagKey> left_aside(const std::vector<TagObservation>& observations,
+                                 const Inliers& inliers) const {
+    std::vector<TagKey> keys;
+    for (const TagObservation& seen : observations) {
+      const bool is_sure =
+          seen.corrected_bits == 0 && !seen.is_repeated && !reading_odds_.may_be_chance(seen);
+      if (is_sure && !contains(inliers, seen)) keys.push_back(seen.tag->key);
+    }
+    return keys;
+  }
+
   /// Those that have enough behind them.
   std::vector<PoseCandidate> supported_candidates(Timestamp time,
                                                   const std::vector<TagObservation>& observations) const {
@@ -163,7 +170,7 @@ class Localizer::Implementation {
   /// that the frame shows twice speaks for nothing by itself: any of its copies may be the false one.
   bool is_supported(Timestamp time, const std::vector<TagObservation>& observations,
                     const PoseCandidate& candidate) const {
-    const auto num_seen = static_cast<std::size_t>(count_tags(observations));
+    const std::size_t num_seen = num_voters(observations, candidate.inliers);
     const bool has_unrepeated = std::any_of(candidate.inliers.begin(), candidate.inliers.end(),
                                             [](const TagObservation* o) { return !o->is_repeated; });
     const bool has_several = candidate.inliers.size() > 1;
@@ -172,6 +179,18 @@ class Localizer::Implementation {
     const bool is_half = 2 * candidate.inliers.size() >= num_seen;
     return is_half && !memory_.predict(time).empty() &&
            memory_.log_prior(time, reported(candidate.T_camera_map)) > kMinLogPriorOfSupport;
+  }
+
+  /// Tags that agree with the inliers or speak against them. What chance may have read speaks against nothing
+  /// that a tag read for sure speaks for; among its like, it does.
+  std::size_t num_voters(const std::vector<TagObservation>& observations, const Inliers& inliers) const {
+    const auto may_be_chance = [&](const TagObservation* o) { return reading_odds_.may_be_chance(*o); };
+    const bool is_sure = !std::ranges::all_of(inliers, may_be_chance);
+    Inliers voters;
+    for (const TagObservation& seen : observations) {
+      if (!is_sure || contains(inliers, seen) || !may_be_chance(&seen)) voters.push_back(&seen);
+    }
+    return static_cast<std::size_t>(count_tags(voters));
   }
 
   double expected_sigma_px(Timestamp time, const PoseCandidate& candidate, double exposure_s) const {

@@ -30,6 +30,10 @@ struct LocalizerOptions {
 /// by their fit and by the poses of the last 0.3 s, moved on with constant velocity; the lesser one is
 /// reported beside the pose.
 ///
+/// A reading that chance may make, of tag16h5 above all, gives no pose by itself, outvotes no tag read for
+/// sure and accuses none of having moved: hang tags of few bits so that two are in view, or use tag36h11. The
+/// only tag of a map needs no second, where no bit was corrected.
+///
 /// The covariance rests on the residuals and, for few tags, on what corners are known to suffer from motion
 /// (0.025 of the blur, taken from the last two poses and the exposure) and from corrected bits; and on the
 /// covariances of the map's tags, where it has them, with errors independent from tag to tag. The pose itself
