@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "chance_readings.h"
 #include "corner_noise.h"
@@ -28,6 +30,17 @@ struct Choice {
   std::optional<Matrix6d> cov_T_camera_map;  ///< nullopt where the corners do not determine the pose.
   std::optional<PoseMemory::Mode> second;    ///< T_camera_map, and its odds.
 };
+
+TrackResult lost(std::string reason) {
+  TrackResult result;
+  result.reason = std::move(reason);
+  return result;
+}
+
+std::optional<PoseMemory::Mode> second_mode(const TrackResult& result) {
+  if (!result.second_pose) return std::nullopt;
+  return PoseMemory::Mode{*result.second_pose, result.second_mode_odds};
+}
 
 using Inliers = std::vector<const TagObservation*>;
 
@@ -69,38 +82,36 @@ class Localizer::Implementation {
   TrackResult localize(Timestamp time, const std::vector<Detection>& detections,
                        std::optional<double> exposure_of_frame_s,
                        std::chrono::steady_clock::time_point start) {
-    TrackResult result;
-    result.timestamp = time;
-    result.warning = exposure_warning(exposure_of_frame_s, camera_.exposure_s);
+    const auto observations = observe_mapped_tags(map_, index_, camera_.model, detections);
     const double exposure_s =
         known_exposure_s(exposure_of_frame_s, camera_.exposure_s).value_or(kUnknownExposure_s);
-    const auto observations = observe_mapped_tags(map_, index_, camera_.model, detections);
+    TrackResult result = observations.empty()
+                             ? lost(detections.empty() ? "no tag seen" : "no tag of the map seen")
+                             : of_observations(time, observations, exposure_s);
+    result.timestamp = time;
+    result.warning = exposure_warning(exposure_of_frame_s, camera_.exposure_s);
     result.tags_detected = count_tags(observations);
-    if (observations.empty()) {
-      result.reason = detections.empty() ? "no tag seen" : "no tag of the map seen";
-    } else {
-      localize(time, observations, exposure_s, &result);
-    }
     result.latency_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return result;
   }
 
-  void localize(Timestamp time, const std::vector<TagObservation>& observations, double exposure_s,
-                TrackResult* result) {
+  /// Its pose, or why there is none, and what goes with these. observations: not empty.
+  TrackResult of_observations(Timestamp time, const std::vector<TagObservation>& observations,
+                              double exposure_s) {
     std::vector<PoseCandidate> candidates = supported_candidates(time, observations);
     if (candidates.empty()) {
-      result->reason =
-          result->tags_detected > 1 ? "the tags seen do not agree on a pose" : "the corners seen fit no pose";
-      return;
+      return lost(count_tags(observations) > 1 ? "the tags seen do not agree on a pose"
+                                               : "the corners seen fit no pose");
     }
     std::erase_if(candidates, [&](const PoseCandidate& c) { return is_read_by_chance(c); });
-    if (candidates.empty()) {
-      result->reason = "a tag of so few bits that chance may read it, and none beside that agrees";
-      return;
-    }
+    if (candidates.empty())
+      return lost("a tag of so few bits that chance may read it, and none beside that agrees");
     const Choice choice = choose(time, observations, candidates, exposure_s);
-    report(time, choice, result);
-    if (result->pose) result->contradicting_tags = left_aside(observations, choice.candidate.inliers);
+    if (!choice.cov_T_camera_map) return lost("the corners seen do not determine the pose");
+    TrackResult result = found(choice);
+    result.contradicting_tags = left_aside(observations, choice.candidate.inliers);
+    memory_.remember(time, *result.pose, second_mode(result));
+    return result;
   }
 
   /// Tags read beyond doubt that are not among the inliers.
@@ -204,24 +215,20 @@ class Localizer::Implementation {
     return expected_corner_sigma_px(options_.corner_sigma_px, blur_px, candidate);
   }
 
-  void report(Timestamp time, const Choice& choice, TrackResult* result) {
+  /// Its covariance is known.
+  TrackResult found(const Choice& choice) const {
     const Pose& T_camera_map = choice.candidate.T_camera_map;
-    if (!choice.cov_T_camera_map) {
-      result->reason = "the corners seen do not determine the pose";
-      return;
-    }
-    result->status = TrackStatus::kDetected;
-    result->pose = reported(T_camera_map);
+    TrackResult result;
+    result.status = TrackStatus::kDetected;
+    result.pose = reported(T_camera_map);
     const Matrix6d moved = pose_covariance_from_camera(T_camera_map, *choice.cov_T_camera_map, options_.mode);
-    result->covariance = 0.5 * (moved + moved.transpose());
-    result->tags_tracked = count_tags(choice.candidate.inliers);
-    std::optional<PoseMemory::Mode> second;
+    result.covariance = 0.5 * (moved + moved.transpose());
+    result.tags_tracked = count_tags(choice.candidate.inliers);
     if (choice.second) {
-      second = PoseMemory::Mode{reported(choice.second->pose), choice.second->weight};
-      result->second_pose = second->pose;
-      result->second_mode_odds = second->weight;
+      result.second_pose = reported(choice.second->pose);
+      result.second_mode_odds = choice.second->weight;
     }
-    memory_.remember(time, *result->pose, second);
+    return result;
   }
 
   /// Of T_camera_map, by the noise of the corners and the covariances of the map's tags; nullopt where the
