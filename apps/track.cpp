@@ -3,10 +3,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/eval/frame_log.h"
 #include "apriltrack/io/staged_files.h"
 #include "command_help.h"
 #include "command_line.h"
@@ -198,23 +200,32 @@ void finish(const TrackArguments& arguments, const TrackRecord& record, bool was
   arguments.console.finish(summary, text);
 }
 
-/// What is there already is the result of an earlier run, which one without a pose leaves alone; an empty
-/// file is none.
+/// Whether it is the log of a run that gave poses, or none at all: somebody may want to keep it.
+bool is_worth_keeping(const fs::path& frame_log) {
+  if (!fs::is_regular_file(frame_log) || fs::is_empty(frame_log)) return false;
+  try {
+    return std::ranges::any_of(read_frame_log(frame_log),
+                               [](const FrameLogRow& row) { return row.pose.has_value(); });
+  } catch (const Error&) {
+    return true;
+  }
+}
+
+/// To be asked before the log is written.
 bool writes_frame_log(const TrackArguments& arguments, const TrackRecord& record) {
   if (arguments.frames_csv.empty()) return false;
-  const bool is_there = fs::is_regular_file(arguments.frames_csv) && !fs::is_empty(arguments.frames_csv);
-  return record.has_pose() || !is_there;
+  return record.has_pose() || !is_worth_keeping(arguments.frames_csv);
 }
 
 /// A run without a pose leaves what says why, the page and the frame log; others all that was asked for, or
 /// nothing.
-void write_outputs(const TrackArguments& arguments, const TrackRun& tracked,
+void write_outputs(const TrackArguments& arguments, const TrackRun& tracked, bool with_frame_log,
                    std::optional<TrackVideo>& video) {
   const TrackRecord& record = tracked.record;
   StagedFiles outputs;
   if (!arguments.report.empty())
     outputs.write(arguments.report, [&](const fs::path& path) { write_track_report(path, tracked); });
-  if (writes_frame_log(arguments, record))
+  if (with_frame_log)
     outputs.write(arguments.frames_csv, [&](const fs::path& path) { write_frame_log(path, record.rows()); });
   if (record.has_pose()) {
     outputs.write(arguments.output, [&](const fs::path& path) { write_tum(path, record.trajectory()); });
@@ -226,8 +237,9 @@ void write_outputs(const TrackArguments& arguments, const TrackRun& tracked,
 /// Where a run without a pose says more than its error; as the end of that.
 std::string told_of_frame_log(const TrackArguments& arguments, bool is_written) {
   if (arguments.frames_csv.empty()) return "";
-  return is_written ? fmt::format(" (each frame's status: {})", arguments.frames_csv)
-                    : fmt::format(" ({} is kept, of an earlier run)", arguments.frames_csv);
+  return is_written
+             ? fmt::format(" (each frame's status: {})", arguments.frames_csv)
+             : fmt::format(" ({} is kept: of a run with poses, or no frame log)", arguments.frames_csv);
 }
 
 void run(const CLI::App& command, const TrackArguments& arguments) {
@@ -252,14 +264,14 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   warn_of_few_readings(record, map, arguments.console);
   warn_of_unseen_tags(record, arguments.console);
   warn_of_exposure(record, arguments.console);
-  const bool has_log = writes_frame_log(arguments, record);  // before there is one
+  const bool with_frame_log = writes_frame_log(arguments, record);
   write_outputs(arguments,
                 {command_line_of(command), arguments, camera_file(arguments), map_file(arguments), camera,
                  map, record, was_interrupted},
-                video);
+                with_frame_log, video);
   if (!record.has_pose())
     throw no_result(has_images ? arguments.input : arguments.detections,
-                    record.why_no_pose(map) + told_of_frame_log(arguments, has_log));
+                    record.why_no_pose(map) + told_of_frame_log(arguments, with_frame_log));
   finish(arguments, record, was_interrupted);
 }
 

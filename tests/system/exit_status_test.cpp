@@ -90,12 +90,31 @@ TEST_F(ExitStatus, NoPoseInAnyFrameIs1AndLeavesTheFrameLogThatTheErrorNames) {
     for (const FrameLogRow& row : read_frame_log(log)) statuses.push_back(row.status);
     EXPECT_THAT(statuses, testing::ElementsAre("lost", "lost", "unreadable")) << method;
   }
-  // An output that is there is of a run that gave poses.
-  write_text(path("old.csv"), "old\n");
-  const std::string kept = "(" + path("old.csv") + " is kept, of an earlier run)";
-  EXPECT_THAT(track({"--frames-csv", path("old.csv")}), EndsWith(1, kept));
-  EXPECT_EQ(read_text(path("old.csv")), "old\n");
   EXPECT_THAT(track({"--frames-csv", "/dev/stdout"}).out, testing::HasSubstr("1000000000,lost,"));
+}
+
+TEST_F(ExitStatus, NoPoseInAnyFrameKeepsTheFrameLogOfARunThatGavePoses) {
+  const std::string log = path("log.csv");
+  std::vector<FrameLogRow> with_pose(2);
+  with_pose[0].status = "lost";
+  with_pose[1].status = "detected";
+  with_pose[1].pose = Pose();
+  write_frame_log(log, with_pose);
+  const std::string before = read_text(log);
+  const std::string kept = "(" + log + " is kept: of a run with poses, or no frame log)";
+  EXPECT_THAT(track({"--frames-csv", log}), EndsWith(1, kept));
+  EXPECT_EQ(read_text(log), before);
+  write_text(log, "something else\n");
+  EXPECT_THAT(track({"--frames-csv", log}), EndsWith(1, kept));
+  EXPECT_EQ(read_text(log), "something else\n");
+}
+
+TEST_F(ExitStatus, NoPoseInAnyFrameReplacesTheFrameLogOfARunThatGaveNone) {
+  const std::string log = path("log.csv");
+  EXPECT_EQ(track({"--frames-csv", log}).status, 1);
+  write_image(path("frames/2000000000.pgm"), 160, 120);
+  EXPECT_THAT(track({"--frames-csv", log}), EndsWith(1, "(each frame's status: " + log + ")"));
+  EXPECT_EQ(read_frame_log(log).size(), 2U);
 }
 
 TEST_F(ExitStatus, FramesThatShowNothingAre1AndAskForTheLens) {
