@@ -60,12 +60,16 @@ class HandMadeFit : public ::testing::TestWithParam<TrackMode> {
     }
     return result;
   }
-  /// J' J / s^2 of equation (10), by central differences.
-  Matrix6d shared_information(std::size_t index, double path_px, double factor) const {
+  /// J' J of a tag's corners, by central differences.
+  Matrix6d of_one_px(std::size_t index) const {
     const Eigen::MatrixXd J =
         test::numeric_jacobian([&](const Eigen::VectorXd& xi) { return pixels(index, xi); }, 6);
+    return J.transpose() * J;
+  }
+  /// J' J / s^2 of equation (10).
+  Matrix6d shared_information(std::size_t index, double path_px, double factor) const {
     const double sigma_px = std::hypot(0.006, factor * std::hypot(0.08, 0.003 * path_px));
-    return J.transpose() * J / (sigma_px * sigma_px);
+    return of_one_px(index) / (sigma_px * sigma_px);
   }
   /// What the information alone says, and what these corners add.
   Matrix12d expected(const Matrix6d& shared) const {
@@ -75,7 +79,7 @@ class HandMadeFit : public ::testing::TestWithParam<TrackMode> {
   }
 
   /// Of (10), where what is unexplained is twice the usual 0.004, and half.
-  const double kOfTwice = std::pow(2.0, 0.75), kOfHalf = std::pow(0.5, 1.1);
+  const double kOfTwice = std::pow(2.0, 0.75) * 4.0 / 4.02, kOfHalf = std::pow(0.5, 0.75) * 0.25 / 0.27;
   PhotometricWorld world_;
   MotionFit fit_;
 };
@@ -103,6 +107,33 @@ TEST_P(HandMadeFit, SharesNothingWithTagsThatAreNotExplained) {
   constexpr double kMost = 12.0;
   expect_covariance(fit_covariance(world_, fit_),
                     expected(shared_information(1, 12.0, kMost) + shared_information(0, 3.0, kMost)));
+}
+
+/// Half of the share that is unexplained, of its size; none of it up to 3 %, all of it from 6 % on.
+TEST_P(HandMadeFit, LetsWhatMayCoverALoneTagMoveItsCornersByAShareOfItsSize) {
+  const Eigen::Vector3d centre =
+      camera_from_map(fit_.state.pose, GetParam()) * map().tags[1].T_map_tag.translation();
+  const double size_px = 195.0 * 0.14 / centre.norm();
+  const auto cover = [&](double unexplained) {
+    fit_.tags[0].correlation = std::sqrt(1.0 - unexplained);
+    return cover_covariance(world_, fit_);
+  };
+  const auto expect_sigma_px = [&](const Matrix6d& covariance, double sigma_px) {
+    const Matrix6d truth = sigma_px * sigma_px * of_one_px(1).fullPivLu().inverse();
+    EXPECT_LT((covariance - truth).norm(), 1e-4 * truth.norm());
+  };
+  for (TagEvidence& tag : fit_.tags) tag.num_pixels = 120, tag.area_px = 5000.0;
+  const TagEvidence other = fit_.tags.back();
+  fit_.tags.pop_back();
+  EXPECT_EQ(cover(0.0299), Matrix6d::Zero());
+  expect_sigma_px(cover(0.045), 0.5 * 0.0225 * size_px);
+  expect_sigma_px(cover(0.2), 0.1 * size_px);
+  fit_.tags.push_back(other);  // another confirms it: by as many pixels wholly, by half as many by half
+  EXPECT_EQ(cover(0.2), Matrix6d::Zero());
+  fit_.tags.back().num_pixels /= 2;
+  expect_sigma_px(cover(0.2), 0.05 * size_px);
+  fit_.tags.clear();
+  EXPECT_EQ(cover_covariance(world_, fit_), Matrix6d::Zero());
 }
 
 TEST_P(HandMadeFit, LeavesSomethingToTagsThatAreExplainedWholly) {

@@ -8,6 +8,11 @@
 
 namespace apriltrack {
 
+double tag_size_px(const PhotometricWorld& world, const PhotometricTag& tag, const Pose& pose) {
+  const Pose view = camera_from_map(pose, world.mode);
+  return world.focal_px() * tag.tag.size_m / (view * tag.tag.T_map_tag.translation()).norm();
+}
+
 double place_sigma_px(const PhotometricWorld& world, const PhotometricTag& tag, const Pose& pose,
                       const Matrix6d& covariance) {
   const auto J = PixelsByPose(world, pose).of(tag.tag.T_map_tag.translation());

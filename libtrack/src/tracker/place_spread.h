@@ -5,6 +5,9 @@
 
 namespace apriltrack {
 
+/// Edge of a tag in the image, were it seen head-on from as far.
+double tag_size_px(const PhotometricWorld& world, const PhotometricTag& tag, const Pose& pose);
+
 /// Largest standard deviation of the place of the tag's centre in the image, pixels, as a covariance of the
 /// pose has it (of its right perturbation); 0 where the centre is not in front of the camera.
 double place_sigma_px(const PhotometricWorld& world, const PhotometricTag& tag, const Pose& pose,

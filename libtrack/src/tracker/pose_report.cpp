@@ -29,9 +29,9 @@ TrackResult PoseReport::found(const std::vector<Explanation>& found, const Motio
   result.status = best.votes.agreeing.empty() ? TrackStatus::kTracked : TrackStatus::kDetected;
   result.pose = belief.mean.pose;
   result.velocity = belief.mean.velocity;
-  map_covariance_ = map_covariance(world_, best.fit);
+  lasting_covariance_ = map_covariance(world_, best.fit) + cover_covariance(world_, best.fit);
   found_pose_ = belief.mean.pose;
-  result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_;
+  result.covariance = belief.covariance.topLeftCorner<6, 6>() + lasting_covariance_;
   if (const auto mean = at_rest_.add(best.fit.state.pose, noise_covariance(best.fit))) result.pose = *mean;
   if (const auto second = second_pose(belief, found)) report_second(*second, result);
   return result;
@@ -45,18 +45,18 @@ TrackResult PoseReport::expected(const std::vector<MotionHypothesis>& expected) 
   result.status = TrackStatus::kPredicted;
   result.pose = belief.mean.pose;
   result.velocity = belief.mean.velocity;
-  result.covariance = belief.covariance.topLeftCorner<6, 6>() + map_covariance_at(belief.mean.pose);
+  result.covariance = belief.covariance.topLeftCorner<6, 6>() + lasting_covariance_at(belief.mean.pose);
   if (expected.size() > 1 && is_another(belief, expected[1].belief.mean.pose))
     report_second({expected[1].belief.mean.pose, expected[1].log_odds}, result);
   return result;
 }
 
 /// A wrong map is wrong in the same way at the next pose: of the camera in the map's frame, of a body in
-/// its own.
-Matrix6d PoseReport::map_covariance_at(const Pose& pose) const {
-  if (world_.mode == TrackMode::kJoint) return map_covariance_;
+/// its own. So is, about, what a covered tag was taken for.
+Matrix6d PoseReport::lasting_covariance_at(const Pose& pose) const {
+  if (world_.mode == TrackMode::kJoint) return lasting_covariance_;
   const Matrix6d adjoint = (pose.inverse() * found_pose_).adjoint();
-  return adjoint * map_covariance_ * adjoint.transpose();
+  return adjoint * lasting_covariance_ * adjoint.transpose();
 }
 
 }  // namespace apriltrack

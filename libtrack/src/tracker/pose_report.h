@@ -24,12 +24,13 @@ class PoseReport {
   TrackResult expected(const std::vector<MotionHypothesis>& expected);
 
  private:
-  Matrix6d map_covariance_at(const Pose& pose) const;
+  Matrix6d lasting_covariance_at(const Pose& pose) const;
 
   const PhotometricWorld& world_;
   RestingPose at_rest_;
-  Matrix6d map_covariance_ = Matrix6d::Zero();  ///< What the map adds to that of the pose found last,
-  Pose found_pose_;                             ///< at that pose.
+  /// What the map, and what covers its tags, add to the covariance of the pose found last,
+  Matrix6d lasting_covariance_ = Matrix6d::Zero();
+  Pose found_pose_;  ///< at that pose.
 };
 
 }  // namespace apriltrack

@@ -20,12 +20,22 @@ inline double shared_sigma_px(double path_px, double unexplained) {
   constexpr double kSharp_px = 0.08;
   constexpr double kPerBlur = 0.003;
   constexpr double kUsual = 0.004;
+  constexpr double kGuessed = 0.02;
   constexpr double kLeast_px = 0.006;  // no lens is known better, however well its picture fits
   constexpr double kMost = 12.0;       // where a tenth is unexplained: worse fits tell no more
   const double ratio = std::max(0.0, unexplained) / kUsual;
-  // Below the usual, errors that are shared hide among those that are not; above, the state itself is off.
-  const double factor = std::min(kMost, std::pow(ratio, ratio < 1.0 ? 1.1 : 0.75));
+  // A seventh of the usual and less is what the guess of the noise leaves, and tells of no shared error.
+  const double share = ratio * ratio / (ratio * ratio + kGuessed);
+  const double factor = std::min(kMost, share * std::pow(ratio, 0.75));
   return std::hypot(kLeast_px, std::hypot(kSharp_px, kPerBlur * path_px) * factor);
+}
+
+/// What covers some of a lone tag moves the edges that it is fitted to, by half of the share that is covered,
+/// of its size; about that share of it stays unexplained. Blur and noise alone leave less than the first
+/// limit.
+inline double cover_sigma_px(double size_px, double unexplained) {
+  constexpr double kNone = 0.03, kSurely = 0.06;
+  return 0.5 * unexplained * size_px * std::clamp((unexplained - kNone) / (kSurely - kNone), 0.0, 1.0);
 }
 
 }  // namespace apriltrack
