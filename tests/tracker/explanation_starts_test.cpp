@@ -94,6 +94,35 @@ TEST_P(ColdStart, FindsThePathWhateverItsDirection) {
       << found_px.transpose() << " for " << truth_px.transpose();
 }
 
+TEST(LoneExplanation, IsNotTrustedWhereItSurprisesUnread) {
+  Explanation one;
+  one.fit.tags = {{.tag_index = 0, .num_pixels = 700, .area_px = 700.0, .correlation = 0.99}};
+  one.prior_cost = 24.6;
+  EXPECT_TRUE(surprises_alone(one));
+  one.votes.agreeing = {0};
+  EXPECT_FALSE(surprises_alone(one));
+  one.votes = {};
+  one.is_cold = true;
+  EXPECT_FALSE(surprises_alone(one));
+  one.is_cold = false;
+  one.fit.tags.push_back(one.fit.tags.front());
+  EXPECT_FALSE(surprises_alone(one));
+  one.fit.tags.pop_back();
+  one.prior_cost = 24.4;
+  EXPECT_FALSE(surprises_alone(one));
+}
+
+TEST(LoneExplanation, RestsOnAPartWhereAnEighthIsUnexplained) {
+  Explanation one;
+  one.fit.tags = {{.tag_index = 0, .num_pixels = 700, .area_px = 700.0, .correlation = 0.93}};
+  EXPECT_TRUE(rests_on_part_of_a_tag(one));
+  one.fit.tags.front().correlation = 0.95;
+  EXPECT_FALSE(rests_on_part_of_a_tag(one));
+  one.fit.tags.front().correlation = 0.93;
+  one.fit.tags.push_back(one.fit.tags.front());  // two tell of each other's tilt
+  EXPECT_FALSE(rests_on_part_of_a_tag(one));
+}
+
 class OverruledMotion : public StartsBeforeATag {
  protected:
   /// Half a tag away, as a motion expects it that was never there.

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cstdint>
 #include <numbers>
 #include <optional>
@@ -10,6 +11,8 @@
 #include "apriltrack/photometric/light.h"
 #include "blur_explanation.h"
 #include "blur_film.h"
+#include "first_explanations.h"
+#include "look_alikes.h"
 #include "map_detection.h"
 #include "motion_start.h"
 
@@ -100,6 +103,50 @@ class LoneTag : public ::testing::Test {
 TEST_F(LoneTag, IsTiltedAsWhatIsMissingBesideItTells) {
   const std::vector<Explanation> found = BlurExplainer(*world_, options_).explain(frame_, {mistaken()});
   EXPECT_LT(degrees_off(found.front()), 3.0);
+}
+
+/// Of the first frame of far_tag(), from a motion that expects the other tilt.
+TEST(FarTag, IsLookedAtInBothTiltsThoughItsMotionGoesOnAsExpected) {
+  const BlurFilm& film = far_tag();
+  BlurTrackerOptions options;
+  options.mode = TrackMode::kJoint;
+  PhotometricWorld world(film.scene.camera, film.scene.map, options.mode, film.scene.camera.width,
+                         film.scene.camera.height);
+  BlurFrame frame;
+  fill_light_pyramid(film.frames[0].frame().image, film.scene.camera.response, PhotometricWorld::kNumLevels,
+                     frame.photometric.light);
+  frame.photometric.exposure_s = film.scene.camera.exposure_s.value();
+  frame.detections = film.detections[0];
+  frame.read = observe_mapped_tags(film.scene.map, world.index, world.model, frame.detections);
+  frame.observations = frame.read;
+  MotionState truth;
+  truth.pose = film.frames[0].truth;
+  const Pose& T_map_tag = film.scene.map.tags[0].T_map_tag;
+  Vector12d sigma;
+  sigma << 0.03, 0.03, 0.03, 0.3, 0.3, 0.3, 0.1, 0.1, 0.1, 0.5, 0.5, 0.5;
+  const MotionHypothesis mistaken{
+      {mirrored_state(truth, T_map_tag, options.mode), sigma.cwiseAbs2().asDiagonal()}, 0.0};
+  const StartFit start_fit(world, options);
+  std::vector<Explanation> settled = explain_by_motion(start_fit, frame, {mistaken});
+  ASSERT_TRUE(is_settled(frame, settled.front()));
+  std::vector<Explanation> found = BlurExplainer(world, options).explain(frame, {mistaken});
+  const auto is_right = [&](const Explanation& one) {
+    return (one.fit.state.pose.inverse() * truth.pose).log().tail<3>().norm() < 0.05;
+  };
+  const auto right = std::ranges::find_if(found, is_right);
+  ASSERT_NE(right, found.end());
+  // The settled motion's tilt is preferred, by 6, where no corners were asked.
+  std::vector<Explanation> as_if_asked = settled;
+  as_if_asked.front().votes = {};
+  add_mirrored_tilt(start_fit, frame, true, as_if_asked);
+  const auto unbiased = std::ranges::find_if(as_if_asked, is_right);
+  ASSERT_NE(unbiased, as_if_asked.end());
+  EXPECT_NEAR(right->score, unbiased->score - 6.0, 0.1);
+  // But not the more often they are tried in turn.
+  const auto settled_again = std::ranges::find_if(found, [&](const Explanation& one) {
+    return !is_right(one) && one.score > settled.front().score + 0.1;
+  });
+  EXPECT_EQ(settled_again, found.end());
 }
 
 TEST_F(LoneTag, GainsNothingFromAnotherThatIsLikeAWallByChance) {

@@ -14,7 +14,8 @@ namespace apriltrack {
 std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
                                                 const std::vector<MotionHypothesis>& hypotheses) const {
   std::vector<Explanation> found = explain_by_motion(start_fit_, frame, hypotheses);
-  if (found.empty() || !is_settled(frame, found.front())) add_detected(start_fit_, frame, hypotheses, found);
+  const bool has_asked_corners = found.empty() || !is_settled(frame, found.front());
+  if (has_asked_corners) add_detected(start_fit_, frame, hypotheses, found);
   if (found.empty()) return found;
   if (!is_well_explained(found.front()) || found.front().prior_cost > kMaxExpectedPriorCost)
     vary_velocity(start_fit_, frame, found);
@@ -22,7 +23,7 @@ std::vector<Explanation> BlurExplainer::explain(const BlurFrame& frame,
   search_widely(start_fit_, frame, hypotheses, found);
   explain_tags_that_pull(start_fit_, frame, found);
   start_over_where_overruled(start_fit_, frame, found);
-  add_mirrored_tilt(start_fit_, frame, found);
+  add_mirrored_tilt(start_fit_, frame, has_asked_corners, found);
   add_reversed_path(start_fit_, frame, found);
   return found;
 }

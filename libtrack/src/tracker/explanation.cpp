@@ -22,15 +22,12 @@ double prior_cost(const MotionBelief& prior, const MotionState& state) {
 }
 
 double prior_spread(const PhotometricWorld& world, const MotionBelief& prior, const MotionFit& fit) {
-  const Pose view = camera_from_map(fit.state.pose, world.mode);
   double least = std::numeric_limits<double>::infinity();
   for (const TagEvidence& evidence : explained_tags(fit.tags)) {
     const PhotometricTag& tag = world.tag_at(evidence.tag_index);
-    const double distance_m = (view * tag.tag.T_map_tag.translation()).norm();
-    const double size_px = world.focal_px() * tag.tag.size_m / distance_m;
     const double sigma_px =
         place_sigma_px(world, tag, fit.state.pose, prior.covariance.topLeftCorner<6, 6>());
-    if (sigma_px > 0.0) least = std::min(least, sigma_px / size_px);
+    if (sigma_px > 0.0) least = std::min(least, sigma_px / tag_size_px(world, tag, fit.state.pose));
   }
   return least;
 }
@@ -42,6 +39,16 @@ bool is_missed(const TagEvidence& tag) {
 
 bool is_where_seen(const Explanation& explanation) {
   return explanation.prior.agrees_with_turn && explanation.prior_cost <= kMaxExpectedPriorCost;
+}
+
+bool surprises_alone(const Explanation& explanation) {
+  return !explanation.is_cold && explanation.votes.agreeing.empty() &&
+         explanation.prior_cost > kMaxLonePriorCost && explained_tags(explanation.fit.tags).size() == 1;
+}
+
+bool rests_on_part_of_a_tag(const Explanation& explanation) {
+  const std::vector<TagEvidence> tags = explained_tags(explanation.fit.tags);
+  return tags.size() == 1 && tags.front().clean_correlation() < kGoodCorrelation;
 }
 
 bool is_well_explained(const Explanation& explanation) {

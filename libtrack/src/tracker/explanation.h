@@ -40,7 +40,10 @@ inline constexpr double kMaxScoredPriorCost = 30.0;
 inline double scored_prior_cost(double prior_cost) {
   return prior_cost < kMaxScoredPriorCost ? prior_cost : kMaxScoredPriorCost;
 }
-/// What a motion that went on as expected costs: 6 on the average, of twelve numbers; one in 200 costs more.
+/// What a motion that went on as expected costs, half of the squares of twelve standard deviations: on the
+/// average.
+inline constexpr double kUsualPriorCost = 6.0;
+/// One in 200 costs more.
 inline constexpr double kMaxExpectedPriorCost = 14.0;
 
 /// As Explanation::prior_spread.
@@ -51,6 +54,16 @@ bool is_missed(const TagEvidence& tag);
 
 /// Where the motion so far and the turn that was seen since agree on.
 bool is_where_seen(const Explanation& explanation);
+
+/// What the motion of a tag alone that is not read may cost: seven standard deviations.
+inline constexpr double kMaxLonePriorCost = 0.5 * 7.0 * 7.0;
+
+/// A tag alone that is not read, and not where or as the motion so far expects it: its tilt may be that of
+/// another motion, or of its reverse.
+bool surprises_alone(const Explanation& explanation);
+
+/// A tag alone, of which something covers a part, perhaps: what is left may be a whole one that is tilted.
+bool rests_on_part_of_a_tag(const Explanation& explanation);
 
 /// Well enough to look no further.
 bool is_well_explained(const Explanation& explanation);
