@@ -21,7 +21,7 @@ def peak_mb(b, *words):
     return usage.ru_maxrss / 1024
 
 
-RUNS = 5
+RUNS = 11
 
 
 def times_of_run(b, folder, map_file):
