@@ -30,9 +30,9 @@ inline double shared_sigma_px(double path_px, double unexplained) {
   return std::hypot(kLeast_px, std::hypot(kSharp_px, kPerBlur * path_px) * factor);
 }
 
-/// What covers some of a lone tag moves the edges that it is fitted to, by half of the share that is covered,
-/// of its size; about that share of it stays unexplained. Blur and noise alone leave less than the first
-/// limit.
+/// Of a corner of a lone tag, per axis, where something may cover a strip of it: two of the eight coordinates
+/// move by the share that is covered, of its size, and about that share stays unexplained. Below the ramp
+/// shared_sigma_px() alone is honest (docs/algorithms/blur_tracker.md, equation 10a).
 inline double cover_sigma_px(double size_px, double unexplained) {
   constexpr double kNone = 0.03, kSurely = 0.06;
   return 0.5 * unexplained * size_px * std::clamp((unexplained - kNone) / (kSurely - kNone), 0.0, 1.0);
