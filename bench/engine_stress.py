@@ -24,6 +24,9 @@ def stress_scenes(b):
             ("blackouts, room", "room", "ego", (*blackouts, *frames)),
             ("blackouts, one tag", "wall-one", "ego", (*blackouts, *frames)),
             ("blackouts, single", "single", "joint", (*blackouts, *frames)),
+            ("one tag, hand over 0.7, take 2", "wall-one", "ego", ("--occlude", "0.7", "--take", "2", *frames)),
+            ("thrown about, single", "single", "joint", ("--speed", "1.6", *frames)),
+            ("thrown about, bundle", "bundle", "joint", ("--speed", "1.6", *frames)),
             ("static, 14 tags", "wall", "ego", ("--speed", "0", *frames)),
             ("static, 1 tag", "wall-one", "ego", ("--speed", "0", *frames))]
 

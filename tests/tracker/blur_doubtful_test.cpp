@@ -97,5 +97,47 @@ TEST_F(TagBesideAHand, IsFollowedButNotClaimedNorLearnedFrom) {
   EXPECT_EQ(next.status, TrackStatus::kPredicted) << next.reason;
 }
 
+constexpr std::size_t kNumBeforeTheJump = 4;
+constexpr std::size_t kNumSkipped = 2;
+
+/// A body of one tag, which goes to the right and is seen tilted, square to nothing.
+Scene one_tag_in_motion() {
+  Scene scene = still_tag().scene;
+  scene.exposure_s = 0.024;
+  scene.camera.exposure_s = scene.exposure_s;
+  Motion motion;
+  motion.position_m[0].rate_per_s = kBodySpeed_m_per_s;
+  motion.position_m[0].offset = -0.2 - kBodySpeed_m_per_s * 1e-9 * static_cast<double>(scene.start_ns);
+  motion.position_m[2].offset = 1.2;
+  motion.yaw_rad.offset = 0.6;
+  Body body{.name = "tag", .T_world_body = motion, .panels = {}};
+  add_tags(body, scene.map, {.margin_cells = 0.5});
+  scene.bodies = {body};
+  scene.num_frames = kNumBeforeTheJump + kNumSkipped + 2;
+  return scene;
+}
+
+/// Read in the first frames, then not; and film is cut out between, while the time stamps go on.
+TEST(TagThatJumps, IsFollowedButNotClaimedBeforeItGoesOnAsItShould) {
+  const BlurFilm film(one_tag_in_motion(), 1);
+  BlurTracker tracker = tracker_of(film);
+  std::vector<TrackResult> results;
+  std::vector<double> errors_px;
+  for (std::size_t i = 0; i < film.size(); ++i) {
+    const bool is_before = i < kNumBeforeTheJump;
+    if (!is_before && i < kNumBeforeTheJump + kNumSkipped) continue;
+    Frame frame = film.frames[i].frame();
+    frame.timestamp = film.frames[results.size()].frame().timestamp;
+    results.push_back(tracker.track(frame, is_before ? film.detections[i] : std::vector<Detection>()));
+    errors_px.push_back(results.back().pose ? film.corner_error_px(i, *results.back().pose) : 1e3);
+  }
+  for (std::size_t i = 0; i < kNumBeforeTheJump; ++i) EXPECT_TRUE(has_evidence(results[i])) << "frame " << i;
+  const std::size_t jump = kNumBeforeTheJump;
+  EXPECT_EQ(results[jump].status, TrackStatus::kPredicted) << results[jump].reason;
+  EXPECT_LT(errors_px[jump], 1.0);
+  EXPECT_EQ(results[jump + 1].status, TrackStatus::kTracked) << results[jump + 1].reason;
+  EXPECT_LT(errors_px[jump + 1], 1.0);
+}
+
 }  // namespace
 }  // namespace apriltrack::test

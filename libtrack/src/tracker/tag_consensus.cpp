@@ -115,7 +115,6 @@ std::vector<int> TagConsensus::strained_tags() const {
 
 std::string TagConsensus::objection(const BlurFrame& frame, const Explanation& best,
                                     const std::vector<MotionHypothesis>& expected) {
-  if (surprises_alone(best)) return "one blurred tag alone, which is not where the motion so far expects it";
   if (is_torn_) return "the tags seen do not agree on a pose";
   if (is_read_by_chance(best))
     return "a tag of so few bits that chance may read it, and none beside that agrees";
@@ -149,8 +148,8 @@ bool TagConsensus::is_read_by_chance(const Explanation& best) const {
 }
 
 bool TagConsensus::is_doubtful(const Explanation& best) const {
-  return best.votes.agreeing.empty() &&
-         (leaves_open_what_is_missed(best, kMaxSigmaOfMissedFollowed_px) || rests_on_part_of_a_tag(best));
+  return best.votes.agreeing.empty() && (leaves_open_what_is_missed(best, kMaxSigmaOfMissedFollowed_px) ||
+                                         rests_on_part_of_a_tag(best) || surprises_alone(best));
 }
 
 /// Whether a tag that should be seen is not, and the others do not say where it is.

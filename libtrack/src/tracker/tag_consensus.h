@@ -43,8 +43,8 @@ class TagConsensus {
   std::string objection(const BlurFrame& frame, const Explanation& best,
                         const std::vector<MotionHypothesis>& expected);
 
-  /// Good enough to go on from, not to be claimed: one blurred tag, with the place of another, that should be
-  /// seen and is not, open by 10 px.
+  /// Good enough to go on from, not to be claimed: a blurred tag that is half hidden, that moved as nothing
+  /// let expect, or that leaves the place of another, which should be seen and is not, open by 10 px.
   bool is_doubtful(const Explanation& best) const;
 
   /// Of a frame that is claimed.
