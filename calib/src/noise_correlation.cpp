@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <map>
-
-#include "view_residual.h"
+#include <utility>
 
 namespace apriltrack {
 namespace {
@@ -11,21 +10,12 @@ namespace {
 constexpr std::size_t kMaxLag = 200;
 constexpr double kNoCorrelation = 0.05;  // below, what is left is chance or the fit's own doing
 
-/// Whitened residuals of one tag in one camera, in the order of time.
-using Series = std::vector<Vector8d>;
+/// Residuals of one tag in one camera, in the order of time.
+using Series = std::vector<LinearView::Residual>;
 
-std::map<std::pair<int, int>, Series> residual_series(const Observations& observations, const Part& part,
-                                                      const MapState& state) {
+std::map<std::pair<int, int>, Series> residual_series(const std::vector<LinearView>& views) {
   std::map<std::pair<int, int>, Series> series;
-  for (const std::size_t v : part.views) {
-    const TagView& view = observations.views[v];
-    Vector8d residual_px;
-    if (view_residual(observations.cameras[static_cast<std::size_t>(view.camera)],
-                      observations.sizes_m[static_cast<std::size_t>(view.tag)], view.corners_px,
-                      state.T_map_rig[static_cast<std::size_t>(view.frame)],
-                      state.T_map_tag[static_cast<std::size_t>(view.tag)], &residual_px, nullptr, nullptr))
-      series[{view.tag, view.camera}].push_back(view.whitening * residual_px);
-  }
+  for (const LinearView& view : views) series[{view.tag, view.camera}].push_back(view.residual);
   return series;
 }
 
@@ -42,8 +32,8 @@ double autocorrelation(const std::map<std::pair<int, int>, Series>& all, std::si
 
 }  // namespace
 
-double views_per_independent_view(const Observations& observations, const Part& part, const MapState& state) {
-  const auto series = residual_series(observations, part, state);
+double views_per_independent_view(const std::vector<LinearView>& views) {
+  const auto series = residual_series(views);
   double sum = 1.0;
   for (std::size_t lag = 1; lag <= kMaxLag; ++lag) {
     const double correlation = autocorrelation(series, lag);

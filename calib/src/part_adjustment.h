@@ -8,11 +8,10 @@
 #include "contradictions.h"
 #include "corner_noise.h"
 #include "map_state.h"
+#include "scaled_covariance.h"
 
 namespace apriltrack {
 
-inline constexpr double kMinScale =
-    0.1;  ///< Sigmas are never taken for smaller than a tenth of those expected.
 inline constexpr std::string_view kWhatToCheck =
     "check the tag family (--family) and the tag sizes, the camera file, and that no tag was moved while "
     "filming";

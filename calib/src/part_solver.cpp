@@ -8,30 +8,25 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "corner_views.h"
 #include "culprit_search.h"
-#include "noise_correlation.h"
 #include "part_adjustment.h"
-#include "tag_covariance.h"
+#include "scaled_covariance.h"
 
 namespace apriltrack {
 namespace {
 
-// The expected sigma counts as this many residuals beside those of the fit, as in the localizer: many views
-// speak for themselves, while a few, whose residuals may all be small by chance, claim no more than is known.
-constexpr double kPriorStrength = 3.0;
 constexpr double kNonsense_px = 5.0;
 
-void measure_residuals(const Observations& observations, PartSolution& solution, double& whitened_sum) {
+void measure_residuals(const Observations& observations, PartSolution& solution) {
   std::vector<double> sums(observations.tags.size(), 0.0);
   std::vector<int> counts(observations.tags.size(), 0);
   double total = 0.0;
-  whitened_sum = 0.0;
   for (const std::size_t v : solution.part.views) {
     const TagView& view = observations.views[v];
     bool is_valid = false;
     Vector8d residual_px;
-    whitened_sum +=
-        whitened_residual(observations, view, solution.state, is_valid, &residual_px).squaredNorm();
+    whitened_residual(observations, view, solution.state, is_valid, &residual_px);
     sums[static_cast<std::size_t>(view.tag)] += residual_px.squaredNorm();
     counts[static_cast<std::size_t>(view.tag)] += 8;
     total += residual_px.squaredNorm();
@@ -43,27 +38,17 @@ void measure_residuals(const Observations& observations, PartSolution& solution,
   solution.total_rms_px = std::sqrt(total / (8.0 * static_cast<double>(solution.part.views.size())));
 }
 
-/// Two shares: noise, scaled by what the residuals show of it (a scaled inverse chi-squared prior at the
-/// expected sigma) and by how much neighbouring frames repeat it; and errors that each tag keeps in all of
-/// its views, which the fit hides from the residuals.
 void measure_covariances(const Observations& observations, const CalibrationOptions& options,
                          PartSolution& solution) {
-  double whitened_sum = 0.0;
-  measure_residuals(observations, solution, whitened_sum);
   if (solution.part.tags.size() > static_cast<std::size_t>(options.max_tags_with_covariance)) return;
-  const auto covariances = tag_covariances(observations, solution.part, solution.held_tag, solution.state);
+  const std::vector<LinearView> views = corner_views(observations, solution.part.views, solution.state);
+  const double bias = options.corner_bias_px / options.corner_sigma_px;
+  auto covariances = scaled_covariances(views, solution.part.tags, solution.held_tag, bias * bias);
   if (!covariances)
     throw no_result("calibrate",
                     "the views leave the pose of a tag undetermined; film each tag from more sides, together "
                     "with others");
-  const double freedom = degrees_of_freedom(observations, solution.part.views);
-  const double repetition = views_per_independent_view(observations, solution.part, solution.state);
-  // In units of the expected variance: 1 when the residuals are as large as corner_sigma_px says.
-  const double variance =
-      std::max(kMinScale * kMinScale, (kPriorStrength + whitened_sum) / (kPriorStrength + freedom));
-  const double bias = options.corner_bias_px / options.corner_sigma_px;
-  for (const TagCovariance& tag : *covariances)
-    solution.covariances.push_back({variance * repetition * tag.by_noise, bias * bias * tag.by_bias});
+  solution.covariances = std::move(*covariances);
 }
 
 }  // namespace
@@ -79,6 +64,7 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   solution.culprit = solved.culprit;
   solution.part = std::move(solved.part);
   solution.state = std::move(solved.state);
+  measure_residuals(observations, solution);
   measure_covariances(observations, options, solution);
 
   solution.views_offered = part.views.size();

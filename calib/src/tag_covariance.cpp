@@ -5,8 +5,6 @@
 #include <map>
 #include <utility>
 
-#include "view_residual.h"
-
 namespace apriltrack {
 namespace {
 
@@ -31,9 +29,9 @@ struct ReducedSystem {
 };
 
 /// Position of each tag's six unknowns in the reduced system; the held tag has none.
-std::map<int, Eigen::Index> offsets_of(const Part& part, int held_tag) {
+std::map<int, Eigen::Index> offsets_of(const std::vector<int>& tags, int held_tag) {
   std::map<int, Eigen::Index> offsets;
-  for (const int tag : part.tags) {
+  for (const int tag : tags) {
     if (tag != held_tag) offsets[tag] = 6 * static_cast<Eigen::Index>(offsets.size());
   }
   return offsets;
@@ -55,32 +53,22 @@ void eliminate(const FrameSystem& frame, const std::map<int, Eigen::Index>& offs
   }
 }
 
-ReducedSystem reduced_system(const Observations& observations, const Part& part,
-                             const std::map<int, Eigen::Index>& offsets, const MapState& state) {
+ReducedSystem reduced_system(const std::vector<LinearView>& views,
+                             const std::map<int, Eigen::Index>& offsets) {
   const auto size = 6 * static_cast<Eigen::Index>(offsets.size());
   ReducedSystem system{Eigen::MatrixXd::Zero(size, size), {}};
   std::map<int, FrameSystem> frames;
-  for (const std::size_t v : part.views) {
-    const TagView& view = observations.views[v];
-    Vector8d residual_px;
-    Matrix8x6d by_rig, by_tag;
-    if (!view_residual(observations.cameras[static_cast<std::size_t>(view.camera)],
-                       observations.sizes_m[static_cast<std::size_t>(view.tag)], view.corners_px,
-                       state.T_map_rig[static_cast<std::size_t>(view.frame)],
-                       state.T_map_tag[static_cast<std::size_t>(view.tag)], &residual_px, &by_rig, &by_tag))
-      continue;
-    by_rig = view.whitening * by_rig;
-    by_tag = view.whitening * by_tag;
+  for (const LinearView& view : views) {
     FrameSystem& frame = frames[view.frame];
-    frame.rig_rig += by_rig.transpose() * by_rig;
+    frame.rig_rig += view.by_rig.transpose() * view.by_rig;
     FrameSystem::OfTag& of_tag = frame.tags[view.tag];
-    of_tag.rig_errors += by_rig.transpose();
-    of_tag.tag_rig += by_tag.transpose() * by_rig;
+    of_tag.rig_errors += view.by_rig.transpose() * view.by_error;
+    of_tag.tag_rig += view.by_tag.transpose() * view.by_rig;
     const auto offset = offsets.find(view.tag);
     if (offset == offsets.end()) continue;
-    system.reduced.block<6, 6>(offset->second, offset->second) += by_tag.transpose() * by_tag;
+    system.reduced.block<6, 6>(offset->second, offset->second) += view.by_tag.transpose() * view.by_tag;
     system.errors[view.tag].try_emplace(offset->second, Matrix6x8d::Zero()).first->second +=
-        by_tag.transpose();
+        view.by_tag.transpose() * view.by_error;
   }
   for (const auto& [index, frame] : frames) eliminate(frame, offsets, system);
   return system;
@@ -113,10 +101,10 @@ std::vector<TagCovariance> covariances_from(const ReducedSystem& system, const E
 
 }  // namespace
 
-std::optional<std::vector<TagCovariance>> tag_covariances(const Observations& observations, const Part& part,
-                                                          int held_tag, const MapState& state) {
-  const std::map<int, Eigen::Index> offsets = offsets_of(part, held_tag);
-  ReducedSystem system = reduced_system(observations, part, offsets, state);
+std::optional<std::vector<TagCovariance>> tag_covariances(const std::vector<LinearView>& views,
+                                                          const std::vector<int>& tags, int held_tag) {
+  const std::map<int, Eigen::Index> offsets = offsets_of(tags, held_tag);
+  ReducedSystem system = reduced_system(views, offsets);
   // Metres and radians differ little in size here, but a far tag and a near one do: scale to a unit diagonal.
   const Eigen::VectorXd scale = system.reduced.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   system.reduced.array().colwise() *= scale.array();
@@ -143,7 +131,7 @@ std::optional<std::vector<TagCovariance>> tag_covariances(const Observations& ob
   }
 
   std::vector<TagCovariance> covariances;
-  for (const int tag : part.tags) {
+  for (const int tag : tags) {
     const auto offset = offsets.find(tag);
     covariances.push_back(offset == offsets.end() ? TagCovariance{} : by_offset.at(offset->second));
   }

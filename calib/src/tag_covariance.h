@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "map_state.h"
+#include "linear_view.h"
 
 namespace apriltrack {
 
@@ -17,12 +17,11 @@ struct TagCovariance {
   Matrix6d by_bias = Matrix6d::Zero();
 };
 
-/// In the order of part.tags. The frames' poses are eliminated block by block (Schur complement), and only
+/// In the order of `tags`. The frames' poses are eliminated block by block (Schur complement), and only
 /// the system of the tags is inverted, a few columns at a time: what ceres::Covariance gives, at a cost that
 /// a thousand frames do not raise, with one dense matrix of six rows per tag, and a block for each two tags
-/// that a frame shows together. nullopt when the views leave a
-/// pose undetermined.
-std::optional<std::vector<TagCovariance>> tag_covariances(const Observations& observations, const Part& part,
-                                                          int held_tag, const MapState& state);
+/// that a frame shows together. nullopt when the views leave a pose undetermined.
+std::optional<std::vector<TagCovariance>> tag_covariances(const std::vector<LinearView>& views,
+                                                          const std::vector<int>& tags, int held_tag);
 
 }  // namespace apriltrack

@@ -11,6 +11,7 @@
 #include "apriltrack/base/parallel.h"
 #include "apriltrack/geometry/rotation.h"
 #include "bundle_adjustment.h"
+#include "corner_views.h"
 #include "part_solver.h"
 #include "support/numeric_jacobian.h"
 #include "synthetic_world.h"
@@ -115,7 +116,7 @@ TEST(TagCovariance, AgreesWithCeres) {
   ASSERT_EQ(connectivity.parts.size(), 1u);
   const Part& part = connectivity.parts[0];
   ASSERT_EQ(part.tags.size(), 7u);
-  const auto own = tag_covariances(observations, part, 0, state);
+  const auto own = tag_covariances(corner_views(observations, part.views, state), part.tags, 0);
   ASSERT_TRUE(own.has_value());
   EXPECT_EQ((*own)[0].by_noise, Matrix6d::Zero());
   EXPECT_EQ((*own)[0].by_bias, Matrix6d::Zero());
@@ -146,7 +147,7 @@ TEST(TagCovariance, AgreesWithThePseudoinverseOfAllEquations) {
   const auto num_tags = static_cast<Eigen::Index>(part.tags.size());
   ASSERT_GT(num_tags, 17);
   constexpr int kHeld = 2;
-  const auto own = tag_covariances(observations, part, kHeld, state);
+  const auto own = tag_covariances(corner_views(observations, part.views, state), part.tags, kHeld);
   ASSERT_TRUE(own.has_value());
 
   const auto num_frames = static_cast<Eigen::Index>(state.T_map_rig.size());
@@ -187,7 +188,8 @@ TEST(TagCovariance, IsRefusedWhenATagHangsInTheAir) {
   Connectivity connectivity = find_parts(observations, all_views(observations), 2);
   Part part = connectivity.parts[0];
   std::erase_if(part.views, [&](std::size_t v) { return observations.views[v].tag == 3; });
-  EXPECT_FALSE(tag_covariances(observations, part, 0, true_state(world, observations)).has_value());
+  const auto views = corner_views(observations, part.views, true_state(world, observations));
+  EXPECT_FALSE(tag_covariances(views, part.tags, 0).has_value());
 }
 
 TEST(SolvePart, SaysThatTheFirstAdjustmentFailed) {
