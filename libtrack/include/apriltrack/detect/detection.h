@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apriltrack/base/timestamp.h"
+#include "apriltrack/detect/tag_patch.h"
 #include "apriltrack/tags/tag_corners.h"
 #include "apriltrack/tags/tag_key.h"
 
@@ -28,6 +29,9 @@ struct FrameDetections {
   Timestamp timestamp;
   std::string camera = "cam0";
   std::vector<Detection> detections;
+  /// Of some detections or none: what photometric refinement looks at (calib/refine_map.h).
+  std::vector<TagPatch> patches = {};
+  std::optional<double> exposure_s = std::nullopt;  ///< Of this frame, where it is told.
 };
 
 }  // namespace apriltrack
