@@ -163,10 +163,25 @@ TagMap to_map(const Observations& observations, const PartSolution& solution, co
   return map;
 }
 
-int count_frames(const Observations& observations, const std::vector<std::size_t>& views) {
+/// Into observations.frames, each once.
+std::vector<int> frames_of(const Observations& observations, const std::vector<std::size_t>& views) {
   std::vector<int> frames;
   for (const std::size_t v : views) frames.push_back(observations.views[v].frame);
-  return static_cast<int>(std::unique(frames.begin(), frames.end()) - frames.begin());
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  return frames;
+}
+
+std::vector<RigPose> rig_poses(const Observations& observations, const PartSolution& solution) {
+  std::map<Timestamp, std::vector<Pose>> by_time;
+  for (const int frame : frames_of(observations, solution.part.views)) {
+    const auto f = static_cast<std::size_t>(frame);
+    by_time[observations.frames[f]].push_back(solution.state.T_map_rig[f]);
+  }
+  std::vector<RigPose> poses;
+  for (const auto& [time, of_time] : by_time) {
+    if (of_time.size() == 1) poses.push_back({time, of_time.front()});
+  }
+  return poses;
 }
 
 void warn_of_rejected_tags(const Observations& observations, const PartSolution& solution,
@@ -268,7 +283,8 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   result.held_tag = key_of(observations, main.held_tag);
   result.map = to_map(observations, main, options.map_frame);
   result.residual_rms_px = main.total_rms_px;
-  result.frames_used = count_frames(observations, main.part.views);
+  result.frames_used = static_cast<int>(frames_of(observations, main.part.views).size());
+  result.rig_poses = rig_poses(observations, main);
   result.observations_used = static_cast<int>(main.part.views.size());
   result.observations_rejected = static_cast<int>(main.views_offered - main.part.views.size());
 

@@ -38,6 +38,12 @@ struct CalibrationOptions {
   void check() const;
 };
 
+/// Where the rig was at one time.
+struct RigPose {
+  Timestamp timestamp;
+  Pose T_map_rig;
+};
+
 struct CalibrationResult {
   TagMap map;  ///< The part with the held tag; tags in the order of their keys.
   std::vector<TagMap>
@@ -50,6 +56,8 @@ struct CalibrationResult {
   int frames_used = 0;
   int observations_used = 0;      ///< Tags in images.
   int observations_rejected = 0;  ///< Outliers.
+  /// At the moments that `map` rests on, in the order of time; of two with the same time, neither.
+  std::vector<RigPose> rig_poses;
 };
 
 /// Builds a tag map by bundle adjustment: connectivity first, planar solutions resolved, spanning-tree start,

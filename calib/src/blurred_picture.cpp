@@ -1,0 +1,90 @@
+#include "blurred_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace apriltrack {
+namespace {
+
+/// Beyond so many sigmas a Gaussian weighs less than 1e-6.
+constexpr double kReach = 5.0;
+/// Under a blur that reaches farther, cells cannot be told apart: what is cut off then hardly matters.
+constexpr int kMaxCells = 16;
+
+/// How much of a one-dimensional Gaussian falls on each of the cells about its centre.
+struct CellShares {
+  int first = 0;
+  int count = 0;
+  std::array<double, kMaxCells> share, by_place, by_place2, by_log_sigma;
+};
+
+struct Step {
+  double share, by_place, by_place2, by_log_sigma;
+};
+
+/// Of a Gaussian about `distance` beyond an edge: what lies beyond the edge.
+Step beyond(double distance, double sigma) {
+  const double z = distance / sigma;
+  const double density = std::exp(-0.5 * z * z) / (std::numbers::sqrt2 * std::sqrt(std::numbers::pi));
+  return {0.5 * std::erfc(-z / std::numbers::sqrt2), density / sigma, -z * density / (sigma * sigma),
+          -z * density};
+}
+
+CellShares cell_shares(const TagPattern& pattern, double place, double sigma) {
+  const double cell = pattern.cell_size(), begin = -pattern.half_extent();
+  const int num_cells = pattern.cells().width();
+  const double centre = (place - begin) / cell, reach = kReach * sigma / cell;
+  int first = static_cast<int>(std::clamp(std::floor(centre - reach), 0.0, static_cast<double>(num_cells)));
+  int last = static_cast<int>(std::clamp(std::floor(centre + reach), -1.0, num_cells - 1.0));
+  if (last - first >= kMaxCells) {
+    first = std::clamp(static_cast<int>(centre) - kMaxCells / 2, 0, num_cells - kMaxCells);
+    last = first + kMaxCells - 1;
+  }
+  CellShares shares;
+  shares.first = first;
+  Step left = beyond(place - (begin + first * cell), sigma);
+  for (int k = first; k <= last; ++k) {
+    const Step right = beyond(place - (begin + (k + 1) * cell), sigma);
+    const auto i = static_cast<std::size_t>(shares.count++);
+    shares.share[i] = left.share - right.share;
+    shares.by_place[i] = left.by_place - right.by_place;
+    shares.by_place2[i] = left.by_place2 - right.by_place2;
+    shares.by_log_sigma[i] = left.by_log_sigma - right.by_log_sigma;
+    left = right;
+  }
+  return shares;
+}
+
+}  // namespace
+
+PictureSample BlurredPicture::at(double u, double v) const {
+  const CellShares columns = cell_shares(pattern_, u, blur_.sigma_u);
+  const CellShares rows = cell_shares(pattern_, v, blur_.sigma_v);
+  const double first = blur_.covariance_uv, second = 0.5 * first * first;
+  PictureSample sample;
+  for (std::size_t r = 0; r < static_cast<std::size_t>(rows.count); ++r) {
+    const float* cells = pattern_.cells().row(rows.first + static_cast<int>(r)) + columns.first;
+    double light = 0.0, by_u = 0.0, by_u2 = 0.0, by_log_sigma = 0.0, known = 0.0;
+    for (std::size_t c = 0; c < static_cast<std::size_t>(columns.count); ++c) {
+      const auto cell = static_cast<double>(cells[c]);
+      if (std::isnan(cell)) continue;
+      known += columns.share[c];
+      light += cell * columns.share[c];
+      by_u += cell * columns.by_place[c];
+      by_u2 += cell * columns.by_place2[c];
+      by_log_sigma += cell * columns.by_log_sigma[c];
+    }
+    sample.known += rows.share[r] * known;
+    sample.light +=
+        rows.share[r] * light + first * rows.by_place[r] * by_u + second * rows.by_place2[r] * by_u2;
+    sample.by_u += rows.share[r] * by_u;
+    sample.by_v += rows.by_place[r] * light;
+    sample.by_log_sigma_u += rows.share[r] * by_log_sigma;
+    sample.by_log_sigma_v += rows.by_log_sigma[r] * light;
+  }
+  return sample;
+}
+
+}  // namespace apriltrack

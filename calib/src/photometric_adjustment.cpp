@@ -1,0 +1,166 @@
+#include "photometric_adjustment.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <utility>
+
+#include "apriltrack/camera/pixel_jacobian.h"
+#include "apriltrack/tags/tag_corners.h"
+#include "reduced_equations.h"
+
+namespace apriltrack {
+namespace {
+
+/// Squared standard deviations per unknown, of noise alone: nobody sees a smaller step.
+constexpr double kSettled = 0.02;
+/// Steps before views that disagree with all others are dropped.
+constexpr int kStepsBeforeOutliers = 4;
+/// Times the median of what views disagree by, squared.
+constexpr double kOutlier2 = 25.0;
+constexpr double kLeastPsf_px = 0.1, kMostPsf_px = 3.0;
+
+using ByCorners = Eigen::Matrix<double, 6, 8>;
+
+/// The left perturbation of T_camera_tag that fits errors of the tag's corners in the image best, by these.
+std::optional<ByCorners> pose_by_corners(const CameraModel& camera, const Pose& T_camera_tag, double size_m) {
+  Eigen::Matrix<double, 8, 6> corners_by_pose;
+  int row = 0;
+  for (const Eigen::Vector3d& corner_tag : tag_corners(size_m)) {
+    const Eigen::Vector3d corner = T_camera_tag * corner_tag;
+    Eigen::Matrix<double, 2, 3> by_point;
+    if (!camera.project(corner, &by_point)) return std::nullopt;
+    corners_by_pose.middleRows<2>(row) = pixel_jacobian(by_point, corner);
+    row += 2;
+  }
+  const Matrix6d normal = corners_by_pose.transpose() * corners_by_pose;
+  return ByCorners(normal.ldlt().solve(corners_by_pose.transpose()));
+}
+
+}  // namespace
+
+/// A view that is explained, with its equations.
+struct PhotometricAdjustment::SeenView {
+  std::size_t view = 0;
+  ViewEquations equations;
+  LinearView linear;
+
+  double disagreement2() const { return linear.residual.squaredNorm(); }
+};
+
+PhotometricAdjustment::PhotometricAdjustment(const PhotometricScene& scene, PhotometricState state,
+                                             ParallelFor parallel)
+    : scene_(scene),
+      state_(std::move(state)),
+      parallel_(std::move(parallel)),
+      takes_part_(scene.views.size(), true) {}
+
+void PhotometricAdjustment::choose_moments(const std::vector<bool>& is_chosen) {
+  for (std::size_t v = 0; v < takes_part_.size(); ++v)
+    takes_part_[v] = is_chosen[static_cast<std::size_t>(scene_.views[v].moment)];
+}
+
+Pose PhotometricAdjustment::T_camera_tag(const PhotometricView& view) const {
+  return scene_.T_camera_rig[static_cast<std::size_t>(view.camera)] *
+         state_.T_map_rig[static_cast<std::size_t>(view.moment)].inverse() *
+         state_.T_map_tag[static_cast<std::size_t>(view.tag)];
+}
+
+/// Of each tag side by side, so that its light adds up in one order.
+std::vector<PhotometricAdjustment::SeenView> PhotometricAdjustment::look(bool is_light_free) {
+  std::vector<std::vector<std::size_t>> views_of_tag(scene_.tags.size());
+  for (std::size_t v = 0; v < scene_.views.size(); ++v) {
+    if (takes_part_[v]) views_of_tag[static_cast<std::size_t>(scene_.views[v].tag)].push_back(v);
+  }
+  std::vector<std::optional<SeenView>> found(scene_.views.size());
+  parallel_(scene_.tags.size(), [&](std::size_t tag) {
+    TagLight::Sums sums(state_.lights[tag]);
+    for (const std::size_t v : views_of_tag[tag]) {
+      const PhotometricView& view = scene_.views[v];
+      const auto camera = static_cast<std::size_t>(view.camera);
+      const Pose T_ct = T_camera_tag(view);
+      const auto equations = view_equations(view, scene_.cameras[camera].model, scene_.tags[tag], T_ct,
+                                            state_.psf_sigma_px[camera], state_.lights[tag], sums);
+      if (!equations) continue;
+      const Eigen::LLT<Matrix6d> factor(equations->H.topLeftCorner<6, 6>());
+      const auto by_corners =
+          pose_by_corners(scene_.cameras[camera].model, T_ct, 2.0 * scene_.tags[tag].half_size_m);
+      if (factor.info() != Eigen::Success || !by_corners) continue;
+      const Matrix6d whitening = factor.matrixU();
+      found[v] = SeenView{
+          v,
+          *equations,
+          {view.tag, view.moment, view.camera,
+           LinearView::Residual(factor.matrixL().solve(equations->g.head<6>())),
+           LinearView::ByPose(-whitening * scene_.T_camera_rig[camera].adjoint()),
+           LinearView::ByPose(whitening * T_ct.adjoint()), LinearView::ByError(whitening * *by_corners)}};
+    }
+    if (is_light_free) state_.lights[tag].update(sums);
+  });
+  std::vector<SeenView> seen;
+  for (std::optional<SeenView>& one : found) {
+    if (one) seen.push_back(std::move(*one));
+  }
+  return seen;
+}
+
+/// A hand over half a tag looks like a tag that is elsewhere.
+void PhotometricAdjustment::drop_outliers(const std::vector<SeenView>& seen) {
+  if (seen.empty()) return;
+  std::vector<double> disagreements;
+  for (const SeenView& one : seen) disagreements.push_back(one.disagreement2());
+  const auto middle = disagreements.begin() + static_cast<std::ptrdiff_t>(disagreements.size() / 2);
+  std::nth_element(disagreements.begin(), middle, disagreements.end());
+  for (const SeenView& one : seen) {
+    if (one.disagreement2() > kOutlier2 * *middle) takes_part_[one.view] = false;
+  }
+}
+
+bool PhotometricAdjustment::step(const PhotometricFreedom& freedom, double* worth) {
+  const std::vector<SeenView> seen = look(freedom.is_light_free);
+  std::vector<LinearView> linear;
+  std::vector<Eigen::Vector2d> psf(scene_.cameras.size(), Eigen::Vector2d::Zero());  // push, weight
+  for (const SeenView& one : seen) {
+    linear.push_back(one.linear);
+    psf[static_cast<std::size_t>(one.linear.camera)] +=
+        Eigen::Vector2d(one.equations.g[6], one.equations.H(6, 6));
+  }
+  const auto steps = solve_steps(linear, freedom.held_tag);
+  if (!steps) return false;
+  for (const auto& [tag, step] : steps->tags) {
+    Pose& pose = state_.T_map_tag[static_cast<std::size_t>(tag)];
+    pose = pose * Pose::exp(step);
+  }
+  for (const auto& [moment, step] : steps->frames) {
+    Pose& pose = state_.T_map_rig[static_cast<std::size_t>(moment)];
+    pose = pose * Pose::exp(step);
+  }
+  for (std::size_t c = 0; freedom.is_light_free && c < psf.size(); ++c) {
+    if (psf[c][1] > 0.0)
+      state_.psf_sigma_px[c] =
+          std::clamp(state_.psf_sigma_px[c] - psf[c][0] / psf[c][1], kLeastPsf_px, kMostPsf_px);
+  }
+  *worth = steps->worth;
+  return true;
+}
+
+bool PhotometricAdjustment::run(const PhotometricFreedom& freedom, int max_steps) {
+  const PhotometricState before = state_;
+  double worth = 0.0;
+  for (int done = 1; done <= max_steps; ++done) {
+    if (!step(freedom, &worth)) {
+      state_ = before;
+      return false;
+    }
+    if (done == kStepsBeforeOutliers) drop_outliers(look(false));
+    if (freedom.held_tag && done > 2 * kStepsBeforeOutliers && worth < kSettled) return true;
+  }
+  return !freedom.held_tag;
+}
+
+std::vector<LinearView> PhotometricAdjustment::linear_views() {
+  std::vector<LinearView> linear;
+  for (SeenView& one : look(false)) linear.push_back(std::move(one.linear));
+  return linear;
+}
+
+}  // namespace apriltrack

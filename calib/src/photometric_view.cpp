@@ -1,0 +1,203 @@
+#include "photometric_view.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "blurred_picture.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr float kSaturatedLight = 0.97F;
+constexpr int kAboutSaturated_px = 2;
+constexpr double kAllPrinted = 0.99;
+constexpr std::size_t kLeastPixels = 150;
+/// Of a residual, in robust standard deviations: hands and glare are not the tag.
+constexpr double kReach = 4.0;
+constexpr int kRoundsOfWeights = 4;
+constexpr double kLeastScaleOfContrast = 0.01;
+/// Less is a tag half hidden, or another.
+constexpr double kLeastCorrelation = 0.9;
+
+/// Where a ray meets the tag's plane.
+struct PlanePoint {
+  Eigen::Vector2d uv;            ///< In half tag sizes.
+  Eigen::Vector3d point_camera;  ///< Metres.
+};
+
+PlanePoint meet_plane(const Eigen::Matrix3d& R, const Eigen::Vector3d& t, double half_size_m,
+                      const Eigen::Vector2d& ray) {
+  const Eigen::Vector3d direction = ray.homogeneous();
+  const Eigen::Vector3d normal = R.col(2);
+  const Eigen::Vector3d point = normal.dot(t) / normal.dot(direction) * direction;
+  return {(R.transpose() * (point - t)).head<2>() / half_size_m, point};
+}
+
+bool is_near_saturated(const TagPatch& patch, const ResponseCurve& response, int x, int y) {
+  const int x1 = std::min(x + kAboutSaturated_px, patch.pixels.width() - 1);
+  const int y1 = std::min(y + kAboutSaturated_px, patch.pixels.height() - 1);
+  for (int row = std::max(y - kAboutSaturated_px, 0); row <= y1; ++row) {
+    for (int column = std::max(x - kAboutSaturated_px, 0); column <= x1; ++column) {
+      if (response.to_linear(patch.pixels(column, row)) > kSaturatedLight) return true;
+    }
+  }
+  return false;
+}
+
+/// Pixels as numbers to fit: light = columns [pattern, 1, pattern across, pattern down] times colours.
+class PixelFit {
+ public:
+  static constexpr int kNumColours = 4, kNumUnknowns = 7;
+  using Colours = Eigen::Matrix<double, Eigen::Dynamic, kNumColours>;
+  using Unknowns = Eigen::Matrix<double, Eigen::Dynamic, kNumUnknowns>;
+
+  PixelFit(const PhotometricView& view, const PrintedTag& tag, const Pose& T_camera_tag,
+           const PlaneBlur& blur, const TagLight& light)
+      : view_(view) {
+    const auto count = static_cast<Eigen::Index>(view.light.size());
+    places_.resize(2, count);
+    factors_.resize(count);
+    colours_.resize(count, kNumColours);
+    unknowns_.resize(count, kNumUnknowns);
+    seen_ = Eigen::Map<const Eigen::VectorXd>(view.light.data(), count);
+    predict(tag, T_camera_tag, blur, light);
+    fit_colours();
+  }
+
+  bool is_tag() const { return gains_[0] > 0.0 && correlation() >= kLeastCorrelation; }
+  double correlation() const {
+    const double total = (seen_.array() - seen_.mean()).square().sum();
+    return std::sqrt(std::max(0.0, 1.0 - residuals_.squaredNorm() / std::max(total, 1e-12)));
+  }
+
+  void add_to(const TagLight& light, TagLight::Sums& sums) const {
+    for (Eigen::Index i = 0; i < seen_.size(); ++i)
+      sums.add(light, places_(0, i), places_(1, i), slope(i) * colours_(i, 0) / factors_[i], residuals_[i],
+               weights_[i] / (scale_ * scale_));
+  }
+
+  /// Colours eliminated.
+  ViewEquations equations() const {
+    Unknowns by_unknowns = unknowns_;
+    for (Eigen::Index i = 0; i < seen_.size(); ++i) by_unknowns.row(i) *= slope(i) * factors_[i];
+    const Eigen::VectorXd weights = weights_ / (scale_ * scale_);
+    const Colours weighted_colours = colours_.array().colwise() * weights.array();
+    const Unknowns weighted = by_unknowns.array().colwise() * weights.array();
+    Eigen::Matrix4d of_colours = weighted_colours.transpose() * colours_;
+    of_colours.diagonal().array() += 1e-9 * of_colours.trace();
+    const Eigen::Matrix<double, kNumColours, kNumUnknowns> coupling =
+        weighted_colours.transpose() * by_unknowns;
+    const Eigen::LDLT<Eigen::Matrix4d> colour_factor(of_colours);
+    ViewEquations result;
+    result.correlation = correlation();
+    result.H = weighted.transpose() * by_unknowns - coupling.transpose() * colour_factor.solve(coupling);
+    const Eigen::Vector4d by_colours = weighted_colours.transpose() * residuals_;
+    result.g = coupling.transpose() * colour_factor.solve(by_colours) - weighted.transpose() * residuals_;
+    return result;
+  }
+
+ private:
+  void predict(const PrintedTag& tag, const Pose& T_camera_tag, const PlaneBlur& blur,
+               const TagLight& light) {
+    const BlurredPicture picture(tag.pattern, blur.picture);
+    const Eigen::Matrix3d R = T_camera_tag.rotation_matrix();
+    for (Eigen::Index i = 0; i < seen_.size(); ++i) {
+      const Eigen::Vector2d& ray = view_.rays[static_cast<std::size_t>(i)];
+      const PlanePoint at = meet_plane(R, T_camera_tag.translation(), tag.half_size_m, ray);
+      const PictureSample sample = picture.at(at.uv.x(), at.uv.y());
+      places_.col(i) = at.uv;
+      factors_[i] = light.factor(at.uv.x(), at.uv.y());
+      const double white = factors_[i] * sample.light;
+      colours_.row(i) << white, 1.0, white * at.uv.x(), white * at.uv.y();
+      unknowns_.row(i) << by_pose(R, tag.half_size_m, ray, at.point_camera, sample),
+          sample.by_log_sigma_u * blur.log_sigma_u_by_psf + sample.by_log_sigma_v * blur.log_sigma_v_by_psf;
+    }
+  }
+
+  /// As the plane moves by p = rho + theta x point, its point under the ray moves by -p in it, and along the
+  /// ray as far as it takes to stay in the plane.
+  static Eigen::Matrix<double, 1, 6> by_pose(const Eigen::Matrix3d& R, double half_size_m,
+                                             const Eigen::Vector2d& ray, const Eigen::Vector3d& point,
+                                             const PictureSample& sample) {
+    const Eigen::Vector3d direction = ray.homogeneous();
+    const Eigen::Vector3d along = sample.by_u * R.col(0) + sample.by_v * R.col(1);
+    const Eigen::Vector3d by_move =
+        (along.dot(direction) / R.col(2).dot(direction) * R.col(2) - along) / half_size_m;
+    Eigen::Matrix<double, 1, 6> by_pose;
+    by_pose << by_move.transpose(), point.cross(by_move).transpose();
+    return by_pose;
+  }
+
+  /// Light of the white where its factor is 1, less the black's.
+  double slope(Eigen::Index i) const {
+    return gains_[0] + gains_[2] * places_(0, i) + gains_[3] * places_(1, i);
+  }
+
+  /// Reweighted by Geman and McClure's function.
+  void fit_colours() {
+    weights_ = Eigen::VectorXd::Ones(seen_.size());
+    for (int round = 0; round < kRoundsOfWeights; ++round) {
+      const Colours weighted = colours_.array().colwise() * weights_.array();
+      Eigen::Matrix4d A = weighted.transpose() * colours_;
+      A.diagonal().array() += 1e-9 * A.trace();
+      gains_ = A.ldlt().solve(weighted.transpose() * seen_);
+      residuals_ = seen_ - colours_ * gains_;
+      scale_ = std::max({1.4826 * median_size(), kLeastScaleOfContrast * std::abs(gains_[0]), 1e-6});
+      weights_ = (1.0 + (residuals_ / (kReach * scale_)).array().square()).square().inverse();
+    }
+  }
+
+  double median_size() const {
+    Eigen::VectorXd sizes = residuals_.cwiseAbs();
+    double* middle = sizes.data() + sizes.size() / 2;
+    std::nth_element(sizes.data(), middle, sizes.data() + sizes.size());
+    return *middle;
+  }
+
+  const PhotometricView& view_;
+  Eigen::Matrix2Xd places_;
+  Eigen::VectorXd factors_, seen_, residuals_, weights_;
+  Colours colours_;
+  Unknowns unknowns_;  ///< Of the pattern: times slope() and factor, of the pixel.
+  Eigen::Vector4d gains_ = Eigen::Vector4d::Zero();
+  double scale_ = 0.0;
+};
+
+}  // namespace
+
+bool read_pixels(const TagPatch& patch, const Camera& camera, const PrintedTag& tag, const Pose& T_camera_tag,
+                 double psf_sigma_px, PhotometricView& view) {
+  const auto blur = plane_blur(camera.model, T_camera_tag, tag.half_size_m, {psf_sigma_px, view.streak_px});
+  if (!blur) return false;
+  const BlurredPicture picture(tag.pattern, blur->picture);
+  const Eigen::Matrix3d R = T_camera_tag.rotation_matrix();
+  for (int y = 0; y < patch.pixels.height(); ++y) {
+    for (int x = 0; x < patch.pixels.width(); ++x) {
+      const auto ray = camera.model.unproject(Eigen::Vector2d(patch.x + x, patch.y + y));
+      if (!ray || !(ray->z() > 0.0) || !(R.col(2).dot(*ray) > 0.0)) continue;
+      const Eigen::Vector2d slope = ray->hnormalized();
+      const PlanePoint at = meet_plane(R, T_camera_tag.translation(), tag.half_size_m, slope);
+      if (picture.at(at.uv.x(), at.uv.y()).known < kAllPrinted) continue;
+      if (is_near_saturated(patch, camera.response, x, y)) continue;
+      view.rays.push_back(slope);
+      view.light.push_back(static_cast<double>(camera.response.to_linear(patch.pixels(x, y))));
+    }
+  }
+  return view.light.size() >= kLeastPixels;
+}
+
+std::optional<ViewEquations> view_equations(const PhotometricView& view, const CameraModel& camera,
+                                            const PrintedTag& tag, const Pose& T_camera_tag,
+                                            double psf_sigma_px, const TagLight& light,
+                                            TagLight::Sums& sums) {
+  const auto blur = plane_blur(camera, T_camera_tag, tag.half_size_m, {psf_sigma_px, view.streak_px});
+  if (!blur) return std::nullopt;
+  const PixelFit fit(view, tag, T_camera_tag, *blur, light);
+  if (!fit.is_tag()) return std::nullopt;
+  fit.add_to(light, sums);
+  return fit.equations();
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,155 @@
+#include "apriltrack/calib/refine_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/base/parallel.h"
+#include "photometric_adjustment.h"
+#include "refinement_input.h"
+#include "scaled_covariance.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr int kMostSteps = 30;
+constexpr int kStepsOfPoses = 8;
+constexpr int kHeldOut = 4;  ///< Every so many moments, one.
+constexpr int kLeastMoments = 8;
+
+/// The moments that are held out, or the others.
+std::vector<bool> moments_where(int num_moments, bool is_held_out) {
+  std::vector<bool> chosen(static_cast<std::size_t>(num_moments));
+  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = (i % kHeldOut == kHeldOut - 1) == is_held_out;
+  return chosen;
+}
+
+/// Root mean square, per number.
+double disagreement(const std::vector<LinearView>& views) {
+  double squares = 0.0, count = 0.0;
+  for (const LinearView& view : views) {
+    squares += view.residual.squaredNorm();
+    count += static_cast<double>(view.residual.size());
+  }
+  return std::sqrt(squares / std::max(count, 1.0));
+}
+
+class Refinement {
+ public:
+  Refinement(const RefinementInput& input, int held_tag, ParallelFor parallel)
+      : input_(input), held_tag_(held_tag), parallel_(std::move(parallel)) {}
+
+  /// What moments that are held out say of the calibration, and of a map refined without them. Both with the
+  /// light and the lens of the latter, so that only places differ. False where the refinement fails.
+  bool judge(RefinementResult& result) {
+    PhotometricAdjustment others(input_.scene, input_.start, parallel_);
+    others.choose_moments(moments_where(input_.num_moments, false));
+    if (!others.run({.held_tag = held_tag_}, kMostSteps)) return false;
+    trained_ = others.state();
+    follow_tags(input_.start.T_map_tag, moments_where(input_.num_moments, true), trained_);
+    PhotometricState before = trained_;
+    before.T_map_tag = input_.start.T_map_tag;
+    before.T_map_rig = input_.start.T_map_rig;
+    result.held_out_before = disagreement_of_held_out(std::move(before));
+    result.held_out_after = disagreement_of_held_out(trained_);
+    return true;
+  }
+
+  /// From all moments; false where it fails.
+  bool refine(const RefinementOptions& options, RefinementResult& result) {
+    PhotometricAdjustment all(input_.scene, trained_, parallel_);
+    if (!all.run({.held_tag = held_tag_}, kMostSteps)) return false;
+    const std::vector<LinearView> views = all.linear_views();
+    std::vector<int> tags;
+    for (std::size_t i = 0; i < input_.scene.tags.size(); ++i) tags.push_back(static_cast<int>(i));
+    const auto covariances =
+        scaled_covariances(views, tags, held_tag_, options.picture_bias_px * options.picture_bias_px);
+    if (!covariances) return false;
+    for (std::size_t i = 0; i < tags.size(); ++i) {
+      MapTag& tag = result.map.tags[static_cast<std::size_t>(input_.map_index[i])];
+      tag.T_map_tag = all.state().T_map_tag[i];
+      if (tag.covariance) tag.covariance = (*covariances)[i].by_noise + (*covariances)[i].by_bias;
+      result.refined.push_back(tag.key);
+    }
+    result.views_used = static_cast<int>(views.size());
+    result.moments_used = input_.num_moments;
+    result.psf_sigma_px = all.state().psf_sigma_px;
+    return true;
+  }
+
+ private:
+  /// Moves the moments that were not adjusted with a tag that they show, from where it was before.
+  void follow_tags(const std::vector<Pose>& tags_before, const std::vector<bool>& moments,
+                   PhotometricState& state) const {
+    std::vector<bool> is_done(moments.size(), false);
+    for (const PhotometricView& view : input_.scene.views) {
+      const auto moment = static_cast<std::size_t>(view.moment), tag = static_cast<std::size_t>(view.tag);
+      if (!moments[moment] || is_done[moment]) continue;
+      state.T_map_rig[moment] = state.T_map_tag[tag] * tags_before[tag].inverse() * state.T_map_rig[moment];
+      is_done[moment] = true;
+    }
+  }
+
+  double disagreement_of_held_out(PhotometricState state) {
+    PhotometricAdjustment held_out(input_.scene, std::move(state), parallel_);
+    held_out.choose_moments(moments_where(input_.num_moments, true));
+    held_out.run({.held_tag = std::nullopt, .is_light_free = false}, kStepsOfPoses);
+    return disagreement(held_out.linear_views());
+  }
+
+  const RefinementInput& input_;
+  int held_tag_;
+  ParallelFor parallel_;
+  PhotometricState trained_;
+};
+
+std::optional<int> place_of(const TagKey& key, const TagMap& map, const RefinementInput& input) {
+  for (std::size_t i = 0; i < input.map_index.size(); ++i) {
+    if (map.tags[static_cast<std::size_t>(input.map_index[i])].key == key) return static_cast<int>(i);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void RefinementOptions::check() const {
+  if (max_moments < kLeastMoments)
+    throw invalid_input("max_moments", fmt::format("must be {} or more (is {})", kLeastMoments, max_moments));
+  if (!(picture_bias_px >= 0.0 && picture_bias_px <= 100.0))
+    throw invalid_input("picture_bias_px", fmt::format("must be in [0, 100] (is {})", picture_bias_px));
+  if (num_threads < 0)
+    throw invalid_input("num_threads", fmt::format("must be 0 (all cores) or more (is {})", num_threads));
+}
+
+RefinementResult refine_map(const CalibrationResult& calibration, std::span<const FrameDetections> frames,
+                            const CameraRig& rig, const RefinementOptions& options, const LogSink& log) {
+  options.check();
+  RefinementResult result;
+  result.map = calibration.map;
+  const RefinementInput input = refinement_input(calibration, frames, rig, options.max_moments);
+  const auto held_tag = place_of(calibration.held_tag, calibration.map, input);
+  if (!held_tag || input.num_moments < kLeastMoments) {
+    result.reason = fmt::format("too few pictures: {} moments show two tags or more, {} are needed",
+                                input.num_moments, kLeastMoments);
+    return result;
+  }
+  log(LogLevel::kInfo,
+      fmt::format("refining {} tags on {} pictures", input.scene.tags.size(), input.scene.views.size()));
+  Refinement refinement(input, *held_tag, parallel_for(options.num_threads));
+  if (!refinement.judge(result)) {
+    result.reason = "the refinement does not settle";
+  } else if (!(result.held_out_after < result.held_out_before)) {
+    result.reason = fmt::format(
+        "pictures that were held out agree no better with it ({:.2f} sigmas before, {:.2f} after)",
+        result.held_out_before, result.held_out_after);
+  } else if (!refinement.refine(options, result)) {
+    result.reason = "the refinement of all pictures does not settle";
+  } else {
+    result.is_accepted = true;
+  }
+  return result;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,188 @@
+#include "refinement_input.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "apriltrack/tags/tag_family.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kFirstPsf_px = 0.5;
+constexpr std::size_t kLeastMomentsOfTag = 12;
+/// Neighbours in time tell how fast the rig moves; farther ones do not.
+constexpr double kMostGap_s = 0.25;
+constexpr double kMostStreak_px = 3.0;
+
+/// A patch of a tag of the map, at a moment whose pose is known.
+struct Sighting {
+  const TagPatch* patch;
+  int map_index;
+  int camera;
+  double exposure_s;
+};
+
+struct Moment {
+  Timestamp time;
+  Pose T_map_rig;
+  std::vector<Sighting> sightings;
+
+  std::size_t num_tags() const {
+    std::set<int> tags;
+    for (const Sighting& one : sightings) tags.insert(one.map_index);
+    return tags.size();
+  }
+};
+
+std::map<TagKey, int> indices_of(const TagMap& map) {
+  std::map<TagKey, int> indices;
+  for (const MapTag& tag : map.tags) indices.emplace(tag.key, static_cast<int>(indices.size()));
+  return indices;
+}
+
+int camera_index(const CameraRig& rig, const std::string& name) {
+  return static_cast<int>(&rig.find(name) - rig.cameras.data());
+}
+
+/// In the order of time.
+std::vector<Moment> moments_of(const CalibrationResult& calibration, std::span<const FrameDetections> frames,
+                               const CameraRig& rig) {
+  std::map<Timestamp, Moment> moments;
+  for (const RigPose& pose : calibration.rig_poses)
+    moments.emplace(pose.timestamp, Moment{pose.timestamp, pose.T_map_rig, {}});
+  const std::map<TagKey, int> indices = indices_of(calibration.map);
+  for (const FrameDetections& frame : frames) {
+    const auto moment = moments.find(frame.timestamp);
+    if (moment == moments.end()) continue;
+    const int camera = camera_index(rig, frame.camera);
+    const Camera& lens = rig.cameras[static_cast<std::size_t>(camera)];
+    for (const TagPatch& patch : frame.patches) {
+      const auto index = indices.find(patch.tag);
+      if (index != indices.end())
+        moment->second.sightings.push_back(
+            {&patch, index->second, camera, frame.exposure_s.value_or(lens.exposure_s.value_or(0.0))});
+    }
+  }
+  std::vector<Moment> sorted;
+  for (auto& [time, moment] : moments) sorted.push_back(std::move(moment));
+  return sorted;
+}
+
+/// Evenly spread ones, and others of tags that these show too seldom.
+std::vector<bool> choose(const std::vector<Moment>& moments, int max_moments) {
+  std::vector<std::size_t> candidates;
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    if (moments[i].num_tags() >= 2) candidates.push_back(i);
+  }
+  std::vector<bool> is_chosen(moments.size(), false);
+  std::map<int, std::size_t> num_of_tag;
+  const auto take = [&](std::size_t i) {
+    if (is_chosen[i]) return;
+    is_chosen[i] = true;
+    for (const Sighting& one : moments[i].sightings) ++num_of_tag[one.map_index];
+  };
+  const std::size_t wanted = std::min(candidates.size(), static_cast<std::size_t>(max_moments));
+  for (std::size_t k = 0; k < wanted; ++k) take(candidates[k * candidates.size() / wanted]);
+  for (const std::size_t i : candidates) {
+    const bool is_needed = std::ranges::any_of(moments[i].sightings, [&](const Sighting& one) {
+      return num_of_tag[one.map_index] < kLeastMomentsOfTag;
+    });
+    if (is_needed) take(i);
+  }
+  return is_chosen;
+}
+
+/// Of the rig at moments[i], per second, right perturbation; zero where no neighbour is near in time.
+Vector6d rate_at(const std::vector<Moment>& moments, std::size_t i) {
+  const auto is_near = [&](std::size_t k) {
+    return std::abs(seconds_between(moments[i].time, moments[k].time)) < kMostGap_s;
+  };
+  const std::size_t before = i > 0 && is_near(i - 1) ? i - 1 : i;
+  const std::size_t after = i + 1 < moments.size() && is_near(i + 1) ? i + 1 : i;
+  if (before == after) return Vector6d::Zero();
+  const double dt_s = seconds_between(moments[before].time, moments[after].time);
+  return (moments[before].T_map_rig.inverse() * moments[after].T_map_rig).log() / dt_s;
+}
+
+/// Way of the tag's centre in the image during the exposure.
+std::optional<Eigen::Vector2d> streak_px(const Camera& camera, const Pose& T_camera_rig,
+                                         const Pose& T_map_rig, const Pose& T_map_tag, const Vector6d& way) {
+  const auto seen = [&](double share) {
+    return camera.model.project(
+        (T_camera_rig * (T_map_rig * Pose::exp(share * way)).inverse() * T_map_tag).translation());
+  };
+  const auto opening = seen(-0.5), closing = seen(0.5);
+  if (!opening || !closing) return std::nullopt;
+  return *closing - *opening;
+}
+
+/// Tags of the scene are those that are seen in two moments or more: `place` of each in the scene, by its
+/// place in the map.
+std::map<int, int> places_in_scene(const std::vector<Moment>& moments, const std::vector<bool>& is_chosen) {
+  std::map<int, int> counts, places;
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    for (const Sighting& one : moments[i].sightings) counts[one.map_index] += is_chosen[i] ? 1 : 0;
+  }
+  for (const auto& [index, count] : counts) {
+    if (count >= 2) places.emplace(index, static_cast<int>(places.size()));
+  }
+  return places;
+}
+
+void add_tag(const MapTag& tag, int map_index, RefinementInput& input) {
+  const TagPattern pattern = TagFamily::get(tag.key.family).pattern(tag.key.id);
+  input.scene.tags.push_back({pattern, 0.5 * tag.size_m});
+  input.start.T_map_tag.push_back(tag.T_map_tag);
+  input.start.lights.emplace_back(pattern.half_extent(), pattern.cells().width());
+  input.map_index.push_back(map_index);
+}
+
+}  // namespace
+
+RefinementInput refinement_input(const CalibrationResult& calibration,
+                                 std::span<const FrameDetections> frames, const CameraRig& rig,
+                                 int max_moments) {
+  RefinementInput input;
+  input.scene.cameras = rig.cameras;
+  input.scene.T_camera_rig.resize(rig.cameras.size());
+  input.start.psf_sigma_px.assign(rig.cameras.size(), kFirstPsf_px);
+  const std::vector<Moment> moments = moments_of(calibration, frames, rig);
+  const std::vector<bool> is_chosen = choose(moments, max_moments);
+  const std::map<int, int> places = places_in_scene(moments, is_chosen);
+  for (const auto& [map_index, place] : places)
+    add_tag(calibration.map.tags[static_cast<std::size_t>(map_index)], map_index, input);
+
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    if (!is_chosen[i]) continue;
+    const Vector6d rate = rate_at(moments, i);
+    std::vector<PhotometricView> views;
+    for (const Sighting& one : moments[i].sightings) {
+      const auto place = places.find(one.map_index);
+      if (place == places.end()) continue;
+      const auto camera = static_cast<std::size_t>(one.camera), tag = static_cast<std::size_t>(place->second);
+      if (rig.cameras.size() > 1) input.scene.T_camera_rig[camera] = rig.T_camera_rig(camera);
+      const Pose& T_camera_rig = input.scene.T_camera_rig[camera];
+      const Pose& T_map_tag = input.start.T_map_tag[tag];
+      PhotometricView view{.tag = place->second, .moment = input.num_moments, .camera = one.camera};
+      const auto streak = streak_px(rig.cameras[camera], T_camera_rig, moments[i].T_map_rig, T_map_tag,
+                                    one.exposure_s * rate);
+      if (!streak || !(streak->norm() < kMostStreak_px)) continue;
+      view.streak_px = *streak;
+      const Pose T_camera_tag = T_camera_rig * moments[i].T_map_rig.inverse() * T_map_tag;
+      if (read_pixels(*one.patch, rig.cameras[camera], input.scene.tags[tag], T_camera_tag, kFirstPsf_px,
+                      view))
+        views.push_back(std::move(view));
+    }
+    if (views.size() < 2) continue;
+    std::ranges::move(views, std::back_inserter(input.scene.views));
+    input.start.T_map_rig.push_back(moments[i].T_map_rig);
+    ++input.num_moments;
+  }
+  return input;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "apriltrack/calib/refine_map.h"
+#include "photometric_adjustment.h"
+
+namespace apriltrack {
+
+/// What is refined, and where it begins.
+struct RefinementInput {
+  PhotometricScene scene;
+  PhotometricState start;
+  std::vector<int> map_index;  ///< Of each tag of the scene, into the calibration's map.
+  int num_moments = 0;
+};
+
+/// The pictures of chosen moments that show two tags of the map or more, at the poses of the calibration.
+RefinementInput refinement_input(const CalibrationResult& calibration,
+                                 std::span<const FrameDetections> frames, const CameraRig& rig,
+                                 int max_moments);
+
+}  // namespace apriltrack

@@ -1,0 +1,145 @@
+#include "apriltrack/calib/refine_map.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <numeric>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/detect/detector.h"
+#include "apriltrack/sim/named_scenes.h"
+#include "apriltrack/sim/renderer.h"
+#include "calibrating.h"
+#include "synthetic_world.h"
+
+// Maps refined on rendered pictures, against the scene that they were rendered from.
+
+namespace apriltrack {
+namespace {
+
+constexpr std::size_t kNumFrames = 60;
+
+/// A slow round past the walls, and the corners and pictures of what is seen.
+struct Filmed {
+  Scene scene = make_scene("room-gentle", {.texel_m = 0.02});
+  std::vector<FrameDetections> frames;
+  CameraRig rig;
+  CalibrationResult by_corners;
+
+  Filmed() {
+    scene.exposure_s = 0.003;
+    rig.cameras.push_back(scene.camera);
+    const Renderer renderer(scene, {.seed = 733});
+    DetectorOptions options;
+    options.families = {"tag36h11"};
+    options.response = scene.camera.response;
+    Detector detector(options);
+    for (std::size_t i = 0; i < kNumFrames; ++i) {
+      const RenderedFrame rendered = renderer.render(i * scene.num_frames / kNumFrames);
+      FrameDetections& frame = frames.emplace_back(FrameDetections{
+          rendered.timestamp, scene.camera.name, detector.detect(rendered.pixels.view())});
+      frame.exposure_s = scene.exposure_s;
+      for (const Detection& detection : frame.detections)
+        frame.patches.push_back(*cut_patch(rendered.pixels.view(), detection));
+    }
+    by_corners = calibrate_map(frames, rig, TagSizes(scene.map.tags.front().size_m), {});
+  }
+
+  static const Filmed& once() {
+    static const Filmed filmed;
+    return filmed;
+  }
+};
+
+double rms_m(const TagMap& truth, const TagKey& held, const TagMap& map) {
+  double sum = 0.0;
+  for (const MapTag& tag : map.tags)
+    sum += (tag.T_map_tag.translation() - test::T_origin_tag(truth, held, tag.key).translation()).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(map.tags.size()));
+}
+
+/// xi' covariance^-1 xi / 6 of every tag but the held one, relative to it; their mean.
+double mean_normalised_error(const TagMap& truth, const TagKey& held, const TagMap& map, double* largest) {
+  double sum = 0.0;
+  *largest = 0.0;
+  for (const MapTag& tag : map.tags) {
+    if (tag.key == held) continue;
+    const Vector6d xi = (tag.T_map_tag.inverse() * test::T_origin_tag(truth, held, tag.key)).log();
+    const double error = xi.dot(tag.covariance->ldlt().solve(xi)) / 6.0;
+    *largest = std::max(*largest, error);
+    sum += error;
+  }
+  return sum / static_cast<double>(map.tags.size() - 1);
+}
+
+TEST(RefinedMap, IsNearerToTheTruthThanItsCornersAndClaimsNoMore) {
+  const Filmed& filmed = Filmed::once();
+  const RefinementResult refined = refine_map(filmed.by_corners, filmed.frames, filmed.rig, {});
+  ASSERT_TRUE(refined.is_accepted) << refined.reason;
+  const TagKey held = filmed.by_corners.held_tag;
+  const double before_m = rms_m(filmed.scene.map, held, filmed.by_corners.map);
+  const double after_m = rms_m(filmed.scene.map, held, refined.map);
+  EXPECT_LT(after_m, 0.6 * before_m) << before_m;
+  EXPECT_LT(refined.held_out_after, refined.held_out_before);
+  ASSERT_EQ(refined.psf_sigma_px.size(), 1U);
+  EXPECT_NEAR(refined.psf_sigma_px[0], 0.5, 0.1);  // the renderer's lens
+
+  double largest = 0.0;
+  EXPECT_LT(mean_normalised_error(filmed.scene.map, held, refined.map, &largest), 1.5);
+  EXPECT_LT(largest, 4.0);
+  EXPECT_TRUE(refined.map.find(held)->covariance->isZero());
+}
+
+TEST(RefinedMap, DoesNotDependOnTheNumberOfThreads) {
+  const Filmed& filmed = Filmed::once();
+  const RefinementResult one =
+      refine_map(filmed.by_corners, filmed.frames, filmed.rig, {.max_moments = 20, .num_threads = 1});
+  const RefinementResult three =
+      refine_map(filmed.by_corners, filmed.frames, filmed.rig, {.max_moments = 20, .num_threads = 3});
+  ASSERT_TRUE(one.is_accepted) << one.reason;
+  for (std::size_t i = 0; i < one.map.tags.size(); ++i) {
+    EXPECT_EQ(one.map.tags[i].T_map_tag.matrix(), three.map.tags[i].T_map_tag.matrix());
+    EXPECT_EQ(*one.map.tags[i].covariance, *three.map.tags[i].covariance);
+  }
+}
+
+TEST(RefinedMap, StaysAsItWasWithoutPictures) {
+  const Filmed& filmed = Filmed::once();
+  std::vector<FrameDetections> frames = filmed.frames;
+  for (FrameDetections& frame : frames) frame.patches.clear();
+  const RefinementResult refined = refine_map(filmed.by_corners, frames, filmed.rig, {});
+  EXPECT_FALSE(refined.is_accepted);
+  EXPECT_EQ(refined.reason, "too few pictures: 0 moments show two tags or more, 8 are needed");
+  for (std::size_t i = 0; i < refined.map.tags.size(); ++i)
+    EXPECT_EQ(refined.map.tags[i].T_map_tag.matrix(), filmed.by_corners.map.tags[i].T_map_tag.matrix());
+}
+
+/// What frames show is not where they say: by a pixel to the left and to the right, tag by tag.
+TEST(RefinedMap, IsRefusedWherePicturesContradictEachOther) {
+  const Filmed& filmed = Filmed::once();
+  std::vector<FrameDetections> frames = filmed.frames;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    for (std::size_t k = 0; k < frames[i].patches.size(); ++k)
+      frames[i].patches[k].x += static_cast<int>((i + k) % 3) - 1;
+  }
+  const RefinementResult refined = refine_map(filmed.by_corners, frames, filmed.rig, {});
+  EXPECT_FALSE(refined.is_accepted);
+  EXPECT_FALSE(refined.reason.empty());
+  for (std::size_t i = 0; i < refined.map.tags.size(); ++i)
+    EXPECT_EQ(refined.map.tags[i].T_map_tag.matrix(), filmed.by_corners.map.tags[i].T_map_tag.matrix());
+}
+
+TEST(RefinedMap, NamesOptionsOutOfRange) {
+  const Filmed& filmed = Filmed::once();
+  const auto error = [&](const RefinementOptions& options) {
+    return test::error_of(ErrorKind::kInvalidInput,
+                          [&] { refine_map(filmed.by_corners, filmed.frames, filmed.rig, options); });
+  };
+  EXPECT_EQ(error({.max_moments = 7}), "max_moments: must be 8 or more (is 7)");
+  EXPECT_EQ(error({.picture_bias_px = -1.0}), "picture_bias_px: must be in [0, 100] (is -1)");
+  EXPECT_EQ(error({.num_threads = -1}), "num_threads: must be 0 (all cores) or more (is -1)");
+}
+
+}  // namespace
+}  // namespace apriltrack
