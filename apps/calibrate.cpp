@@ -1,9 +1,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/calib/calibrate_map.h"
+#include "apriltrack/calib/refine_map.h"
 #include "blank_images.h"
 #include "calibrate_camera.h"
 #include "calibrate_input.h"
@@ -35,7 +37,7 @@ TagSizes tag_sizes(const CalibrateOptions& a) {
 
 Sightings gather(const CalibrateOptions& a, const CameraRig& rig, const std::vector<Recording>& recordings) {
   if (!a.detections.empty()) return read_sightings(a.detections, rig, a.camera_name);
-  return detect_in(recordings, rig, a.detector, a.source, a.num_threads, a.console);
+  return detect_in(recordings, rig, a.detector, a.source, a.num_threads, a.is_refined, a.console);
 }
 
 /// Of the cameras that may take part.
@@ -49,6 +51,17 @@ void warn_of_shutters(const CameraRig& rig, const std::string& camera_name,
     if (!takes_part) continue;
     if (const auto warning = rolling_shutter_warning(camera)) console.warning(*warning);
   }
+}
+
+/// On the tags' pictures, where there are any; the map of `result` is then the refined one.
+std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sightings, const CameraRig& rig,
+                                       CalibrationResult& result) {
+  if (!a.is_refined || !a.detections.empty()) return std::nullopt;
+  a.refinement.num_threads = a.num_threads;
+  RefinementResult refinement = refine_map(result, sightings.frames, rig, a.refinement, a.console.log());
+  if (!refinement.is_accepted) a.console.warning("not refined on the tags' pictures: " + refinement.reason);
+  result.map = refinement.map;
+  return refinement;
 }
 
 void run(CLI::App& command, CalibrateOptions& a) {
@@ -69,8 +82,9 @@ void run(CLI::App& command, CalibrateOptions& a) {
   if (!a.held_tag.empty()) a.calibration.held_tag = parse_held_tag(a, sightings);
   CalibrationResult result = calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
   for (const std::string& warning : result.warnings) a.console.warning(warning);
+  const std::optional<RefinementResult> refinement = refine(a, sightings, rig, result);
   const CalibrationFiles files = write_calibration(a, camera, sightings, result);
-  tell_calibration(a, sightings, result, files);
+  tell_calibration(a, sightings, result, refinement, files);
 }
 
 }  // namespace

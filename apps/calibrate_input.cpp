@@ -8,6 +8,7 @@
 
 #include "apriltrack/base/error.h"
 #include "frame_loop.h"
+#include "patch_keeper.h"
 #include "rig_detections.h"
 #include "takes.h"
 
@@ -54,7 +55,7 @@ std::vector<Recording> parse_recordings(const std::vector<std::string>& inputs, 
 
 Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& rig,
                     const DetectorOptions& detector, const SourceOptions& source_options, int num_threads,
-                    const Console& console) {
+                    bool with_patches, const Console& console) {
   Sightings all;
   Takes takes;
   for (const Recording& recording : recordings) {
@@ -70,9 +71,12 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
     if (recording.is_named) source_of_camera.camera_name = recording.camera;
     const std::unique_ptr<FrameSource> source = open_source(recording.input, source_of_camera);
     std::vector<FrameDetections> frames;
+    PatchKeeper keeper;
     const FrameCounts counts = detect_frames(*source, options, console, [&](DetectedFrame frame) {
-      if (frame.source.is_readable())
-        frames.push_back({frame.source.timestamp, camera.name, std::move(frame.detections)});
+      if (!frame.source.is_readable()) return;
+      frames.push_back({frame.source.timestamp, camera.name, std::move(frame.detections)});
+      frames.back().exposure_s = frame.source.exposure_s;
+      if (with_patches) keeper.keep(frame.source.frame().image, frames.back());
     });
     takes.add(recording.input, {camera.name}, std::move(frames));
     all.counts.readable += counts.readable;

@@ -34,11 +34,12 @@ Recording split_input(const std::string& input);
 std::vector<Recording> parse_recordings(const std::vector<std::string>& inputs, const CameraRig& rig,
                                         const std::string& camera_name);
 
-/// Detects in every frame of every recording. Throws Error(kIo) when one cannot be read at all,
+/// Detects in every frame of every recording. with_patches: pictures of the tags are kept, of films with
+/// thousands of frames of some hundred only. Throws Error(kIo) when one cannot be read at all,
 /// Error(kInvalidInput) when images do not fit the camera, or as Takes does.
 Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& rig,
                     const DetectorOptions& detector, const SourceOptions& source_options, int num_threads,
-                    const Console& console);
+                    bool with_patches, const Console& console);
 
 /// Reads detection files with read_rig_detections. camera_name: only this camera's rows; empty: all. Throws
 /// as Takes does.

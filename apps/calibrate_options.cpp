@@ -56,6 +56,8 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
       ->capture_default_str();
   command.add_option("--max-frames", a.source.max_frames, "Use so many frames of each input at most")
       ->check(whole_number(1));
+  command.add_flag("--no-refine{false}", a.is_refined,
+                   "Leave the map as the corners say, and do not refine it on the tags' pictures");
   command.add_option("--parts", a.parts, "Folder for a map of each part: part_1.yaml is the map itself");
   command.add_option("--config", a.config,
                      "YAML file of options, keys = their long names; the command line wins");
@@ -107,7 +109,8 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
   if (a.tag_size_m && !(*a.tag_size_m > 0.0 && *a.tag_size_m <= 100.0))
     throw invalid_input("--tag-size", fmt::format("must be in (0, 100] metres (is {})", *a.tag_size_m));
   if (!a.detections.empty())
-    refuse_beside_detections(command, {"--step", "--max-frames", "--rate", "--family", "--decimate"});
+    refuse_beside_detections(command,
+                             {"--step", "--max-frames", "--rate", "--family", "--decimate", "--no-refine"});
   check_families(a.detector.families);
   a.detector.check();
   a.calibration.check();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apriltrack/calib/calibrate_map.h"
+#include "apriltrack/calib/refine_map.h"
 #include "calibrate_input.h"
 #include "console.h"
 
@@ -26,6 +27,8 @@ struct CalibrateOptions {
   DetectorOptions detector;
   SourceOptions source;
   CalibrationOptions calibration;
+  RefinementOptions refinement;
+  bool is_refined = true;
   Console console;
 };
 

@@ -77,6 +77,29 @@ nlohmann::json names(const TagMap& map) {
   return list;
 }
 
+nlohmann::json told(const RefinementResult& refinement) {
+  nlohmann::json summary = {{"accepted", refinement.is_accepted},
+                            {"held_out_before", refinement.held_out_before},
+                            {"held_out_after", refinement.held_out_after}};
+  if (!refinement.is_accepted) {
+    summary["reason"] = refinement.reason;
+    return summary;
+  }
+  summary["tags"] = names(refinement.refined);
+  summary["moments_used"] = refinement.moments_used;
+  summary["views_used"] = refinement.views_used;
+  summary["psf_sigma_px"] = refinement.psf_sigma_px;
+  return summary;
+}
+
+std::string words_of(const RefinementResult& refinement) {
+  return fmt::format(
+      "refined on {} pictures of {} tags: those that were held out disagree with the map by {:.1f} sigmas "
+      "before, {:.1f} after; lens blur {:.2f} px",
+      refinement.views_used, refinement.refined.size(), refinement.held_out_before, refinement.held_out_after,
+      fmt::join(refinement.psf_sigma_px, ", "));
+}
+
 }  // namespace
 
 fs::path observations_file(const CalibrateOptions& a) {
@@ -111,23 +134,24 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
 }
 
 void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, const CalibrationResult& result,
-                      const CalibrationFiles& files) {
+                      const std::optional<RefinementResult>& refinement, const CalibrationFiles& files) {
   nlohmann::json other_parts = nlohmann::json::array();
   for (const TagMap& part : result.other_parts) other_parts.push_back(names(part));
-  const nlohmann::json summary = {{"tags", names(result.map)},
-                                  {"held_tag", to_string(result.held_tag)},
-                                  {"frames", sightings.counts.readable},
-                                  {"unreadable", sightings.counts.unreadable},
-                                  {"frames_used", result.frames_used},
-                                  {"observations_used", result.observations_used},
-                                  {"observations_rejected", result.observations_rejected},
-                                  {"residual_rms_px", result.residual_rms_px},
-                                  {"left_out", names(result.left_out)},
-                                  {"other_parts", other_parts},
-                                  {"part_files", files.parts},
-                                  {"interrupted", sightings.counts.is_interrupted},
-                                  {"output", a.output},
-                                  {"observations", files.observations.string()}};
+  nlohmann::json summary = {{"tags", names(result.map)},
+                            {"held_tag", to_string(result.held_tag)},
+                            {"frames", sightings.counts.readable},
+                            {"unreadable", sightings.counts.unreadable},
+                            {"frames_used", result.frames_used},
+                            {"observations_used", result.observations_used},
+                            {"observations_rejected", result.observations_rejected},
+                            {"residual_rms_px", result.residual_rms_px},
+                            {"left_out", names(result.left_out)},
+                            {"other_parts", other_parts},
+                            {"part_files", files.parts},
+                            {"interrupted", sightings.counts.is_interrupted},
+                            {"output", a.output},
+                            {"observations", files.observations.string()}};
+  if (refinement) summary["refinement"] = told(*refinement);
   std::string text = fmt::format(
       "{} tags from {} of {} frames ({} unreadable); {} observations, {} rejected; residual {:.3f} px (rms "
       "per axis)\n"
@@ -135,6 +159,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
       result.map.tags.size(), result.frames_used, sightings.counts.readable, sightings.counts.unreadable,
       result.observations_used, result.observations_rejected, result.residual_rms_px,
       to_string(result.held_tag), a.output, files.observations.string());
+  if (refinement && refinement->is_accepted) text += "\n" + words_of(*refinement);
   for (const std::string& file : files.parts) text += "\npart: " + file;
   a.console.finish(summary, text);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,9 @@ bool is_detections_input(const CalibrateOptions& options, const std::filesystem:
 CalibrationFiles write_calibration(const CalibrateOptions& options, const std::filesystem::path& camera,
                                    const Sightings& sightings, CalibrationResult& result);
 
-/// The answer on stdout.
+/// The answer on stdout. refinement: none where it was not asked for.
 void tell_calibration(const CalibrateOptions& options, const Sightings& sightings,
-                      const CalibrationResult& result, const CalibrationFiles& files);
+                      const CalibrationResult& result, const std::optional<RefinementResult>& refinement,
+                      const CalibrationFiles& files);
 
 }  // namespace apriltrack::app
