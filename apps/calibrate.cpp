@@ -37,7 +37,7 @@ TagSizes tag_sizes(const CalibrateOptions& a) {
 
 Sightings gather(const CalibrateOptions& a, const CameraRig& rig, const std::vector<Recording>& recordings) {
   if (!a.detections.empty()) return read_sightings(a.detections, rig, a.camera_name);
-  return detect_in(recordings, rig, a.detector, a.source, a.num_threads, a.is_refined, a.console);
+  return detect_in(recordings, rig, a.detector, a.source, a.num_threads, !a.no_refine, a.console);
 }
 
 /// Of the cameras that may take part.
@@ -56,7 +56,7 @@ void warn_of_shutters(const CameraRig& rig, const std::string& camera_name,
 /// On the tags' pictures, where there are any; the map of `result` is then the refined one.
 std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sightings, const CameraRig& rig,
                                        CalibrationResult& result) {
-  if (!a.is_refined || !a.detections.empty()) return std::nullopt;
+  if (a.no_refine || !a.detections.empty()) return std::nullopt;
   a.refinement.num_threads = a.num_threads;
   RefinementResult refinement = refine_map(result, sightings.frames, rig, a.refinement, a.console.log());
   if (!refinement.is_accepted) a.console.warning("not refined on the tags' pictures: " + refinement.reason);
@@ -83,7 +83,7 @@ void run(CLI::App& command, CalibrateOptions& a) {
   CalibrationResult result = calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
   for (const std::string& warning : result.warnings) a.console.warning(warning);
   const std::optional<RefinementResult> refinement = refine(a, sightings, rig, result);
-  const CalibrationFiles files = write_calibration(a, camera, sightings, result);
+  const CalibrationFiles files = write_calibration(a, camera, sightings, refinement, result);
   tell_calibration(a, sightings, result, refinement, files);
 }
 

@@ -56,7 +56,7 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
       ->capture_default_str();
   command.add_option("--max-frames", a.source.max_frames, "Use so many frames of each input at most")
       ->check(whole_number(1));
-  command.add_flag("--no-refine{false}", a.is_refined,
+  command.add_flag("--no-refine", a.no_refine,
                    "Leave the map as the corners say, and do not refine it on the tags' pictures");
   command.add_option("--parts", a.parts, "Folder for a map of each part: part_1.yaml is the map itself");
   command.add_option("--config", a.config,

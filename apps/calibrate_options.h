@@ -28,7 +28,7 @@ struct CalibrateOptions {
   SourceOptions source;
   CalibrationOptions calibration;
   RefinementOptions refinement;
-  bool is_refined = true;
+  bool no_refine = false;
   Console console;
 };
 

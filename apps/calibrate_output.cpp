@@ -38,6 +38,11 @@ std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptio
           {"observations", observations.filename().string()}};
 }
 
+std::string outcome_of(const RefinementResult& refinement) {
+  if (!refinement.is_accepted) return "none: " + refinement.reason;
+  return fmt::format("of {} tags on {} of their pictures", refinement.refined.size(), refinement.views_used);
+}
+
 fs::path part_file(const CalibrateOptions& a, std::size_t number) {
   return fs::path(a.parts) / fmt::format("part_{}.yaml", number);
 }
@@ -114,10 +119,13 @@ bool is_detections_input(const CalibrateOptions& a, const fs::path& path) {
 }
 
 CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& camera,
-                                   const Sightings& sightings, CalibrationResult& result) {
+                                   const Sightings& sightings,
+                                   const std::optional<RefinementResult>& refinement,
+                                   CalibrationResult& result) {
   CalibrationFiles files;
   files.observations = observations_file(a);
   result.map.provenance = provenance(a, camera, result.held_tag, files.observations);
+  if (refinement) result.map.provenance.emplace_back("refinement", outcome_of(*refinement));
   for (TagMap& part : result.other_parts)
     part.provenance = provenance(a, camera, part.tags.front().key, files.observations);
   const bool has_them = is_detections_input(a, files.observations);  // it may hold more than was used

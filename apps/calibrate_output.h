@@ -25,7 +25,9 @@ bool is_detections_input(const CalibrateOptions& options, const std::filesystem:
 /// Notes in all maps of `result` where they come from, and writes them with the observations they rest on.
 /// camera: the file that was read.
 CalibrationFiles write_calibration(const CalibrateOptions& options, const std::filesystem::path& camera,
-                                   const Sightings& sightings, CalibrationResult& result);
+                                   const Sightings& sightings,
+                                   const std::optional<RefinementResult>& refinement,
+                                   CalibrationResult& result);
 
 /// The answer on stdout. refinement: none where it was not asked for.
 void tell_calibration(const CalibrateOptions& options, const Sightings& sightings,

@@ -13,6 +13,8 @@ namespace {
 
 /// Squared standard deviations per unknown, of noise alone: nobody sees a smaller step.
 constexpr double kSettled = 0.02;
+/// What a slow adjustment may leave, as all of its steps together are soon less than a standard deviation.
+constexpr double kNearlySettled = 0.5;
 /// Steps before views that disagree with all others are dropped.
 constexpr int kStepsBeforeOutliers = 4;
 /// Times the median of what views disagree by, squared.
@@ -154,7 +156,7 @@ bool PhotometricAdjustment::run(const PhotometricFreedom& freedom, int max_steps
     if (done == kStepsBeforeOutliers) drop_outliers(look(false));
     if (freedom.held_tag && done > 2 * kStepsBeforeOutliers && worth < kSettled) return true;
   }
-  return !freedom.held_tag;
+  return !freedom.held_tag || worth < kNearlySettled;
 }
 
 std::vector<LinearView> PhotometricAdjustment::linear_views() {

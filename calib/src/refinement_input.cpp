@@ -48,6 +48,11 @@ int camera_index(const CameraRig& rig, const std::string& name) {
   return static_cast<int>(&rig.find(name) - rig.cameras.data());
 }
 
+/// Of an id at two places of one image, neither is known to be the tag.
+bool is_seen_once(const FrameDetections& frame, const TagKey& tag) {
+  return std::ranges::count(frame.patches, tag, &TagPatch::tag) == 1;
+}
+
 /// In the order of time.
 std::vector<Moment> moments_of(const CalibrationResult& calibration, std::span<const FrameDetections> frames,
                                const CameraRig& rig) {
@@ -62,7 +67,7 @@ std::vector<Moment> moments_of(const CalibrationResult& calibration, std::span<c
     const Camera& lens = rig.cameras[static_cast<std::size_t>(camera)];
     for (const TagPatch& patch : frame.patches) {
       const auto index = indices.find(patch.tag);
-      if (index != indices.end())
+      if (index != indices.end() && is_seen_once(frame, patch.tag))
         moment->second.sightings.push_back(
             {&patch, index->second, camera, frame.exposure_s.value_or(lens.exposure_s.value_or(0.0))});
     }
