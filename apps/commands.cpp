@@ -27,6 +27,7 @@ void add_all_commands(CLI::App& app) {
   app.require_subcommand(1);
   app.set_version_flag("--version", "apriltrack " APRILTRACK_VERSION);
   add_simulate_command(app);
+  add_doctor_command(app);
   add_detect_command(app);
   add_calibrate_command(app);
   add_track_command(app);

@@ -13,6 +13,7 @@ namespace apriltrack::app {
 // turns that into the exit status (docs/file_formats.md). One file per command.
 
 void add_simulate_command(CLI::App& app);
+void add_doctor_command(CLI::App& app);
 void add_detect_command(CLI::App& app);
 void add_calibrate_command(CLI::App& app);
 void add_track_command(CLI::App& app);

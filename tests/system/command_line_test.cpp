@@ -13,7 +13,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const char* const kCommands[] = {"simulate", "detect", "calibrate", "track", "evaluate", "map", "demo"};
+const char* const kCommands[] = {"simulate", "doctor",   "detect", "calibrate",
+                                 "track",    "evaluate", "map",    "demo"};
 
 /// What a list of commands says, by command.
 std::map<std::string, std::string> listed_commands(const std::string& help) {

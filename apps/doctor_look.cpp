@@ -1,0 +1,175 @@
+#include "doctor_look.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/detect/edge_blur.h"
+#include "blank_images.h"
+#include "doctor_families.h"
+#include "doctor_sample.h"
+#include "frame_loop.h"
+#include "inputs.h"
+#include "takes.h"
+
+namespace apriltrack::app {
+namespace {
+
+/// Whether the tag's white is clipped: of the families' cells a third and more are white.
+bool is_clipped(const Detection& detection, const GrayView& image) {
+  constexpr int kSide = 16;  // points read across the tag
+  constexpr double kLeastShare = 0.15;
+  const auto& corners = detection.corners_px;
+  int white = 0, all = 0;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const double right = (i % kSide + 0.5) / kSide, up = (i / kSide + 0.5) / kSide;
+    const Eigen::Vector2d point = (1.0 - up) * ((1.0 - right) * corners[0] + right * corners[1]) +
+                                  up * ((1.0 - right) * corners[3] + right * corners[2]);
+    const int x = static_cast<int>(std::lround(point.x())), y = static_cast<int>(std::lround(point.y()));
+    if (!image.contains(x, y)) continue;
+    ++all;
+    white += image(x, y) == 255;
+  }
+  return white > kLeastShare * all;
+}
+
+SeenTag seen_tag(const Detection& detection, const GrayView& image, const ResponseCurve& response) {
+  constexpr double kBorder = 0.03;
+  SeenTag seen{.tag = detection.tag, .margin = detection.decision_margin.value_or(0.0)};
+  for (std::size_t k = 0; k < kNumCorners; ++k) {
+    const Eigen::Vector2d& corner = detection.corners_px[k];
+    seen.edge_px += (detection.corners_px[(k + 1) % kNumCorners] - corner).norm() / kNumCorners;
+    const double from_border_x = std::min(corner.x(), image.width() - 1 - corner.x());
+    const double from_border_y = std::min(corner.y(), image.height() - 1 - corner.y());
+    seen.is_at_border = seen.is_at_border || from_border_x < kBorder * image.width() ||
+                        from_border_y < kBorder * image.height();
+  }
+  seen.is_clipped = is_clipped(detection, image);
+  if (const auto sigma_px = edge_blur_sigma_px(image, response, detection))
+    seen.blur_px = motion_of_blur_px(*sigma_px);
+  return seen;
+}
+
+void add_light(const GrayView& image, FrameFacts& facts) {
+  std::array<std::size_t, 256> counts{};
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) ++counts[image(x, y)];
+  const double all = static_cast<double>(image.width()) * image.height();
+  facts.white_share = static_cast<double>(counts[255]) / all;
+  std::size_t brighter = 0;
+  for (facts.bright_level = 255; facts.bright_level > 0; --facts.bright_level) {
+    brighter += counts[static_cast<std::size_t>(facts.bright_level)];
+    if (static_cast<double>(brighter) > 0.01 * all) break;
+  }
+  facts.is_blank = is_blank(image);
+}
+
+FrameFacts facts_of(const DetectedFrame& frame, const ResponseCurve& response) {
+  const GrayView image = frame.source.pixels.view();
+  FrameFacts facts{.name = frame.source.name,
+                   .time = frame.source.timestamp,
+                   .width = image.width(),
+                   .height = image.height(),
+                   .tells_exposure = frame.source.exposure_s.has_value()};
+  add_light(image, facts);
+  for (const Detection& detection : frame.detections)
+    facts.tags.push_back(seen_tag(detection, image, response));
+  return facts;
+}
+
+/// Where the names tell no times, these do not matter to a first look.
+std::unique_ptr<FrameSource> open_any(const std::string& input, SourceOptions options, bool& tells_times) {
+  try {
+    return open_source(input, options);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kInvalidInput || options.rate_hz) throw;
+  }
+  options.rate_hz = 1.0;
+  tells_times = false;
+  return open_source(input, options);
+}
+
+/// The camera that films an INPUT; only its name where no file tells more.
+void find_camera(const Recording& named, const LookOptions& options, const Console& console,
+                 RecordingFacts& facts) {
+  facts.camera_name = named.is_named ? named.camera : options.camera_name;
+  std::optional<std::filesystem::path> path = sequence_camera_file(named.input);
+  if (!options.camera.empty()) path = options.camera;
+  if (path) {
+    facts.camera = read_camera(*path, facts.camera_name, console);
+    facts.camera_name = facts.camera->name;
+  }
+  if (facts.camera_name.empty()) facts.camera_name = "cam0";
+}
+
+RecordingFacts look_at_one(const std::string& input, const LookOptions& options, const Console& console,
+                           bool& is_interrupted) {
+  const Recording named = split_input(input);
+  RecordingFacts facts{.input = named.input};
+  find_camera(named, options, console, facts);
+  SourceOptions source_options = options.source;
+  source_options.log = console.log();
+  source_options.camera_name = named.is_named ? named.camera : options.camera_name;
+  const auto source = open_any(named.input, source_options, facts.tells_times);
+  DetectorOptions detector = options.detector;
+  if (facts.camera) detector.response = facts.camera->response;
+  EvenSample sample;
+  const FrameCounts counts =
+      detect_frames(*source, {detector, nullptr, options.num_threads, "look at " + named.input}, console,
+                    [&](DetectedFrame frame) {
+                      if (!frame.source.is_readable()) return;
+                      sample.offer(frame.source.pixels.view());
+                      facts.frames.push_back(facts_of(frame, detector.response));
+                    });
+  facts.unreadable = counts.unreadable;
+  is_interrupted = counts.is_interrupted;
+  if (!is_interrupted && options.tries_other_families) {
+    facts.other_families = read_other_families(sample.images(), detector, options.num_threads, console);
+    facts.sampled = sample.images().size();
+  }
+  return facts;
+}
+
+/// Frames of several cameras belong to one moment where their times are equal.
+std::vector<std::vector<TagKey>> moments_of(const std::vector<RecordingFacts>& recordings) {
+  Takes takes;
+  for (const RecordingFacts& recording : recordings) {
+    std::vector<FrameDetections> frames;
+    for (const FrameFacts& frame : recording.frames) {
+      frames.push_back({frame.time, recording.camera_name, {}});
+      for (const SeenTag& seen : frame.tags)
+        frames.back().detections.push_back({seen.tag, {}, std::nullopt, std::nullopt});
+    }
+    takes.add(recording.input, {recording.camera_name}, std::move(frames));
+  }
+  std::vector<std::vector<TagKey>> moments;
+  std::set<TagKey> tags;
+  const std::vector<FrameDetections> frames = takes.take_all().frames;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    for (const Detection& detection : frames[i].detections) tags.insert(detection.tag);
+    const bool goes_on = i + 1 < frames.size() && frames[i + 1].timestamp == frames[i].timestamp &&
+                         frames[i + 1].camera != frames[i].camera;
+    if (goes_on || tags.empty()) continue;
+    moments.emplace_back(tags.begin(), tags.end());
+    tags.clear();
+  }
+  return moments;
+}
+
+}  // namespace
+
+Facts look_at(const std::vector<std::string>& inputs, const LookOptions& options, const Console& console) {
+  Facts facts{.families = options.detector.families};
+  for (const std::string& input : inputs) {
+    facts.recordings.push_back(look_at_one(input, options, console, facts.is_interrupted));
+    if (facts.is_interrupted) break;
+  }
+  facts.moments = moments_of(facts.recordings);
+  return facts;
+}
+
+}  // namespace apriltrack::app

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apriltrack/detect/detector.h"
+#include "apriltrack/source/frame_source.h"
+#include "calibrate_input.h"
+#include "console.h"
+#include "doctor_facts.h"
+
+namespace apriltrack::app {
+
+struct LookOptions {
+  std::string camera;  ///< File; empty: a sequence folder's own, where there is one.
+  std::string camera_name;
+  DetectorOptions detector;
+  SourceOptions source;
+  int num_threads = 0;
+  bool tries_other_families = true;
+};
+
+/// Reads every frame of every INPUT, finds the tags of the families asked for and measures their blur; looks
+/// for all other families in up to 20 frames of each. Ctrl-C ends it, with the facts until then.
+///
+/// Images whose names are no times are taken at one a second where no rate is given. Throws as open_source,
+/// read_cameras and Takes do.
+Facts look_at(const std::vector<std::string>& inputs, const LookOptions& options, const Console& console);
+
+}  // namespace apriltrack::app

@@ -1,0 +1,138 @@
+#include "doctor_tags.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "apriltrack/eval/statistics.h"
+
+namespace apriltrack::app {
+namespace {
+
+/// Values of one tag, over all of its views.
+struct TagViews {
+  TagSummary summary;
+  std::vector<double> edges_px, margins, blurs_px;
+
+  void add(const SeenTag& seen) {
+    ++summary.views;
+    summary.views_at_border += seen.is_at_border;
+    edges_px.push_back(seen.edge_px);
+    margins.push_back(seen.margin);
+    if (seen.blur_px) blurs_px.push_back(*seen.blur_px);
+  }
+
+  TagSummary summarised() const {
+    TagSummary all = summary;
+    all.median_edge_px = median(edges_px);
+    all.smallest_edge_px = *std::ranges::min_element(edges_px);
+    all.largest_edge_px = *std::ranges::max_element(edges_px);
+    all.median_margin = median(margins);
+    if (!blurs_px.empty()) all.median_blur_px = median(blurs_px);
+    return all;
+  }
+};
+
+/// Sets of tags that are joined two by two: each tag points towards its set's root.
+class JoinedTags {
+ public:
+  TagKey root(const TagKey& tag) {
+    TagKey at = tag;
+    while (true) {
+      TagKey& parent = parents_.try_emplace(at, at).first->second;
+      if (parent == at) return at;
+      parent = parents_.at(parent);  // halves the way for those who ask later
+      at = parent;
+    }
+  }
+
+  void join(const TagKey& a, const TagKey& b) { parents_[root(a)] = root(b); }
+
+  std::map<TagKey, std::vector<TagKey>> sets() {
+    std::vector<TagKey> tags;
+    for (const auto& [tag, parent] : parents_) tags.push_back(tag);
+    std::map<TagKey, std::vector<TagKey>> sets;
+    for (const TagKey& tag : tags) sets[root(tag)].push_back(tag);
+    return sets;
+  }
+
+ private:
+  std::map<TagKey, TagKey> parents_;
+};
+
+}  // namespace
+
+std::vector<TagSummary> summarise_tags(const Facts& facts) {
+  std::map<TagKey, TagViews> tags;
+  for (const RecordingFacts& recording : facts.recordings) {
+    for (const FrameFacts& frame : recording.frames) {
+      std::map<TagKey, int> times;
+      for (const SeenTag& seen : frame.tags) {
+        tags[seen.tag].add(seen);
+        ++times[seen.tag];
+      }
+      for (const auto& [tag, count] : times) {
+        ++tags[tag].summary.frames;
+        tags[tag].summary.frames_twice += count > 1;
+      }
+    }
+  }
+  for (const std::vector<TagKey>& moment : facts.moments) {
+    for (const TagKey& tag : moment)
+      if (const auto of = tags.find(tag); of != tags.end() && moment.size() > 1)
+        ++of->second.summary.moments_together;
+  }
+  std::vector<TagSummary> summaries;
+  for (const auto& [tag, views] : tags) {
+    summaries.push_back(views.summarised());
+    summaries.back().tag = tag;
+  }
+  return summaries;
+}
+
+std::vector<std::vector<TagKey>> joined_parts(std::span<const std::vector<TagKey>> moments) {
+  JoinedTags joined;
+  for (const std::vector<TagKey>& moment : moments)
+    for (const TagKey& tag : moment) joined.join(moment.front(), tag);
+  std::vector<std::vector<TagKey>> parts;
+  for (auto& [root, tags] : joined.sets()) parts.push_back(std::move(tags));
+  std::ranges::sort(parts, [](const auto& a, const auto& b) {
+    return a.size() != b.size() ? a.size() > b.size() : a.front() < b.front();
+  });
+  return parts;
+}
+
+std::optional<double> blur_of_frame_px(const FrameFacts& frame) {
+  std::vector<double> blurs_px;
+  for (const SeenTag& seen : frame.tags)
+    if (seen.blur_px) blurs_px.push_back(*seen.blur_px);
+  if (blurs_px.empty()) return std::nullopt;
+  return median(blurs_px);
+}
+
+BlurCounts count_blur(std::span<const FrameFacts> frames) {
+  BlurCounts counts;
+  std::vector<double> blurs_px;
+  std::size_t since_tag = 0;
+  bool has_begun = false;
+  for (const FrameFacts& frame : frames) {
+    if (frame.tags.empty()) {
+      ++since_tag;
+      continue;
+    }
+    if (has_begun) counts.unread += since_tag;
+    has_begun = true;
+    since_tag = 0;
+    const auto blur_px = blur_of_frame_px(frame);
+    if (!blur_px) continue;
+    blurs_px.push_back(*blur_px);
+    (*blur_px < kSharp_px ? counts.sharp : *blur_px < kBlurred_px ? counts.soft : counts.blurred) += 1;
+  }
+  if (!blurs_px.empty()) {
+    counts.median_px = median(blurs_px);
+    counts.worst_px = *std::ranges::max_element(blurs_px);
+  }
+  return counts;
+}
+
+}  // namespace apriltrack::app

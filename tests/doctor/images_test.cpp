@@ -1,0 +1,190 @@
+// What images, times, camera and blur lead to.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hand_made.h"
+
+namespace apriltrack::app {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+TEST(DoctorImages, OfAGoodFilmNothingIsFound) {
+  const RecordingFacts film = recording(frames_of(30, {1, 2}));
+  EXPECT_THAT(find_in_images(film), IsEmpty());
+  EXPECT_THAT(find_in_camera(film), IsEmpty());
+  EXPECT_THAT(find_in_blur(film), IsEmpty());
+}
+
+TEST(DoctorImages, SizesThatDifferAreCounted) {
+  RecordingFacts film = recording(frames_of(30, {1, 2}));
+  for (const std::size_t i : {0u, 7u}) film.frames[i].width = 320;
+  const auto findings = find_in_images(film);
+  ASSERT_THAT(abouts(findings), ElementsAre("mixed_resolutions"));
+  EXPECT_THAT(findings[0].text, HasSubstr("images of 2 sizes (28 of 640 x 480, 2 of 320 x 480)"));
+}
+
+TEST(DoctorImages, TimesHaveARateAndGaps) {
+  RecordingFacts film = recording(frames_of(30, {1, 2}));
+  film.frames.erase(film.frames.begin() + 10, film.frames.begin() + 14);  // 5 intervals in one
+  film.frames.erase(film.frames.begin() + 20);  // twice an interval: a frame dropped here and there
+  const FrameTimes times = frame_times(film.frames);
+  EXPECT_NEAR(*times.rate_hz, 30.0, 1e-4);
+  EXPECT_EQ(times.gaps, 1u);
+  EXPECT_NEAR(times.longest_gap_s, 5.0 / 30.0, 1e-6);
+  ASSERT_THAT(abouts(find_in_images(film)), ElementsAre("time_gaps"));
+}
+
+TEST(DoctorImages, AClockThatGoesBackIsTold) {
+  RecordingFacts film = recording(frames_of(30, {1, 2}));
+  film.frames[9].time = film.frames[8].time;
+  film.frames[20].time.ns -= 100'000'000;
+  const auto findings = find_in_images(film);
+  ASSERT_FALSE(findings.empty());
+  EXPECT_EQ(findings[0].about, "times_not_forward");
+  EXPECT_THAT(findings[0].text, HasSubstr("2 frames"));
+}
+
+TEST(DoctorImages, OneFrameHasNoRate) {
+  EXPECT_FALSE(frame_times(recording({{1}}).frames).rate_hz);
+  EXPECT_EQ(frame_times({}).gaps, 0u);
+}
+
+TEST(DoctorImages, BlankDarkAndWhiteFramesAreTold) {
+  RecordingFacts film = recording(frames_of(30, {1, 2}));
+  film.frames[0].is_blank = true;
+  film.frames[0].bright_level = 0;
+  for (const std::size_t i : {1u, 2u, 3u, 4u}) film.frames[i].bright_level = 39;
+  for (const std::size_t i : {5u, 6u, 7u, 8u, 9u}) film.frames[i].tags[1].is_clipped = true;
+  film.frames[10].white_share = 0.9;  // a bright wall behind tags that are not clipped
+  const auto findings = find_in_images(film);
+  ASSERT_THAT(abouts(findings), ElementsAre("blank_frames", "dark_frames", "white_frames"));
+  EXPECT_THAT(findings[0].text, HasSubstr("1 of 30"));
+  EXPECT_THAT(findings[1].text, HasSubstr("4 of 30"));
+  EXPECT_THAT(findings[2].text, HasSubstr("5 of 30"));
+}
+
+TEST(DoctorImages, AWhiteFrameWithoutTagsIsOverexposed) {
+  RecordingFacts film = recording(frames_of(30, {}));
+  for (FrameFacts& one : film.frames) one.white_share = 0.3;
+  EXPECT_THAT(abouts(find_in_images(film)), ElementsAre("white_frames"));
+}
+
+TEST(DoctorImages, AFewDarkOnesAreNoWordOnTheFilm) {
+  RecordingFacts film = recording(frames_of(30, {1, 2}));
+  for (const std::size_t i : {1u, 2u, 3u}) film.frames[i].bright_level = 10;
+  EXPECT_THAT(find_in_images(film), IsEmpty());
+}
+
+TEST(DoctorCamera, AnotherResolutionStopsAndNamesBoth) {
+  RecordingFacts film = recording(frames_of(30, {1, 2}));
+  film.camera->width = 1280;
+  film.camera->height = 960;
+  film.camera->model = CameraModel(Pinhole{1000, 1000, 640, 480}, NoDistortion{});
+  const auto findings = find_in_camera(film);
+  ASSERT_THAT(abouts(findings), ElementsAre("camera_resolution"));
+  EXPECT_EQ(findings[0].severity, Severity::kStops);
+  EXPECT_THAT(findings[0].text, HasSubstr("640 x 480"));
+  EXPECT_THAT(findings[0].text, HasSubstr("1280 x 960"));
+  film.frames[3].width = 1280;
+  film.frames[3].height = 960;
+  EXPECT_THAT(find_in_camera(film), IsEmpty()) << "one image fits; find_in_images tells of the others";
+}
+
+TEST(DoctorCamera, OddIntrinsicsAreTold) {
+  RecordingFacts film = recording(frames_of(30, {1, 2}));
+  film.camera->model = CameraModel(Pinhole{500, 500, 160, 120}, NoDistortion{});
+  EXPECT_THAT(abouts(find_in_camera(film)), ElementsAre("principal_point"));
+  film.camera->model = CameraModel(Pinhole{500, 667, 320, 240}, NoDistortion{});
+  const auto findings = find_in_camera(film);
+  ASSERT_THAT(abouts(findings), ElementsAre("focal_lengths"));
+  EXPECT_THAT(findings[0].text, HasSubstr("fx / fy = 0.750"));
+}
+
+TEST(DoctorCamera, WhatIsNotToldIsANote) {
+  RecordingFacts film = recording(frames_of(30, {1, 2}));
+  film.camera->exposure_s.reset();
+  const auto untold = find_in_camera(film);
+  ASSERT_THAT(abouts(untold), ElementsAre("no_exposure"));
+  EXPECT_EQ(untold[0].severity, Severity::kNote);
+  film.frames[0].tells_exposure = true;
+  EXPECT_THAT(find_in_camera(film), IsEmpty());
+  film.camera.reset();
+  EXPECT_THAT(abouts(find_in_camera(film)), ElementsAre("no_camera"));
+}
+
+TEST(DoctorCamera, ARollingShutterIsAWarning) {
+  RecordingFacts film = recording(frames_of(30, {1, 2}));
+  film.camera->line_delay_s = 3e-5;
+  EXPECT_THAT(abouts(find_in_camera(film)), ElementsAre("rolling_shutter"));
+}
+
+TEST(DoctorBlur, IsCountedByFramesAndWarnedOf) {
+  RecordingFacts film = recording(frames_of(10, {1, 2, 3}));
+  for (const std::size_t i : {0u, 1u}) film.frames[i].tags[0].blur_px = 20.0;  // one tag of three: the median
+  for (const std::size_t i : {2u, 3u, 4u})
+    for (SeenTag& tag : film.frames[i].tags) tag.blur_px = 6.0;
+  for (SeenTag& tag : film.frames[5].tags) tag.blur_px = 3.0;
+  for (SeenTag& tag : film.frames[6].tags) tag.blur_px.reset();
+  const BlurCounts counts = count_blur(film.frames);
+  EXPECT_EQ(counts.sharp, 5u);
+  EXPECT_EQ(counts.soft, 1u);
+  EXPECT_EQ(counts.blurred, 3u);
+  EXPECT_EQ(*counts.worst_px, 6.0);
+  const auto findings = find_in_blur(film);
+  ASSERT_THAT(abouts(findings), ElementsAre("blur"));
+  EXPECT_THAT(findings[0].text, HasSubstr("in 33 % of the frames"));
+}
+
+TEST(DoctorBlur, FramesWithoutTagsCountBetweenFramesWith) {
+  const auto ids = frames_of(50, {}) + frames_of(10, {1, 2}) + frames_of(6, {}) + frames_of(10, {1, 2}) +
+                   frames_of(50, {});
+  const RecordingFacts film = recording(ids);
+  EXPECT_EQ(count_blur(film.frames).unread, 6u);
+  ASSERT_THAT(abouts(find_in_blur(film)), ElementsAre("frames_without_tags"));
+}
+
+TEST(DoctorVerdict, IsReadyWhereNothingIsWrong) {
+  const auto findings = find_all(facts_of(recording(frames_of(30, {1, 2}))));
+  EXPECT_THAT(findings, IsEmpty());
+  EXPECT_EQ(verdict_of(findings, true).readiness, Readiness::kReady);
+  EXPECT_EQ(verdict_of(findings, true).text, "ready to calibrate");
+}
+
+TEST(DoctorVerdict, CountsWarningsAndNotNotes) {
+  RecordingFacts film = recording(frames_of(30, {1, 2}));
+  film.camera->exposure_s.reset();
+  EXPECT_EQ(verdict_of(find_all(facts_of(film)), true).readiness, Readiness::kReady);
+  film.frames[3].is_blank = true;
+  const auto findings = find_all(facts_of(film));
+  EXPECT_THAT(abouts(findings), ElementsAre("blank_frames", "no_exposure")) << "warnings first";
+  EXPECT_EQ(verdict_of(findings, true).readiness, Readiness::kReadyWithWarnings);
+  EXPECT_THAT(verdict_of(findings, true).text, HasSubstr("1 warning above"));
+}
+
+TEST(DoctorVerdict, NamesWhatStops) {
+  RecordingFacts film = recording(frames_of(30, {7}));
+  film.frames[3].is_blank = true;
+  const auto findings = find_all(facts_of(film));
+  EXPECT_THAT(abouts(findings), ElementsAre("none_together", "blank_frames"));
+  const Verdict verdict = verdict_of(findings, true);
+  EXPECT_EQ(verdict.readiness, Readiness::kNotReady);
+  EXPECT_THAT(verdict.text, HasSubstr("will not calibrate: only one tag was seen"));
+  EXPECT_THAT(verdict.text, HasSubstr("it can be tracked"));
+}
+
+TEST(DoctorVerdict, OfSeveralRecordingsSaysWhich) {
+  Facts facts = facts_of(recording(frames_of(30, {1, 2})));
+  facts.recordings.push_back(facts.recordings.front());
+  facts.recordings.back().input = "second";
+  facts.recordings.back().frames[3].is_blank = true;
+  const auto findings = find_all(facts);
+  ASSERT_THAT(abouts(findings), ElementsAre("blank_frames"));
+  EXPECT_THAT(findings[0].text, ::testing::StartsWith("second: 1 of 30"));
+}
+
+}  // namespace
+}  // namespace apriltrack::app

@@ -1,0 +1,171 @@
+// Statistics of tags, and what they lead to.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hand_made.h"
+
+namespace apriltrack::app {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+std::vector<Finding> findings_of_tags(const Facts& facts) {
+  return find_in_tags(summarise_tags(facts), joined_parts(facts.moments));
+}
+
+TEST(DoctorTags, AreCountedByFramesAndByMomentsWithOthers) {
+  RecordingFacts film = recording({{1, 2}, {1}, {}, {1, 2, 3}});
+  film.frames[0].tags[0].edge_px = 10.0;
+  film.frames[1].tags[0].edge_px = 20.0;
+  film.frames[3].tags[0].edge_px = 90.0;
+  const auto tags = summarise_tags(facts_of(film));
+  ASSERT_EQ(tags.size(), 3u);
+  EXPECT_EQ(tags[0].tag, tag36(1));
+  EXPECT_EQ(tags[0].frames, 3u);
+  EXPECT_EQ(tags[0].moments_together, 2u);
+  EXPECT_EQ(tags[0].median_edge_px, 20.0);
+  EXPECT_EQ(tags[0].smallest_edge_px, 10.0);
+  EXPECT_EQ(tags[0].largest_edge_px, 90.0);
+  EXPECT_EQ(tags[2].frames, 1u);
+}
+
+TEST(DoctorTags, PartsAreWhatChainsOfMomentsJoin) {
+  const Facts facts = facts_of(recording({{5, 6}, {1, 2}, {2, 3}, {3, 4}, {9}}));
+  EXPECT_THAT(joined_parts(facts.moments),
+              ElementsAre(ElementsAre(tag36(1), tag36(2), tag36(3), tag36(4)),
+                          ElementsAre(tag36(5), tag36(6)), ElementsAre(tag36(9))));
+}
+
+TEST(DoctorTags, ALongChainIsOnePart) {
+  std::vector<std::vector<int>> chain;
+  for (int id = 0; id < 500; ++id) chain.push_back({id, id + 1});
+  const auto parts = joined_parts(facts_of(recording(chain)).moments);
+  ASSERT_EQ(parts.size(), 1u);
+  EXPECT_EQ(parts.front().size(), 501u);
+}
+
+TEST(DoctorTags, OfAGoodFilmNothingIsFound) {
+  EXPECT_THAT(findings_of_tags(facts_of(recording(frames_of(10, {1, 2, 3})))), IsEmpty());
+}
+
+TEST(DoctorTags, OneTagAloneStops) {
+  const auto findings = findings_of_tags(facts_of(recording(frames_of(10, {4}))));
+  ASSERT_THAT(abouts(findings), ElementsAre("none_together"));
+  EXPECT_EQ(findings[0].severity, Severity::kStops);
+  EXPECT_THAT(findings[0].text, HasSubstr("only one tag was seen, tag36h11/4"));
+}
+
+TEST(DoctorTags, TagsThatAreNeverInViewTogetherStop) {
+  const auto findings = findings_of_tags(facts_of(recording(frames_of(10, {4}) + frames_of(10, {5}))));
+  ASSERT_THAT(abouts(findings), ElementsAre("none_together"));
+  EXPECT_THAT(findings[0].text, HasSubstr("no two tags are ever in view together (2 seen)"));
+}
+
+TEST(DoctorTags, GroupsThatNoFrameJoinsAreNamed) {
+  const auto findings = findings_of_tags(facts_of(recording(frames_of(9, {1, 2}) + frames_of(9, {3, 4}))));
+  ASSERT_THAT(abouts(findings), ElementsAre("disconnected"));
+  EXPECT_THAT(findings[0].text, HasSubstr("{tag36h11/1, tag36h11/2} | {tag36h11/3, tag36h11/4}"));
+}
+
+TEST(DoctorTags, OnesSeenSeldomWithOthersAreWeakOrLeftOut) {
+  const auto ids = frames_of(10, {1, 2}) + frames_of(4, {1, 2, 3}) + frames_of(1, {1, 4}) + frames_of(7, {5});
+  const auto findings = findings_of_tags(facts_of(recording(ids)));
+  ASSERT_THAT(abouts(findings), ElementsAre("left_out", "few_frames"));
+  EXPECT_THAT(findings[0].text, HasSubstr("tag36h11/4 (1 of its 1 frames), tag36h11/5 (0 of its 7 frames)."));
+  EXPECT_THAT(findings[1].text, HasSubstr("weak: tag36h11/3 (4 frames)."));
+}
+
+TEST(DoctorTags, FiveFramesWithOthersAreEnough) {
+  EXPECT_THAT(findings_of_tags(facts_of(recording(frames_of(5, {1, 2})))), IsEmpty());
+}
+
+TEST(DoctorTags, AnIdTwiceInAFrameIsTold) {
+  RecordingFacts film = recording(frames_of(10, {1, 2}));
+  for (const std::size_t i : {2u, 3u, 4u}) film.frames[i].tags.push_back(seen(2));
+  const Facts facts = facts_of(film);
+  const auto findings = findings_of_tags(facts);
+  ASSERT_THAT(abouts(findings), ElementsAre("same_id_twice"));
+  EXPECT_THAT(findings[0].text, HasSubstr("tag36h11/2 (3 of 10 frames)"));
+  EXPECT_EQ(summarise_tags(facts)[1].frames, 10u) << "frames are counted, not readings";
+}
+
+TEST(DoctorTags, SmallOnesAndThoseAtTheBorderAreTold) {
+  RecordingFacts film = recording(frames_of(10, {1, 2, 3}));
+  for (FrameFacts& one : film.frames) {
+    one.tags[0].edge_px = 19.0;
+    one.tags[1].edge_px = 21.0;
+    one.tags[2].is_at_border = true;
+  }
+  film.frames[0].tags[0].is_at_border = true;  // once is no fault
+  const auto findings = findings_of_tags(facts_of(film));
+  ASSERT_THAT(abouts(findings), ElementsAre("small_tags", "only_at_border"));
+  EXPECT_THAT(findings[0].text, HasSubstr(": tag36h11/1 (19 px)."));
+  EXPECT_THAT(findings[1].text, HasSubstr(": tag36h11/3 (10 views)."));
+}
+
+TEST(DoctorTags, ManyAreNotAllNamed) {
+  std::vector<std::vector<int>> ids = frames_of(10, {0, 1});
+  for (int id = 2; id < 22; ++id) ids.push_back({id});
+  const auto findings = findings_of_tags(facts_of(recording(ids)));
+  ASSERT_THAT(abouts(findings), ElementsAre("left_out"));
+  EXPECT_THAT(findings[0].text, HasSubstr("and 12 more"));
+}
+
+/// Readings of a family in 20 frames.
+Facts with_other(const std::vector<std::vector<int>>& ids, const FamilyReadings& other) {
+  RecordingFacts film = recording(ids);
+  film.other_families = {other};
+  return facts_of(film);
+}
+
+TEST(DoctorFamilies, AnotherOneInPlaceOfTheOneAskedForIsNamed) {
+  const FamilyReadings grid{"tag36h11b2", 41, 15, 12, 60.0};
+  const auto findings = find_in_families(with_other(frames_of(20, {}), grid));
+  ASSERT_THAT(abouts(findings), ElementsAre("other_family"));
+  EXPECT_EQ(findings[0].severity, Severity::kStops);
+  EXPECT_THAT(findings[0].text,
+              HasSubstr("no tag36h11, but 41 readings of tag36h11b2 in 20 frames looked at"));
+  EXPECT_THAT(findings[0].text, HasSubstr("Kalibr"));
+  EXPECT_THAT(findings[0].text, HasSubstr("use --family tag36h11b2"));
+}
+
+TEST(DoctorFamilies, AnotherOneBesidesIsAWarning) {
+  const auto findings = find_in_families(with_other(frames_of(20, {1}), {"tag36h10", 9, 9, 9, 60.0}));
+  ASSERT_THAT(abouts(findings), ElementsAre("other_family"));
+  EXPECT_EQ(findings[0].severity, Severity::kWarning);
+}
+
+TEST(DoctorFamilies, ChanceReadingsOfFewBitsAreNone) {
+  const FamilyReadings scattered{"tag16h5", 30, 18, 3, 40.0};  // over 30 ids
+  const FamilyReadings faint{"tag16h5", 30, 18, 18, 9.0};      // one shadow, frame after frame
+  for (const FamilyReadings& chance : {scattered, faint}) {
+    EXPECT_FALSE(is_surely_there(chance, 20));
+    EXPECT_THAT(find_in_families(with_other(frames_of(20, {1}), chance)), IsEmpty());
+    EXPECT_THAT(abouts(find_in_families(with_other(frames_of(20, {}), chance))), ElementsAre("no_tags"));
+  }
+  EXPECT_TRUE(is_surely_there({"tag16h5", 30, 18, 17, 40.0}, 20));
+}
+
+TEST(DoctorFamilies, WhatMayBeChanceOfTheFamilyAskedForIsTold) {
+  RecordingFacts film = recording(frames_of(40, {}));
+  for (const std::size_t i : {3u, 9u, 20u, 33u})
+    film.frames[i].tags = {{.tag = {"tag16h5", static_cast<int>(i)}, .edge_px = 30.0, .margin = 40.0}};
+  Facts facts = facts_of(film);
+  facts.families = {"tag16h5"};
+  const auto findings = find_in_families(facts);
+  ASSERT_THAT(abouts(findings), ElementsAre("chance_readings"));
+  EXPECT_THAT(findings[0].text, HasSubstr("the 4 readings of tag16h5 may be chance"));
+  for (FrameFacts& one : facts.recordings[0].frames)
+    one.tags = {{.tag = {"tag16h5", 7}, .edge_px = 30.0, .margin = 40.0}};
+  EXPECT_THAT(find_in_families(facts), IsEmpty());
+}
+
+TEST(DoctorFamilies, OneReadingOfManyBitsIsEnough) {
+  EXPECT_TRUE(is_surely_there({"tagStandard41h12", 1, 1, 1, 10.0}, 20));
+}
+
+}  // namespace
+}  // namespace apriltrack::app
