@@ -154,9 +154,9 @@ bool PhotometricAdjustment::run(const PhotometricFreedom& freedom, int max_steps
       return false;
     }
     if (done == kStepsBeforeOutliers) drop_outliers(look(false));
-    if (freedom.held_tag && done > 2 * kStepsBeforeOutliers && worth < kSettled) return true;
+    if (done > 2 * kStepsBeforeOutliers && worth < kSettled) return true;
   }
-  return !freedom.held_tag || worth < kNearlySettled;
+  return worth < kNearlySettled;
 }
 
 std::vector<LinearView> PhotometricAdjustment::linear_views() {

@@ -14,6 +14,9 @@ constexpr float kSaturatedLight = 0.97F;
 constexpr int kAboutSaturated_px = 2;
 constexpr double kAllPrinted = 0.99;
 constexpr std::size_t kLeastPixels = 150;
+/// Of a patch, about: of larger ones every second row and column is read, or every third; their edges are
+/// long.
+constexpr double kMostPixels = 8000.0;
 /// Of a residual, in robust standard deviations: hands and glare are not the tag.
 constexpr double kReach = 4.0;
 constexpr int kRoundsOfWeights = 4;
@@ -173,8 +176,11 @@ bool read_pixels(const TagPatch& patch, const Camera& camera, const PrintedTag& 
   if (!blur) return false;
   const BlurredPicture picture(tag.pattern, blur->picture);
   const Eigen::Matrix3d R = T_camera_tag.rotation_matrix();
-  for (int y = 0; y < patch.pixels.height(); ++y) {
-    for (int x = 0; x < patch.pixels.width(); ++x) {
+  const double area = static_cast<double>(patch.pixels.width()) * patch.pixels.height();
+  const int stride = std::max(1, static_cast<int>(std::lround(std::sqrt(area / kMostPixels))));
+  for (int y = 0; y < patch.pixels.height(); y += stride) {
+    // Every other row is shifted, so that edges along a column are met at more than one phase.
+    for (int x = y / stride % 2 * (stride / 2); x < patch.pixels.width(); x += stride) {
       const auto ray = camera.model.unproject(Eigen::Vector2d(patch.x + x, patch.y + y));
       if (!ray || !(ray->z() > 0.0) || !(R.col(2).dot(*ray) > 0.0)) continue;
       const Eigen::Vector2d slope = ray->hnormalized();

@@ -102,7 +102,9 @@ std::optional<PoseSteps> solve_steps(const std::vector<LinearView>& views, std::
   for (const auto& [index, frame] : frames) {
     Vector6d gradient = frame.g;
     for (const auto& [tag, coupling] : frame.by_tag) gradient += coupling.transpose() * steps.tags.at(tag);
-    steps.frames[index] = -factors.at(index).solve(gradient);
+    const Vector6d step = -factors.at(index).solve(gradient);
+    if (steps.tags.empty()) steps.worth -= step.dot(gradient) / (6.0 * static_cast<double>(frames.size()));
+    steps.frames[index] = step;
   }
   return steps;
 }

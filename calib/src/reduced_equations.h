@@ -13,7 +13,8 @@ namespace apriltrack {
 struct PoseSteps {
   std::map<int, Vector6d> tags;
   std::map<int, Vector6d> frames;
-  double worth = 0.0;  ///< Squared standard deviations that the tags move by, per unknown.
+  /// Squared standard deviations that the tags move by, per unknown; the frames, where no tag does.
+  double worth = 0.0;
 };
 
 /// Least squares over all tags but `held_tag` and all frames, frames eliminated, the rest by a sparse

@@ -15,7 +15,6 @@ namespace apriltrack {
 namespace {
 
 constexpr int kMostSteps = 30;
-constexpr int kStepsOfPoses = 8;
 constexpr int kHeldOut = 4;  ///< Every so many moments, one.
 constexpr int kLeastMoments = 8;
 
@@ -95,7 +94,7 @@ class Refinement {
   double disagreement_of_held_out(PhotometricState state) {
     PhotometricAdjustment held_out(input_.scene, std::move(state), parallel_);
     held_out.choose_moments(moments_where(input_.num_moments, true));
-    held_out.run({.held_tag = std::nullopt, .is_light_free = false}, kStepsOfPoses);
+    held_out.run({.held_tag = std::nullopt, .is_light_free = false}, kMostSteps);
     return disagreement(held_out.linear_views());
   }
 
@@ -128,7 +127,8 @@ RefinementResult refine_map(const CalibrationResult& calibration, std::span<cons
   options.check();
   RefinementResult result;
   result.map = calibration.map;
-  const RefinementInput input = refinement_input(calibration, frames, rig, options.max_moments);
+  const ParallelFor parallel = parallel_for(options.num_threads);
+  const RefinementInput input = refinement_input(calibration, frames, rig, options.max_moments, parallel);
   const auto held_tag = place_of(calibration.held_tag, calibration.map, input);
   if (!held_tag || input.num_moments < kLeastMoments) {
     result.reason = fmt::format("too few pictures: {} moments show two tags or more, {} are needed",
@@ -137,7 +137,7 @@ RefinementResult refine_map(const CalibrationResult& calibration, std::span<cons
   }
   log(LogLevel::kInfo,
       fmt::format("refining {} tags on {} pictures", input.scene.tags.size(), input.scene.views.size()));
-  Refinement refinement(input, *held_tag, parallel_for(options.num_threads));
+  Refinement refinement(input, *held_tag, parallel);
   if (!refinement.judge(result)) {
     result.reason = "the refinement does not settle";
   } else if (!(result.held_out_after < result.held_out_before)) {

@@ -146,44 +146,66 @@ void add_tag(const MapTag& tag, int map_index, RefinementInput& input) {
   input.map_index.push_back(map_index);
 }
 
+/// The views of one moment, but for those that smear or show too little; numbered as moment 0.
+std::vector<PhotometricView> views_of(const Moment& moment, const Vector6d& rate,
+                                      const std::map<int, int>& places, const RefinementInput& input) {
+  std::vector<PhotometricView> views;
+  for (const Sighting& one : moment.sightings) {
+    const auto place = places.find(one.map_index);
+    if (place == places.end()) continue;
+    const auto camera = static_cast<std::size_t>(one.camera), tag = static_cast<std::size_t>(place->second);
+    const Camera& lens = input.scene.cameras[camera];
+    const Pose& T_camera_rig = input.scene.T_camera_rig[camera];
+    const Pose& T_map_tag = input.start.T_map_tag[tag];
+    const auto streak = streak_px(lens, T_camera_rig, moment.T_map_rig, T_map_tag, one.exposure_s * rate);
+    if (!streak || !(streak->norm() < kMostStreak_px)) continue;
+    PhotometricView view{.tag = place->second, .camera = one.camera, .streak_px = *streak};
+    const Pose T_camera_tag = T_camera_rig * moment.T_map_rig.inverse() * T_map_tag;
+    if (read_pixels(*one.patch, lens, input.scene.tags[tag], T_camera_tag, kFirstPsf_px, view))
+      views.push_back(std::move(view));
+  }
+  return views;
+}
+
+/// Extrinsics are asked for only where several cameras took part.
+void set_cameras(const std::vector<Moment>& moments, const CameraRig& rig, RefinementInput& input) {
+  input.scene.cameras = rig.cameras;
+  input.scene.T_camera_rig.resize(rig.cameras.size());
+  input.start.psf_sigma_px.assign(rig.cameras.size(), kFirstPsf_px);
+  std::set<int> used;
+  for (const Moment& moment : moments) {
+    for (const Sighting& one : moment.sightings) used.insert(one.camera);
+  }
+  if (used.size() < 2) return;
+  for (const int camera : used) {
+    const auto c = static_cast<std::size_t>(camera);
+    input.scene.T_camera_rig[c] = rig.T_camera_rig(c);
+  }
+}
+
 }  // namespace
 
 RefinementInput refinement_input(const CalibrationResult& calibration,
                                  std::span<const FrameDetections> frames, const CameraRig& rig,
-                                 int max_moments) {
+                                 int max_moments, const ParallelFor& parallel) {
   RefinementInput input;
-  input.scene.cameras = rig.cameras;
-  input.scene.T_camera_rig.resize(rig.cameras.size());
-  input.start.psf_sigma_px.assign(rig.cameras.size(), kFirstPsf_px);
   const std::vector<Moment> moments = moments_of(calibration, frames, rig);
+  set_cameras(moments, rig, input);
   const std::vector<bool> is_chosen = choose(moments, max_moments);
   const std::map<int, int> places = places_in_scene(moments, is_chosen);
   for (const auto& [map_index, place] : places)
     add_tag(calibration.map.tags[static_cast<std::size_t>(map_index)], map_index, input);
 
+  std::vector<std::vector<PhotometricView>> views(moments.size());
+  parallel(moments.size(), [&](std::size_t i) {
+    if (is_chosen[i]) views[i] = views_of(moments[i], rate_at(moments, i), places, input);
+  });
   for (std::size_t i = 0; i < moments.size(); ++i) {
-    if (!is_chosen[i]) continue;
-    const Vector6d rate = rate_at(moments, i);
-    std::vector<PhotometricView> views;
-    for (const Sighting& one : moments[i].sightings) {
-      const auto place = places.find(one.map_index);
-      if (place == places.end()) continue;
-      const auto camera = static_cast<std::size_t>(one.camera), tag = static_cast<std::size_t>(place->second);
-      if (rig.cameras.size() > 1) input.scene.T_camera_rig[camera] = rig.T_camera_rig(camera);
-      const Pose& T_camera_rig = input.scene.T_camera_rig[camera];
-      const Pose& T_map_tag = input.start.T_map_tag[tag];
-      PhotometricView view{.tag = place->second, .moment = input.num_moments, .camera = one.camera};
-      const auto streak = streak_px(rig.cameras[camera], T_camera_rig, moments[i].T_map_rig, T_map_tag,
-                                    one.exposure_s * rate);
-      if (!streak || !(streak->norm() < kMostStreak_px)) continue;
-      view.streak_px = *streak;
-      const Pose T_camera_tag = T_camera_rig * moments[i].T_map_rig.inverse() * T_map_tag;
-      if (read_pixels(*one.patch, rig.cameras[camera], input.scene.tags[tag], T_camera_tag, kFirstPsf_px,
-                      view))
-        views.push_back(std::move(view));
+    if (views[i].size() < 2) continue;
+    for (PhotometricView& view : views[i]) {
+      view.moment = input.num_moments;
+      input.scene.views.push_back(std::move(view));
     }
-    if (views.size() < 2) continue;
-    std::ranges::move(views, std::back_inserter(input.scene.views));
     input.start.T_map_rig.push_back(moments[i].T_map_rig);
     ++input.num_moments;
   }

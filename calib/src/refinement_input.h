@@ -19,6 +19,6 @@ struct RefinementInput {
 /// The pictures of chosen moments that show two tags of the map or more, at the poses of the calibration.
 RefinementInput refinement_input(const CalibrationResult& calibration,
                                  std::span<const FrameDetections> frames, const CameraRig& rig,
-                                 int max_moments);
+                                 int max_moments, const ParallelFor& parallel);
 
 }  // namespace apriltrack

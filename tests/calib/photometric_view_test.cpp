@@ -40,7 +40,8 @@ class Painter {
  public:
   using Lamp = std::function<double(double u, double v)>;
 
-  Painter(const Camera& camera, const PrintedTag& tag, const Pose& pose) : camera_(camera), tag_(tag), pose_(pose) {
+  Painter(const Camera& camera, const PrintedTag& tag, const Pose& pose)
+      : camera_(camera), tag_(tag), pose_(pose) {
     RandomStream random(5);
     constexpr int kSide = 16;
     for (int i = 0; i < kSide; ++i) {

@@ -51,7 +51,8 @@ TEST(ReducedEquations, AreSolvedAsLeastSquaresOverAll) {
     b.segment<6>(row) = -views[i].residual;
   }
   const Eigen::VectorXd best = A.completeOrthogonalDecomposition().solve(b);
-  for (const auto& [tag, step] : steps->tags) EXPECT_LT((step - best.segment<6>(6 * tag)).norm(), 1e-8) << tag;
+  for (const auto& [tag, step] : steps->tags)
+    EXPECT_LT((step - best.segment<6>(6 * tag)).norm(), 1e-8) << tag;
   for (const auto& [frame, step] : steps->frames)
     EXPECT_LT((step - best.segment<6>(6 * (kTags + frame))).norm(), 1e-8) << frame;
 }

@@ -37,8 +37,8 @@ struct Filmed {
     Detector detector(options);
     for (std::size_t i = 0; i < kNumFrames; ++i) {
       const RenderedFrame rendered = renderer.render(i * scene.num_frames / kNumFrames);
-      FrameDetections& frame = frames.emplace_back(FrameDetections{
-          rendered.timestamp, scene.camera.name, detector.detect(rendered.pixels.view())});
+      FrameDetections& frame = frames.emplace_back(
+          FrameDetections{rendered.timestamp, scene.camera.name, detector.detect(rendered.pixels.view())});
       frame.exposure_s = scene.exposure_s;
       for (const Detection& detection : frame.detections)
         frame.patches.push_back(*cut_patch(rendered.pixels.view(), detection));
@@ -55,7 +55,8 @@ struct Filmed {
 double rms_m(const TagMap& truth, const TagKey& held, const TagMap& map) {
   double sum = 0.0;
   for (const MapTag& tag : map.tags)
-    sum += (tag.T_map_tag.translation() - test::T_origin_tag(truth, held, tag.key).translation()).squaredNorm();
+    sum +=
+        (tag.T_map_tag.translation() - test::T_origin_tag(truth, held, tag.key).translation()).squaredNorm();
   return std::sqrt(sum / static_cast<double>(map.tags.size()));
 }
 

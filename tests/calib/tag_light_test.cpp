@@ -23,7 +23,8 @@ TagLight learned(int rounds) {
   for (int round = 0; round < rounds; ++round) {
     TagLight::Sums sums(light);
     for (int i = 0; i < 4000; ++i) {
-      const double u = kHalfExtent * (2.0 * random.uniform() - 1.0), v = kHalfExtent * (2.0 * random.uniform() - 1.0);
+      const double u = kHalfExtent * (2.0 * random.uniform() - 1.0),
+                   v = kHalfExtent * (2.0 * random.uniform() - 1.0);
       const int cell = static_cast<int>((u + 2.0) / 0.25) + static_cast<int>((v + 2.0) / 0.25);
       const double white = cell % 2 == 0 ? 0.8 : 0.0;
       const double residual = white * (lamp(u, v) - light.factor(u, v)) + 0.01 * random.normal();
@@ -44,7 +45,8 @@ TEST(TagLight, IsEvenBeforeAnythingIsSeen) {
 TEST(TagLight, IsLearnedFromTheWhite) {
   const TagLight light = learned(12);
   for (double u = -1.0; u <= 1.0; u += 0.125) {
-    for (double v = -1.0; v <= 1.0; v += 0.125) EXPECT_NEAR(light.factor(u, v), lamp(u, v), 0.03) << u << ' ' << v;
+    for (double v = -1.0; v <= 1.0; v += 0.125)
+      EXPECT_NEAR(light.factor(u, v), lamp(u, v), 0.03) << u << ' ' << v;
   }
 }
 
