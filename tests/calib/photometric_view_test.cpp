@@ -21,8 +21,8 @@ constexpr double kPsf_px = 0.5;
 Camera plain_camera() {
   return {.name = "cam0",
           .model = CameraModel({520.0, 520.0, 80.0, 60.0}, NoDistortion{}),
-          .width = 160,
-          .height = 120};
+          .width = 150,
+          .height = 116};
 }
 
 PrintedTag printed_tag() {

@@ -193,7 +193,12 @@ TEST(Pipeline, CornersFromAFileGiveTheSameMapAsImages) {
   const std::string gentle = folder / "gentle";
   simulate("room-gentle", 30, gentle);
   run_for_json({"detect", gentle, "--camera", gentle + "/camera.yaml", "--output", folder / "corners.csv"});
-  run_for_json({"calibrate", gentle, "--tag-size", "0.16", "--output", folder / "from_images.yaml"});
+  const json refined =
+      run_for_json({"calibrate", gentle, "--tag-size", "0.16", "--output", folder / "refined.yaml"});
+  EXPECT_TRUE(refined["refinement"]["accepted"].get<bool>());
+  const json plain = run_for_json(
+      {"calibrate", gentle, "--tag-size", "0.16", "--no-refine", "--output", folder / "from_images.yaml"});
+  EXPECT_FALSE(plain.contains("refinement"));
   run_for_json({"calibrate", "--detections", folder / "corners.csv", "--camera", gentle + "/camera.yaml",
                 "--tag-size", "0.16", "--output", folder / "from_corners.yaml"});
   const json difference =
