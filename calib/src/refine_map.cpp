@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
@@ -51,8 +54,11 @@ class Refinement {
     PhotometricState before = trained_;
     before.T_map_tag = input_.start.T_map_tag;
     before.T_map_rig = input_.start.T_map_rig;
-    result.held_out_before = disagreement_of_held_out(std::move(before));
-    result.held_out_after = disagreement_of_held_out(trained_);
+    const auto disagreement_before = disagreement_of_held_out(std::move(before));
+    const auto disagreement_after = disagreement_of_held_out(trained_);
+    if (!disagreement_before || !disagreement_after) return false;
+    result.held_out_before = *disagreement_before;
+    result.held_out_after = *disagreement_after;
     return true;
   }
 
@@ -61,15 +67,10 @@ class Refinement {
     PhotometricAdjustment all(input_.scene, trained_, parallel_);
     if (!all.run({.held_tag = held_tag_}, kMostSteps)) return false;
     const std::vector<LinearView> views = all.linear_views();
-    std::vector<int> tags;
-    for (std::size_t i = 0; i < input_.scene.tags.size(); ++i) tags.push_back(static_cast<int>(i));
-    const auto covariances =
-        scaled_covariances(views, tags, held_tag_, options.picture_bias_px * options.picture_bias_px);
-    if (!covariances) return false;
-    for (std::size_t i = 0; i < tags.size(); ++i) {
-      MapTag& tag = result.map.tags[static_cast<std::size_t>(input_.map_index[i])];
+    if (!take_covariances(views, options, result.map)) return false;
+    for (std::size_t i = 0; i < input_.map_index.size(); ++i) {
+      MapTag& tag = map_tag(i, result.map);
       tag.T_map_tag = all.state().T_map_tag[i];
-      if (tag.covariance) tag.covariance = (*covariances)[i].by_noise + (*covariances)[i].by_bias;
       result.refined.push_back(tag.key);
     }
     result.views_used = static_cast<int>(views.size());
@@ -79,6 +80,25 @@ class Refinement {
   }
 
  private:
+  MapTag& map_tag(std::size_t place, TagMap& map) const {
+    return map.tags[static_cast<std::size_t>(input_.map_index[place])];
+  }
+
+  /// Maps too large for covariances (CalibrationOptions::max_tags_with_covariance) stay without. False where
+  /// the views leave a pose undetermined.
+  bool take_covariances(const std::vector<LinearView>& views, const RefinementOptions& options,
+                        TagMap& map) const {
+    std::vector<int> tags(input_.map_index.size());
+    std::iota(tags.begin(), tags.end(), 0);
+    if (!map_tag(0, map).covariance) return true;
+    const auto covariances =
+        scaled_covariances(views, tags, held_tag_, options.picture_bias_px * options.picture_bias_px);
+    if (!covariances) return false;
+    for (std::size_t i = 0; i < tags.size(); ++i)
+      map_tag(i, map).covariance = (*covariances)[i].by_noise + (*covariances)[i].by_bias;
+    return true;
+  }
+
   /// Moves the moments that were not adjusted with a tag that they show, from where it was before.
   void follow_tags(const std::vector<Pose>& tags_before, const std::vector<bool>& moments,
                    PhotometricState& state) const {
@@ -91,10 +111,11 @@ class Refinement {
     }
   }
 
-  double disagreement_of_held_out(PhotometricState state) {
+  /// nullopt where their poses do not settle: what is left then says nothing of the map.
+  std::optional<double> disagreement_of_held_out(PhotometricState state) const {
     PhotometricAdjustment held_out(input_.scene, std::move(state), parallel_);
     held_out.choose_moments(moments_where(input_.num_moments, true));
-    held_out.run({.held_tag = std::nullopt, .is_light_free = false}, kMostSteps);
+    if (!held_out.run({.held_tag = std::nullopt, .is_light_free = false}, kMostSteps)) return std::nullopt;
     return disagreement(held_out.linear_views());
   }
 
