@@ -92,7 +92,7 @@ void find_in_links(std::span<const TagSummary> tags, std::vector<Finding>& findi
       },
       {Severity::kWarning, "few_frames",
        "few frames show these tags together with others, and their places will be weak: {}. Film them "
-       "longer, or leave out --step"},
+       "longer, or use every frame"},
       findings);
 }
 
