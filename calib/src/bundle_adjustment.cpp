@@ -16,21 +16,21 @@ constexpr std::size_t kMaxDenseTags = 200;  // above, the reduced system is most
 /// Whitened reprojection errors of one view by the poses of its tag and of its frame's rig.
 class ViewCost : public ceres::SizedCostFunction<8, 7, 7> {
  public:
-  ViewCost(const RigCamera& camera, double size_m, const TagView& view)
-      : camera_(camera), size_m_(size_m), view_(view) {}
+  ViewCost(const RigCamera& camera, double size_m, const TagView& view, const Matrix8d& whitening)
+      : camera_(camera), size_m_(size_m), view_(view), whitening_(whitening) {}
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
     const bool wants_tag = jacobians != nullptr && jacobians[0] != nullptr;
     const bool wants_rig = jacobians != nullptr && jacobians[1] != nullptr;
     Vector8d residual_px;
     Matrix8x6d by_tag, by_rig;
-    if (!view_residual(camera_, size_m_, view_.corners_px, from_block(blocks[1]), from_block(blocks[0]),
-                       &residual_px, wants_rig ? &by_rig : nullptr, wants_tag ? &by_tag : nullptr))
+    if (!view_residual(camera_, size_m_, view_, from_block(blocks[1]), from_block(blocks[0]), &residual_px,
+                       wants_rig ? &by_rig : nullptr, wants_tag ? &by_tag : nullptr))
       return false;  // the solver shortens its step
     Eigen::Map<Vector8d> whitened(residuals);
-    whitened = view_.whitening * residual_px;
-    if (wants_tag) write_jacobian(view_.whitening * by_tag, blocks[0], jacobians[0]);
-    if (wants_rig) write_jacobian(view_.whitening * by_rig, blocks[1], jacobians[1]);
+    whitened = whitening_ * residual_px;
+    if (wants_tag) write_jacobian(whitening_ * by_tag, blocks[0], jacobians[0]);
+    if (wants_rig) write_jacobian(whitening_ * by_rig, blocks[1], jacobians[1]);
     return true;
   }
 
@@ -43,14 +43,12 @@ class ViewCost : public ceres::SizedCostFunction<8, 7, 7> {
   const RigCamera& camera_;
   const double size_m_;
   const TagView& view_;
+  Matrix8d whitening_;
 };
 
 bool can_be_projected(const Observations& observations, const TagView& view, const MapState& state) {
   Vector8d residual_px;
-  return view_residual(observations.cameras[static_cast<std::size_t>(view.camera)],
-                       observations.sizes_m[static_cast<std::size_t>(view.tag)], view.corners_px,
-                       state.T_map_rig[static_cast<std::size_t>(view.frame)],
-                       state.T_map_tag[static_cast<std::size_t>(view.tag)], &residual_px, nullptr, nullptr);
+  return residual_of(observations, view, state, &residual_px);
 }
 
 }  // namespace
@@ -87,8 +85,9 @@ BundleProblem::BundleProblem(const Observations& observations, const std::vector
   add_blocks(tags_, manifold);
   add_blocks(frames_, manifold);
   for (const TagView* view : used) {
-    auto* cost = new ViewCost(observations.cameras[static_cast<std::size_t>(view->camera)],
-                              observations.sizes_m[static_cast<std::size_t>(view->tag)], *view);
+    auto* cost = new ViewCost(state.cameras[static_cast<std::size_t>(view->camera)],
+                              observations.sizes_m[static_cast<std::size_t>(view->tag)], *view,
+                              whitening(*view, state));
     problem_.AddResidualBlock(cost, loss, tag_block(view->tag),
                               frames_.blocks[frames_.index.at(view->frame)].data());
   }

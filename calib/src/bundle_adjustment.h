@@ -30,7 +30,8 @@ struct AdjustmentSummary {
 class BundleProblem {
  public:
   /// free_tags: tags whose poses vary; all others keep theirs, which fixes the gauge: at least one of them
-  /// must be seen. Views that cannot be projected from `state` are left out.
+  /// must be seen. Views that cannot be projected from `state` are left out. Keeps references to
+  /// `observations` and to the cameras of `state`.
   BundleProblem(const Observations& observations, const std::vector<std::size_t>& views,
                 const std::vector<int>& free_tags, const MapState& state, double loss_scale);
 

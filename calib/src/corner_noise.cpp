@@ -23,4 +23,20 @@ Matrix8d edge_noise_whitening(const CornersPx& corners, const EdgeNoise& noise) 
   return W;
 }
 
+Vector8d inward_displacements(const CornersPx& corners) {
+  std::array<Eigen::Vector2d, 4> inward_normals;
+  for (std::size_t edge = 0; edge < 4; ++edge) {
+    const Eigen::Vector2d along = (corners[(edge + 1) % 4] - corners[edge]).normalized();
+    inward_normals[edge] = {along.y(), -along.x()};  // a left turn, y down
+  }
+  Vector8d displacements;
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    Eigen::Matrix2d normals;  // of the two edges that meet here: both move by one
+    normals << inward_normals[corner].transpose(), inward_normals[(corner + 3) % 4].transpose();
+    displacements.segment<2>(2 * static_cast<Eigen::Index>(corner)) =
+        normals.inverse() * Eigen::Vector2d::Ones();
+  }
+  return displacements;
+}
+
 }  // namespace apriltrack

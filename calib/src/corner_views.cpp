@@ -12,13 +12,11 @@ std::vector<LinearView> corner_views(const Observations& observations, const std
     const TagView& view = observations.views[v];
     Vector8d residual_px;
     Matrix8x6d by_rig, by_tag;
-    if (!view_residual(observations.cameras[static_cast<std::size_t>(view.camera)],
-                       observations.sizes_m[static_cast<std::size_t>(view.tag)], view.corners_px,
-                       state.T_map_rig[static_cast<std::size_t>(view.frame)],
-                       state.T_map_tag[static_cast<std::size_t>(view.tag)], &residual_px, &by_rig, &by_tag))
-      continue;
-    linear.push_back({view.tag, view.frame, view.camera, view.whitening * residual_px,
-                      view.whitening * by_rig, view.whitening * by_tag, Matrix8d::Identity()});
+    if (!residual_of(observations, view, state, &residual_px, &by_rig, &by_tag)) continue;
+    const Vector8d weights = noise_weights(view, state);
+    const Matrix8d W = weights.asDiagonal() * view.whitening;
+    linear.push_back({view.tag, view.frame, view.camera, W * residual_px, W * by_rig, W * by_tag,
+                      Matrix8d(weights.asDiagonal())});
   }
   return linear;
 }

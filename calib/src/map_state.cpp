@@ -6,7 +6,6 @@
 
 #include "apriltrack/base/check.h"
 #include "tag_links.h"
-#include "view_residual.h"
 
 namespace apriltrack {
 namespace {
@@ -40,6 +39,24 @@ Pose& rig_pose(MapState& state, const TagView& view) {
   return state.T_map_rig[static_cast<std::size_t>(view.frame)];
 }
 
+/// Sum over the corners of log(1 + (error / 4 px)^2): grows for every error, but no view can outvote the
+/// others.
+double robust_error(const Observations& observations, const TagView& view,
+                    const std::vector<RigCamera>& cameras, const Pose& T_map_rig, const Pose& T_map_tag) {
+  const auto cost = [](double error_px) {
+    const double ratio = error_px / kChainedErrorScale_px;
+    return std::log1p(ratio * ratio);
+  };
+  Vector8d residual;
+  if (!view_residual(cameras[static_cast<std::size_t>(view.camera)],
+                     observations.sizes_m[static_cast<std::size_t>(view.tag)], view, T_map_rig, T_map_tag,
+                     &residual, nullptr, nullptr))
+    return kNumCorners * cost(kFailedProjection_px);
+  double sum = 0.0;
+  for (int i = 0; i < kNumCorners; ++i) sum += cost(residual.segment<2>(2 * i).norm());
+  return sum;
+}
+
 /// The largest views first: their candidates are the most exact.
 std::vector<std::size_t> largest(const Observations& observations, std::vector<std::size_t> views,
                                  std::size_t limit) {
@@ -56,7 +73,7 @@ void place_frame(const Observations& observations, const std::vector<std::size_t
   const auto error_of = [&](const Pose& T_map_rig) {
     double sum = 0.0;
     for (const std::size_t v : views)
-      sum += robust_error(observations, observations.views[v], T_map_rig,
+      sum += robust_error(observations, observations.views[v], state.cameras, T_map_rig,
                           tag_pose(state, observations.views[v]));
     return sum;
   };
@@ -82,8 +99,8 @@ void place_tag(const Observations& observations, const std::vector<std::size_t>&
   const auto error_of = [&](const Pose& T_map_tag) {
     double sum = 0.0;
     for (const std::size_t v : judges)
-      sum += robust_error(observations, observations.views[v], rig_pose(state, observations.views[v]),
-                          T_map_tag);
+      sum += robust_error(observations, observations.views[v], state.cameras,
+                          rig_pose(state, observations.views[v]), T_map_tag);
     return sum;
   };
   Pose best = current;
@@ -103,20 +120,25 @@ void place_tag(const Observations& observations, const std::vector<std::size_t>&
 
 }  // namespace
 
-double robust_error(const Observations& observations, const TagView& view, const Pose& T_map_rig,
-                    const Pose& T_map_tag) {
-  const auto cost = [](double error_px) {
-    const double ratio = error_px / kChainedErrorScale_px;
-    return std::log1p(ratio * ratio);
-  };
-  Vector8d residual;
-  if (!view_residual(observations.cameras[static_cast<std::size_t>(view.camera)],
-                     observations.sizes_m[static_cast<std::size_t>(view.tag)], view.corners_px, T_map_rig,
-                     T_map_tag, &residual, nullptr, nullptr))
-    return kNumCorners * cost(kFailedProjection_px);
-  double sum = 0.0;
-  for (int i = 0; i < kNumCorners; ++i) sum += cost(residual.segment<2>(2 * i).norm());
-  return sum;
+Vector8d noise_weights(const TagView& view, const MapState& state) {
+  const NoiseScale& noise = state.noise;
+  const double of_frame = noise.of_frame.empty() ? 1.0 : noise.of_frame[static_cast<std::size_t>(view.frame)];
+  Vector8d weights;
+  for (int edge = 0; edge < 4; ++edge)
+    weights.segment<2>(2 * edge) << 1.0 / (noise.sum * of_frame), 1.0 / (noise.difference * of_frame);
+  return weights;
+}
+
+Matrix8d whitening(const TagView& view, const MapState& state) {
+  return noise_weights(view, state).asDiagonal() * view.whitening;
+}
+
+bool residual_of(const Observations& observations, const TagView& view, const MapState& state,
+                 Vector8d* residual_px, Matrix8x6d* by_rig, Matrix8x6d* by_tag) {
+  return view_residual(state.cameras[static_cast<std::size_t>(view.camera)],
+                       observations.sizes_m[static_cast<std::size_t>(view.tag)], view,
+                       state.T_map_rig[static_cast<std::size_t>(view.frame)],
+                       state.T_map_tag[static_cast<std::size_t>(view.tag)], residual_px, by_rig, by_tag);
 }
 
 void move_origin_to(MapState& state, int tag) {
@@ -128,7 +150,8 @@ void move_origin_to(MapState& state, int tag) {
 
 MapState start_state(const Observations& observations, const Part& part, int held_tag,
                      const std::vector<ViewCandidates>& candidates, const ParallelFor& parallel) {
-  MapState state{std::vector<Pose>(observations.tags.size()), std::vector<Pose>(observations.frames.size())};
+  MapState state{std::vector<Pose>(observations.tags.size()), std::vector<Pose>(observations.frames.size()),
+                 observations.cameras, {}};
   const auto tree = poses_along_tree(observations.tags.size(), held_tag,
                                      find_links(observations, part, candidates, parallel));
   for (const int tag : part.tags) {

@@ -4,26 +4,40 @@
 
 #include "parts.h"
 #include "view_candidates.h"
+#include "view_residual.h"
 
 namespace apriltrack {
 
-/// The unknowns of a calibration, indexed like Observations::tags and ::frames; entries that a part does not
-/// use stay at identity.
+/// How large the corners' errors are, in units of those expected.
+struct NoiseScale {
+  double sum = 1.0;         ///< Of the numbers u of equation (5): errors that both ends of an edge share.
+  double difference = 1.0;  ///< Of the numbers v.
+  std::vector<double> of_frame;  ///< Beside both, indexed like Observations::frames; empty = 1 for all.
+};
+
+/// The unknowns of a calibration, indexed like Observations::tags, ::frames and ::cameras; entries that a part
+/// does not use stay at identity.
 struct MapState {
   std::vector<Pose> T_map_tag;
   std::vector<Pose> T_map_rig;
+  std::vector<RigCamera> cameras;  ///< As given, until they are refined.
+  NoiseScale noise;
 };
+
+/// What the state's noise makes of TagView::whitening, row by row.
+Vector8d noise_weights(const TagView& view, const MapState& state);
+/// Of a view's residuals: into independent numbers of unit variance, as the state has the noise.
+Matrix8d whitening(const TagView& view, const MapState& state);
+
+/// view_residual() where the state has cameras, tag and rig.
+bool residual_of(const Observations& observations, const TagView& view, const MapState& state,
+                 Vector8d* residual_px, Matrix8x6d* by_rig = nullptr, Matrix8x6d* by_tag = nullptr);
 
 /// A first map, free of flips as far as the views allow: tags along the tree of best-supported links from
 /// `held_tag` (which lies at the origin), frames by the candidate that explains all their tags best, then
 /// tags and frames in turn by their candidates' reprojection errors.
 MapState start_state(const Observations& observations, const Part& part, int held_tag,
                      const std::vector<ViewCandidates>& candidates, const ParallelFor& parallel);
-
-/// Sum over the corners of log(1 + (error / 4 px)^2): grows for every error, but no view can outvote the
-/// others.
-double robust_error(const Observations& observations, const TagView& view, const Pose& T_map_rig,
-                    const Pose& T_map_tag);
 
 /// Expresses everything in the frame of `tag`.
 void move_origin_to(MapState& state, int tag);

@@ -219,7 +219,8 @@ Observations number_views(const std::vector<UsableFrame>& frames,
       if (places.size() > 1 || !index.contains(tag)) continue;
       const CornersPx& corners = places.front()->corners_px;
       observations.views.push_back({index[tag], static_cast<int>(observations.frames.size()) - 1,
-                                    frame.camera, corners, edge_noise_whitening(corners, noise)});
+                                    frame.camera, corners, edge_noise_whitening(corners, noise),
+                                    inward_displacements(corners)});
     }
   }
   return observations;

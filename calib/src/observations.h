@@ -16,11 +16,14 @@ struct TagView {
   int camera = 0;  ///< Into Observations::cameras.
   CornersPx corners_px;
   Matrix8d whitening;  ///< Turns corner errors (px, x0 y0 x1 ...) into independent numbers of unit variance.
+  Vector8d inward;     ///< How the corners move when all edges move inward by one pixel.
 };
 
 struct RigCamera {
   CameraModel model;
   Pose T_camera_rig;
+  /// The detector's edges lie so far inside the true ones, along their normals.
+  double edge_offset_px = 0.0;
 };
 
 /// What a calibration works on: every usable view, with small whole numbers in place of names.

@@ -4,53 +4,30 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "apriltrack/base/error.h"
 #include "bundle_adjustment.h"
 #include "mirror_test.h"
-#include "view_residual.h"
+#include "noise_scale.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr double kCoarseLoss = 30.0;       // views are some ten pixels off at the start
-constexpr double kFineLossPerSigma = 6.0;  // a good view's whitened norm is sqrt(8)
-constexpr double kMaxViewRms = 4.0;        // sigmas; one in 1e18 good views
-constexpr double kMaxComponent = 6.0;      // sigmas; one corner off, the rest of the tag in place
+constexpr double kCoarseLoss = 30.0;  // views are some ten pixels off at the start
+constexpr double kFineLoss = 6.0;     // a good view's whitened norm is sqrt(8)
+constexpr double kMaxViewRms = 4.0;   // sigmas; one in 1e18 good views
+constexpr double kMaxComponent = 6.0; // sigmas; one corner off, the rest of the tag in place
 constexpr int kMaxRounds = 4;
 constexpr double kGross_px = 1.0;
 constexpr double kGrossPerEdge = 0.1;
 
-/// Standard deviation of the whitened residuals, from their median: half of them may be wrong. Where there
-/// are few, the fit makes many of them vanish, and the median with them: the expected sigma counts as well.
-double robust_scale(const Observations& observations, const std::vector<std::size_t>& views,
-                    const MapState& state) {
-  std::vector<double> magnitudes;
-  for (const std::size_t v : views) {
-    bool is_valid = false;
-    const Vector8d whitened = whitened_residual(observations, observations.views[v], state, is_valid);
-    for (int i = 0; is_valid && i < 8; ++i) magnitudes.push_back(std::abs(whitened[i]));
-  }
-  if (magnitudes.empty()) return 1.0;
-  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
-  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
-  constexpr double kSigmaPerMedian = 1.4826;  // of a normal distribution
-  const double by_median = kSigmaPerMedian * *middle;
-  constexpr double kExpectedResiduals = 15.0;  // two frames of two tags leave 14
-  const double freedom = std::max(0.0, degrees_of_freedom(observations, views));
-  return std::max(kMinScale, std::sqrt((kExpectedResiduals + freedom * by_median * by_median) /
-                                       (kExpectedResiduals + freedom)));
-}
-
 std::vector<std::size_t> inliers(const Observations& observations, const std::vector<std::size_t>& views,
                                  const MapState& state) {
-  const double scale = robust_scale(observations, views, state);
   std::vector<std::size_t> kept;
   for (const std::size_t v : views) {
     bool is_valid = false;
-    const Vector8d whitened = whitened_residual(observations, observations.views[v], state, is_valid) / scale;
+    const Vector8d whitened = whitened_residual(observations, observations.views[v], state, is_valid);
     const double rms = std::sqrt(whitened.squaredNorm() / 8.0);
     if (is_valid && rms <= kMaxViewRms && whitened.cwiseAbs().maxCoeff() <= kMaxComponent) kept.push_back(v);
   }
@@ -95,8 +72,10 @@ void adjust_robustly(const Observations& observations, const Part& part, int hel
       throw no_result("calibrate", fmt::format("the robust adjustment of {} tags failed ({}); {}",
                                                part.tags.size(), summary.message, kWhatToCheck));
   };
+  state.noise = {};
   adjust_with_loss(kCoarseLoss);
-  adjust_with_loss(kFineLossPerSigma * robust_scale(observations, part.views, state));
+  state.noise = measure_noise(observations, part.views, state);
+  adjust_with_loss(kFineLoss);
 }
 
 /// Least squares over the inliers, which are chosen anew until they stay the same.
@@ -104,9 +83,11 @@ Part adjust_cleanly(const Observations& observations, const Part& part, int held
                     const CalibrationOptions& options, MapState& state) {
   Part kept;
   for (int round = 0; round < kMaxRounds; ++round) {
+    state.noise = measure_noise(observations, part.views, state);
     Part next =
         connected_to(observations, inliers(observations, part.views, state), held_tag, options.min_views);
     if (next.tags.size() < 2) fail_as_contradictory(observations, held_tag);
+    state.noise.of_frame = measure_frame_noise(observations, next.views, state);
     if (next.views == kept.views) return kept;
     kept = std::move(next);
     const AdjustmentSummary summary =
@@ -126,22 +107,9 @@ Part adjust_cleanly(const Observations& observations, const Part& part, int held
 Vector8d whitened_residual(const Observations& observations, const TagView& view, const MapState& state,
                            bool& is_valid, Vector8d* residual_px) {
   Vector8d residual = Vector8d::Zero();
-  is_valid = view_residual(observations.cameras[static_cast<std::size_t>(view.camera)],
-                           observations.sizes_m[static_cast<std::size_t>(view.tag)], view.corners_px,
-                           state.T_map_rig[static_cast<std::size_t>(view.frame)],
-                           state.T_map_tag[static_cast<std::size_t>(view.tag)], &residual, nullptr, nullptr);
+  is_valid = residual_of(observations, view, state, &residual);
   if (residual_px != nullptr) *residual_px = residual;
-  return view.whitening * residual;
-}
-
-double degrees_of_freedom(const Observations& observations, const std::vector<std::size_t>& views) {
-  std::set<int> tags, frames;
-  for (const std::size_t v : views) {
-    tags.insert(observations.views[v].tag);
-    frames.insert(observations.views[v].frame);
-  }
-  const double unknowns = 6.0 * static_cast<double>(tags.size() + frames.size()) - 6.0;
-  return 8.0 * static_cast<double>(views.size()) - unknowns;
+  return whitening(view, state) * residual;
 }
 
 Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,

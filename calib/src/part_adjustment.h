@@ -44,7 +44,4 @@ Part connected_to(const Observations& observations, const std::vector<std::size_
 Vector8d whitened_residual(const Observations& observations, const TagView& view, const MapState& state,
                            bool& is_valid, Vector8d* residual_px = nullptr);
 
-/// Residuals beyond what the unknowns (each frame's pose, and the tags' but one) can make vanish.
-double degrees_of_freedom(const Observations& observations, const std::vector<std::size_t>& views);
-
 }  // namespace apriltrack

@@ -4,9 +4,8 @@
 
 namespace apriltrack {
 
-bool view_residual(const RigCamera& camera, double size_m, const CornersPx& observed_px,
-                   const Pose& T_map_rig, const Pose& T_map_tag, Vector8d* residual_px, Matrix8x6d* by_rig,
-                   Matrix8x6d* by_tag) {
+bool view_residual(const RigCamera& camera, double size_m, const TagView& view, const Pose& T_map_rig,
+                   const Pose& T_map_tag, Vector8d* residual_px, Matrix8x6d* by_rig, Matrix8x6d* by_tag) {
   const Pose T_rig_tag = T_map_rig.inverse() * T_map_tag;
   const Eigen::Matrix3d R_camera_rig = camera.T_camera_rig.rotation_matrix();
   const Eigen::Matrix3d R_rig_tag = T_rig_tag.rotation_matrix();
@@ -17,12 +16,13 @@ bool view_residual(const RigCamera& camera, double size_m, const CornersPx& obse
     Eigen::Matrix<double, 2, 3> by_point;
     const auto pixel = camera.model.project(camera.T_camera_rig * point_rig, &by_point);
     if (!pixel) return false;
-    residual_px->segment<2>(2 * i) = *pixel - observed_px[corner];
+    residual_px->segment<2>(2 * i) = *pixel - view.corners_px[corner];
     const Eigen::Matrix<double, 2, 3> by_point_rig = by_point * R_camera_rig;
     if (by_rig != nullptr) by_rig->middleRows<2>(2 * i) = -pixel_jacobian(by_point_rig, point_rig);
     if (by_tag != nullptr)
       by_tag->middleRows<2>(2 * i) = pixel_jacobian(by_point_rig * R_rig_tag, corners_tag[corner]);
   }
+  *residual_px += camera.edge_offset_px * view.inward;
   return true;
 }
 

@@ -33,6 +33,7 @@ MapState true_state(const SyntheticWorld& world, const Observations& observation
   MapState state;
   for (const TagKey& tag : observations.tags) state.T_map_tag.push_back(world.map.find(tag)->T_map_tag);
   state.T_map_rig = world.T_world_rig;
+  state.cameras = observations.cameras;
   move_origin_to(state, 0);
   return state;
 }
@@ -60,11 +61,11 @@ TEST(ViewResidual, JacobiansAgreeWithDifferences) {
     Vector8d residual;
     Matrix8x6d by_rig, by_tag;
     ASSERT_TRUE(
-        view_residual(camera, size_m, view.corners_px, T_map_rig, T_map_tag, &residual, &by_rig, &by_tag));
+        view_residual(camera, size_m, view, T_map_rig, T_map_tag, &residual, &by_rig, &by_tag));
     EXPECT_LT(residual.norm(), 1e-9);  // the truth explains the corners
     const auto residual_at = [&](const Eigen::VectorXd& rig, const Eigen::VectorXd& tag) -> Eigen::VectorXd {
       Vector8d r;
-      EXPECT_TRUE(view_residual(camera, size_m, view.corners_px, T_map_rig * Pose::exp(Vector6d(rig)),
+      EXPECT_TRUE(view_residual(camera, size_m, view, T_map_rig * Pose::exp(Vector6d(rig)),
                                 T_map_tag * Pose::exp(Vector6d(tag)), &r, nullptr, nullptr));
       return r;
     };
@@ -160,7 +161,7 @@ TEST(TagCovariance, AgreesWithThePseudoinverseOfAllEquations) {
     Matrix8x6d by_rig, by_tag;
     ASSERT_TRUE(
         view_residual(observations.cameras[0], observations.sizes_m[static_cast<std::size_t>(view.tag)],
-                      view.corners_px, state.T_map_rig[static_cast<std::size_t>(view.frame)],
+                      view, state.T_map_rig[static_cast<std::size_t>(view.frame)],
                       state.T_map_tag[static_cast<std::size_t>(view.tag)], &residual, &by_rig, &by_tag));
     const auto row = 8 * static_cast<Eigen::Index>(i);
     if (view.tag != kHeld) J.block<8, 6>(row, 6 * view.tag) = view.whitening * by_tag;
