@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "apriltrack/base/error.h"
@@ -58,6 +59,27 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
       ->check(whole_number(1));
   command.add_flag("--no-refine", a.no_refine,
                    "Leave the map as the corners say, and do not refine it on the tags' pictures");
+  command
+      .add_option("--intrinsics", a.calibration.intrinsics,
+                  "Of the camera file: keep; refine with the map where held-out frames agree better; or auto: "
+                  "refine only where it is clearly wrong. A refined camera goes to <output>.camera.yaml")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Intrinsics>{{"keep", Intrinsics::kKeep},
+                                            {"auto", Intrinsics::kAuto},
+                                            {"refine", Intrinsics::kRefine}},
+          CLI::ignore_case))
+      ->default_str("auto");
+  command
+      .add_option("--extrinsics", a.calibration.refine_extrinsics,
+                  "Where several cameras sit on the rig: keep, or refine")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"keep", false}, {"refine", true}},
+                                          CLI::ignore_case))
+      ->default_str("keep");
+  command
+      .add_option("--edge-offset-sigma", a.edge_offset_sigma_px,
+                  "How far (px) the detector's edges may lie beside the true ones: estimated with the map; "
+                  "0 = not at all. 0.2 for --detections, 0 for images")
+      ->check(number_between(0.0, 100.0));
   command.add_option("--parts", a.parts, "Folder for a map of each part: part_1.yaml is the map itself");
   command.add_option("--config", a.config,
                      "YAML file of options, keys = their long names; the command line wins");

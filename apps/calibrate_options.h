@@ -28,6 +28,7 @@ struct CalibrateOptions {
   SourceOptions source;
   CalibrationOptions calibration;
   RefinementOptions refinement;
+  std::optional<double> edge_offset_sigma_px;
   bool no_refine = false;
   Console console;
 };

@@ -97,6 +97,23 @@ nlohmann::json told(const RefinementResult& refinement) {
   return summary;
 }
 
+nlohmann::json told(const std::vector<CameraCorrection>& corrections) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const CameraCorrection& one : corrections)
+    list.push_back({{"camera", one.camera},
+                    {"parameter", one.parameter},
+                    {"unit", one.unit},
+                    {"value", one.value},
+                    {"sigma", one.sigma}});
+  return list;
+}
+
+/// An edge offset is the detector's; all else is the camera's.
+bool is_lens_refined(const CalibrationResult& result) {
+  return std::ranges::any_of(result.corrections,
+                             [](const CameraCorrection& one) { return one.parameter != "edge offset"; });
+}
+
 std::string words_of(const RefinementResult& refinement) {
   return fmt::format(
       "refined on {} pictures of {} tags: those that were held out disagree with the map by {:.1f} sigmas "
@@ -135,6 +152,10 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
     outputs.write(files.observations,
                   [&](const fs::path& path) { write_detections_csv(path, sightings.frames); });
   }
+  if (is_lens_refined(result)) {
+    files.camera = fs::path(a.output).replace_extension(".camera.yaml");
+    outputs.write(*files.camera, [&](const fs::path& path) { write_cameras(path, result.rig); });
+  }
   files.parts = write_parts(a, result, outputs);
   outputs.write(a.output, [&](const fs::path& path) { write_tag_map(path, result.map); });
   outputs.commit();
@@ -156,10 +177,13 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
                             {"left_out", names(result.left_out)},
                             {"other_parts", other_parts},
                             {"part_files", files.parts},
+                            {"warnings", result.warnings},
+                            {"corrections", told(result.corrections)},
                             {"interrupted", sightings.counts.is_interrupted},
                             {"output", a.output},
                             {"observations", files.observations.string()}};
   if (refinement) summary["refinement"] = told(*refinement);
+  if (files.camera) summary["camera"] = files.camera->string();
   std::string text = fmt::format(
       "{} tags from {} of {} frames ({} unreadable); {} observations, {} rejected; residual {:.3f} px (rms "
       "per axis)\n"
@@ -168,6 +192,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
       result.observations_used, result.observations_rejected, result.residual_rms_px,
       to_string(result.held_tag), a.output, files.observations.string());
   if (refinement && refinement->is_accepted) text += "\n" + words_of(*refinement);
+  if (files.camera) text += "\nrefined camera: " + files.camera->string();
   for (const std::string& file : files.parts) text += "\npart: " + file;
   a.console.finish(summary, text);
 }

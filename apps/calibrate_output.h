@@ -14,6 +14,7 @@ namespace apriltrack::app {
 /// What a calibration leaves on the disk, the map itself aside.
 struct CalibrationFiles {
   std::filesystem::path observations;
+  std::optional<std::filesystem::path> camera;  ///< Where it was refined.
   std::vector<std::string> parts;
 };
 

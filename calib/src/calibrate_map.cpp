@@ -232,6 +232,39 @@ void report_quality(const Observations& observations, const PartSolution& soluti
                     solution.total_rms_px));
 }
 
+std::string in_words(const CameraCorrection& one) {
+  if (one.parameter == "focal length" || one.parameter == "fy / fx")
+    return fmt::format("{} {:+.2f} % (sigma {:.2f})", one.parameter, 100.0 * one.value, 100.0 * one.sigma);
+  return fmt::format("{} {:+.4g} {}(sigma {:.2g})", one.parameter, one.value,
+                     one.unit == "1" ? "" : one.unit + " ", one.sigma);
+}
+
+/// The cameras as the part was solved with them, and what was corrected.
+void take_cameras(const Observations& observations, const CameraRig& rig, const PartSolution& solution,
+                  CalibrationResult& result, Findings& findings) {
+  result.rig = rig;
+  if (!solution.cameras.is_accepted) return;
+  bool is_lens_refined = false;
+  std::string words;
+  for (const EstimatedParameter& one : solution.cameras.estimates) {
+    const auto camera = static_cast<std::size_t>(one.parameter.camera);
+    result.corrections.push_back({rig.cameras[camera].name, name_of(one.parameter, observations.cameras[camera]),
+                                  unit_of(one.parameter), one.value, one.sigma});
+    is_lens_refined = is_lens_refined || one.parameter.kind != CameraParameter::Kind::kEdgeOffset;
+    words += fmt::format("{}{}: {}", words.empty() ? "" : "; ", result.corrections.back().camera,
+                         in_words(result.corrections.back()));
+  }
+  std::vector<CameraParameter> parameters;
+  for (const EstimatedParameter& one : solution.cameras.estimates) parameters.push_back(one.parameter);
+  result.rig = with_corrections(rig, solution.state.cameras, parameters);
+  if (!is_lens_refined) return;
+  findings.warnings.push_back(fmt::format(
+      "the camera file does not fit: with other intrinsics, frames that were held out agree better ({:.2f} "
+      "sigmas before, {:.2f} after). The map rests on these: {}. Track with the refined camera, or calibrate "
+      "it anew; --intrinsics keep takes the file as it is",
+      solution.cameras.held_out_before, solution.cameras.held_out_after, words));
+}
+
 void report_other_parts(const Observations& observations, const std::vector<Part>& parts,
                         Findings& findings) {
   for (std::size_t i = 1; i < parts.size(); ++i)
@@ -253,6 +286,8 @@ void CalibrationOptions::check() const {
           fmt::format("{}", edge_end_correlation), "in (-1, 1)");
   require(corner_bias_px >= 0.0 && corner_bias_px <= 100.0, "corner_bias_px",
           fmt::format("{}", corner_bias_px), "in [0, 100]");
+  require(edge_offset_sigma_px >= 0.0 && edge_offset_sigma_px <= 100.0, "edge_offset_sigma_px",
+          fmt::format("{}", edge_offset_sigma_px), "in [0, 100]");
   require(max_tags_with_covariance >= 0, "max_tags_with_covariance", std::to_string(max_tags_with_covariance),
           "0 or more");
   require(min_views >= 1, "min_views", std::to_string(min_views), "1 or more");
@@ -285,6 +320,7 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   result.residual_rms_px = main.total_rms_px;
   result.frames_used = static_cast<int>(frames_of(observations, main.part.views).size());
   result.rig_poses = rig_poses(observations, main);
+  take_cameras(observations, rig, main, result, findings);
   result.observations_used = static_cast<int>(main.part.views.size());
   result.observations_rejected = static_cast<int>(main.views_offered - main.part.views.size());
 

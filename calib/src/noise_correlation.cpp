@@ -8,6 +8,7 @@ namespace apriltrack {
 namespace {
 
 constexpr std::size_t kMaxLag = 200;
+constexpr std::size_t kLeastViewsForMean = 8;
 constexpr double kNoCorrelation = 0.05;  // below, what is left is chance or the fit's own doing
 
 /// Residuals of one tag in one camera, in the order of time.
@@ -17,6 +18,15 @@ std::map<std::pair<int, int>, Series> residual_series(const std::vector<LinearVi
   std::map<std::pair<int, int>, Series> series;
   for (const LinearView& view : views) series[{view.tag, view.camera}].push_back(view.residual);
   return series;
+}
+
+/// What a tag keeps in all of its views is no noise, and counted elsewhere.
+void take_out_mean(Series& series) {
+  if (series.size() < kLeastViewsForMean) return;  // most of the noise would go with it
+  LinearView::Residual sum = LinearView::Residual::Zero(series.front().size());
+  for (const auto& residual : series) sum += residual;
+  const LinearView::Residual mean = sum / static_cast<double>(series.size());
+  for (auto& residual : series) residual -= mean;
 }
 
 double autocorrelation(const std::map<std::pair<int, int>, Series>& all, std::size_t lag) {
@@ -33,7 +43,8 @@ double autocorrelation(const std::map<std::pair<int, int>, Series>& all, std::si
 }  // namespace
 
 double views_per_independent_view(const std::vector<LinearView>& views) {
-  const auto series = residual_series(views);
+  auto series = residual_series(views);
+  for (auto& [key, of_tag] : series) take_out_mean(of_tag);
   double sum = 1.0;
   for (std::size_t lag = 1; lag <= kMaxLag; ++lag) {
     const double correlation = autocorrelation(series, lag);

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "corner_views.h"
-#include "scaled_covariance.h"
+#include "error_scale.h"
 
 namespace apriltrack {
 namespace {

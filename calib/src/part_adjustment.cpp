@@ -78,9 +78,26 @@ void adjust_robustly(const Observations& observations, const Part& part, int hel
   adjust_with_loss(kFineLoss);
 }
 
-/// Least squares over the inliers, which are chosen anew until they stay the same.
-Part adjust_cleanly(const Observations& observations, const Part& part, int held_tag,
-                    const CalibrationOptions& options, MapState& state) {
+}  // namespace
+
+Vector8d whitened_residual(const Observations& observations, const TagView& view, const MapState& state,
+                           bool& is_valid, Vector8d* residual_px) {
+  Vector8d residual = Vector8d::Zero();
+  is_valid = residual_of(observations, view, state, &residual);
+  if (residual_px != nullptr) *residual_px = residual;
+  return whitening(view, state) * residual;
+}
+
+Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,
+                  int min_views) {
+  for (Part& part : find_parts(observations, views, min_views).parts) {
+    if (std::binary_search(part.tags.begin(), part.tags.end(), held_tag)) return std::move(part);
+  }
+  return {};
+}
+
+Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state) {
+  const auto& [observations, candidates, options] = task;
   Part kept;
   for (int round = 0; round < kMaxRounds; ++round) {
     state.noise = measure_noise(observations, part.views, state);
@@ -102,24 +119,6 @@ Part adjust_cleanly(const Observations& observations, const Part& part, int held
   return kept;
 }
 
-}  // namespace
-
-Vector8d whitened_residual(const Observations& observations, const TagView& view, const MapState& state,
-                           bool& is_valid, Vector8d* residual_px) {
-  Vector8d residual = Vector8d::Zero();
-  is_valid = residual_of(observations, view, state, &residual);
-  if (residual_px != nullptr) *residual_px = residual;
-  return whitening(view, state) * residual;
-}
-
-Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,
-                  int min_views) {
-  for (Part& part : find_parts(observations, views, min_views).parts) {
-    if (std::binary_search(part.tags.begin(), part.tags.end(), held_tag)) return std::move(part);
-  }
-  return {};
-}
-
 AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel) {
   const auto& [observations, candidates, options] = task;
   AdjustedPart result{.held_tag = held_tag,
@@ -131,7 +130,7 @@ AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, c
     if (turn_mirrored_tags(observations, part, held_tag, result.state).empty()) break;
     adjust_robustly(observations, part, held_tag, options, result.state);
   }
-  result.part = adjust_cleanly(observations, part, held_tag, options, result.state);
+  result.part = adjust_cleanly(task, part, held_tag, result.state);
   result.contradictions =
       find_contradictions(observations, part, gross_outliers(observations, part.views, result.state));
   return result;

@@ -8,7 +8,6 @@
 #include "contradictions.h"
 #include "corner_noise.h"
 #include "map_state.h"
-#include "scaled_covariance.h"
 
 namespace apriltrack {
 
@@ -35,6 +34,9 @@ struct AdjustedPart {
 /// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment. Throws
 /// Error(kNoResult) when it does not converge, or when nothing fits.
 AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel);
+
+/// Least squares over the inliers, which are chosen anew until they stay the same; these are returned.
+Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state);
 
 /// What of `part` the views still tie to the held tag; an empty part when it stands alone.
 Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,

@@ -5,18 +5,20 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "apriltrack/base/error.h"
 #include "corner_views.h"
 #include "culprit_search.h"
 #include "part_adjustment.h"
-#include "scaled_covariance.h"
+#include "error_scale.h"
 
 namespace apriltrack {
 namespace {
 
 constexpr double kNonsense_px = 5.0;
+constexpr double kClearGain = 0.05;  // of a lens that was not asked for
 
 void measure_residuals(const Observations& observations, PartSolution& solution) {
   std::vector<double> sums(observations.tags.size(), 0.0);
@@ -38,17 +40,60 @@ void measure_residuals(const Observations& observations, PartSolution& solution)
   solution.total_rms_px = std::sqrt(total / (8.0 * static_cast<double>(solution.part.views.size())));
 }
 
+/// Those of the cameras that were estimated with the poses.
+std::optional<SharedParameters> shared_parameters(const Observations& observations,
+                                                  const PartSolution& solution, const PoseInformation& poses) {
+  if (!solution.cameras.is_accepted) return std::nullopt;
+  std::vector<CameraParameter> parameters;
+  for (const EstimatedParameter& one : solution.cameras.estimates) parameters.push_back(one.parameter);
+  SharedParameters shared{
+      poses.eliminate_poses(camera_columns(observations, solution.part.views, solution.state, parameters)), {}};
+  shared.prior_precision = Eigen::VectorXd::Ones(shared.information.gradient.size());
+  return shared;
+}
+
+std::vector<int> cameras_of(const Observations& observations, const Part& part) {
+  std::set<int> cameras;
+  for (const std::size_t v : part.views) cameras.insert(observations.views[v].camera);
+  return {cameras.begin(), cameras.end()};
+}
+
+/// Edge offsets alone first, which are most often what is wrong with corners from elsewhere; then lenses, and
+/// cameras' places.
+CameraRefinement better_cameras(const PartTask& task, const Part& part, AdjustedPart& solved) {
+  const CalibrationOptions& options = task.options;
+  const std::vector<int> cameras = cameras_of(task.observations, solved.part);
+  std::vector<CameraParameter> parameters;
+  const auto add = [&](const std::vector<CameraParameter>& more) {
+    parameters.insert(parameters.end(), more.begin(), more.end());
+  };
+  CameraRefinement result;
+  if (options.edge_offset_sigma_px > 0.0) {
+    add(edge_offset_parameters(cameras, options.edge_offset_sigma_px));
+    result = refine_cameras(task, part, parameters, 0.0, solved);
+  }
+  if (options.intrinsics == Intrinsics::kKeep && !options.refine_extrinsics) return result;
+  if (options.intrinsics != Intrinsics::kKeep) add(intrinsic_parameters(cameras, task.observations.cameras));
+  if (options.refine_extrinsics) add(extrinsic_parameters(cameras));
+  const bool is_asked_for = options.intrinsics == Intrinsics::kRefine || options.refine_extrinsics;
+  CameraRefinement of_all = refine_cameras(task, part, parameters, is_asked_for ? 0.0 : kClearGain, solved);
+  if (of_all.is_accepted || !result.is_accepted) return of_all;
+  return result;
+}
+
 void measure_covariances(const Observations& observations, const CalibrationOptions& options,
                          PartSolution& solution) {
   if (solution.part.tags.size() > static_cast<std::size_t>(options.max_tags_with_covariance)) return;
   const std::vector<LinearView> views = corner_views(observations, solution.part.views, solution.state);
-  const double bias = options.corner_bias_px / options.corner_sigma_px;
-  auto covariances = scaled_covariances(views, solution.part.tags, solution.held_tag, bias * bias);
-  if (!covariances)
+  const auto poses = PoseInformation::of(views, solution.held_tag);
+  if (!poses)
     throw no_result("calibrate",
                     "the views leave the pose of a tag undetermined; film each tag from more sides, together "
                     "with others");
-  solution.covariances = std::move(*covariances);
+  const double bias = options.corner_bias_px / options.corner_sigma_px;
+  const ErrorScale scale = error_scale(views, *poses, bias * bias);
+  solution.covariances = tag_covariances(*poses, solution.part.tags, shared_parameters(observations, solution, *poses));
+  scale_by(scale, solution.covariances);
 }
 
 }  // namespace
@@ -60,6 +105,7 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   AdjustedPart solved = adjust_part(task, part, held_tag, parallel);
   if (solved.contradictions.are_there()) solved = adjust_without_culprit(task, part, solved, parallel, log);
   PartSolution solution;
+  solution.cameras = better_cameras(task, part, solved);
   solution.held_tag = solved.held_tag;
   solution.culprit = solved.culprit;
   solution.part = std::move(solved.part);

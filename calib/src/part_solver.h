@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_refinement.h"
 #include "tag_covariance.h"
 
 namespace apriltrack {
@@ -19,6 +20,7 @@ struct PartSolution {
   std::size_t views_offered = 0;          ///< Before outliers were removed.
   std::vector<int> views_offered_by_tag;  ///< Indexed like observations.tags.
   std::optional<int> culprit;             ///< Left out, for with it the frames contradict each other.
+  CameraRefinement cameras;
   std::vector<int> lost_tags;             ///< Others that nothing trusted ties to the held tag.
 };
 

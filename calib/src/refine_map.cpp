@@ -12,7 +12,7 @@
 #include "apriltrack/base/parallel.h"
 #include "photometric_adjustment.h"
 #include "refinement_input.h"
-#include "scaled_covariance.h"
+#include "tag_covariance.h"
 
 namespace apriltrack {
 namespace {
@@ -91,11 +91,12 @@ class Refinement {
     std::vector<int> tags(input_.map_index.size());
     std::iota(tags.begin(), tags.end(), 0);
     if (!map_tag(0, map).covariance) return true;
-    const auto covariances =
-        scaled_covariances(views, tags, held_tag_, options.picture_bias_px * options.picture_bias_px);
-    if (!covariances) return false;
+    const auto poses = PoseInformation::of(views, held_tag_);
+    if (!poses) return false;
+    std::vector<TagCovariance> covariances = tag_covariances(*poses, tags);
+    scale_by(error_scale(views, *poses, options.picture_bias_px * options.picture_bias_px), covariances);
     for (std::size_t i = 0; i < tags.size(); ++i)
-      map_tag(i, map).covariance = (*covariances)[i].by_noise + (*covariances)[i].by_bias;
+      map_tag(i, map).covariance = covariances[i].by_noise + covariances[i].by_bias;
     return true;
   }
 

@@ -3,7 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "linear_view.h"
+#include "error_scale.h"
+#include "pose_information.h"
 
 namespace apriltrack {
 
@@ -17,11 +18,18 @@ struct TagCovariance {
   Matrix6d by_bias = Matrix6d::Zero();
 };
 
-/// In the order of `tags`. The frames' poses are eliminated block by block (Schur complement), and only
-/// the system of the tags is inverted, a few columns at a time: what ceres::Covariance gives, at a cost that
-/// a thousand frames do not raise, with one dense matrix of six rows per tag, and a block for each two tags
-/// that a frame shows together. nullopt when the views leave a pose undetermined.
-std::optional<std::vector<TagCovariance>> tag_covariances(const std::vector<LinearView>& views,
-                                                          const std::vector<int>& tags, int held_tag);
+/// Parameters beside the poses (a lens) that were estimated with them.
+struct SharedParameters {
+  ParameterInformation information;
+  Eigen::VectorXd prior_precision;  ///< What was known of them before, in the units of the residuals.
+};
+
+/// In the order of `tags`: what ceres::Covariance gives, at a cost that a thousand frames do not raise. Only
+/// the system of the tags is inverted, a few columns at a time.
+std::vector<TagCovariance> tag_covariances(const PoseInformation& poses, const std::vector<int>& tags,
+                                           const std::optional<SharedParameters>& shared = std::nullopt);
+
+/// Of unit errors, to those of the residuals.
+void scale_by(const ErrorScale& scale, std::vector<TagCovariance>& covariances);
 
 }  // namespace apriltrack

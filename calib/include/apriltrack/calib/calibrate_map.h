@@ -13,6 +13,12 @@
 
 namespace apriltrack {
 
+enum class Intrinsics {
+  kKeep,   ///< As given.
+  kAuto,   ///< Refined where the file is clearly wrong: frames that were held out agree better by 5 % or more.
+  kRefine  ///< Refined where such frames agree better at all, by more than chance.
+};
+
 struct CalibrationOptions {
   /// The tag that is held at the map's origin; by default the first (smallest key) tag of the largest part.
   std::optional<TagKey> held_tag = std::nullopt;
@@ -26,6 +32,15 @@ struct CalibrationOptions {
   /// not average, and the fit hides most of it from the residuals. Counts for the covariance only; 0 = none.
   /// Of our own renderer's pictures 0.03 is true, of path-traced ones 0.07 (docs/algorithms/calibration.md).
   double corner_bias_px = 0.05;
+  /// How far a detector's edges may lie inside or outside the true ones (px, along their normals, the same for
+  /// all tags): estimated with this sigma where it is > 0, and taken over where frames that were held out agree.
+  /// For corners from elsewhere; those of detect_tags() in linear light have none to speak of.
+  double edge_offset_sigma_px = 0.0;
+  /// Whether focal lengths, principal point and distortion are estimated with the map, near what the camera
+  /// file says.
+  Intrinsics intrinsics = Intrinsics::kAuto;
+  /// The same, as kRefine, for where cameras sit on the rig.
+  bool refine_extrinsics = false;
   /// Larger maps go without covariances, with a warning: they take 0.3 kB times the square of the number of
   /// tags, and 0.4 kB for each two that are seen together (1000 tags: 0.3 to 0.7 GB).
   int max_tags_with_covariance = 1000;
@@ -44,6 +59,15 @@ struct RigPose {
   Pose T_map_rig;
 };
 
+/// A number of a camera that was estimated with the map.
+struct CameraCorrection {
+  std::string camera;
+  std::string parameter;  ///< "edge offset", "focal length", "fy / fx", "cx", "k1", "translation x", ...
+  std::string unit;       ///< "px", "1" (a share, or a coefficient), "m", "rad".
+  double value = 0.0;     ///< To be added to what was given; of lengths and ratios a share.
+  double sigma = 0.0;
+};
+
 struct CalibrationResult {
   TagMap map;  ///< The part with the held tag; tags in the order of their keys.
   std::vector<TagMap>
@@ -56,6 +80,9 @@ struct CalibrationResult {
   int frames_used = 0;
   int observations_used = 0;      ///< Tags in images.
   int observations_rejected = 0;  ///< Outliers.
+  /// The cameras that `map` rests on: as given, but for the corrections.
+  CameraRig rig;
+  std::vector<CameraCorrection> corrections;  ///< None where the cameras are as given.
   /// At the moments that `map` rests on, in the order of time; of two with the same time, neither.
   std::vector<RigPose> rig_poses;
 };

@@ -1,0 +1,221 @@
+#include "camera_parameters.h"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <variant>
+
+namespace apriltrack {
+namespace {
+
+using Kind = CameraParameter::Kind;
+
+// How far camera files are off that were made for the camera, but another focus, crop or print of the board.
+constexpr double kFocalSigma = 0.03;
+constexpr double kAspectSigma = 0.005;
+constexpr double kCenterSigma_px = 10.0;
+constexpr double kTangentialSigma = 0.005;
+constexpr double kTranslationSigma_m = 0.01;
+constexpr double kRotationSigma_rad = 0.02;
+constexpr int kFirstTangential = 2, kFirstAfterTangential = 4;
+
+struct CoefficientsOf {
+  std::vector<double> operator()(const NoDistortion&) const { return {}; }
+  template <typename Lens>
+  std::vector<double> operator()(const Lens& lens) const {
+    return lens.coefficients();
+  }
+};
+
+struct WithCoefficients {
+  const std::vector<double>& values;
+  Distortion operator()(const NoDistortion& lens) const { return lens; }
+  template <typename Lens>
+  Distortion operator()(const Lens&) const {
+    return Lens(values);
+  }
+};
+
+std::vector<double> coefficients_of(const CameraModel& model) {
+  return std::visit(CoefficientsOf{}, model.distortion());
+}
+
+bool is_tangential(const CameraModel& model, int index) {
+  return std::holds_alternative<RadtanDistortion>(model.distortion()) && index >= kFirstTangential &&
+         index < kFirstAfterTangential;
+}
+
+double distortion_sigma(const CameraModel& model, int index) {
+  if (is_tangential(model, index)) return kTangentialSigma;
+  return std::holds_alternative<EquidistantDistortion>(model.distortion()) ? 0.02 : 0.05;
+}
+
+CameraModel moved_lens(const CameraModel& model, const CameraParameter& parameter, double step) {
+  Pinhole pinhole = model.pinhole();
+  std::vector<double> coefficients = coefficients_of(model);
+  switch (parameter.kind) {
+    case Kind::kFocalLength:
+      pinhole.fx *= 1.0 + step;
+      pinhole.fy *= 1.0 + step;
+      break;
+    case Kind::kAspect:
+      pinhole.fy *= 1.0 + step;
+      break;
+    case Kind::kCenter:
+      (parameter.index == 0 ? pinhole.cx : pinhole.cy) += step;
+      break;
+    default:
+      coefficients[static_cast<std::size_t>(parameter.index)] += step;
+  }
+  return {pinhole, std::visit(WithCoefficients{coefficients}, model.distortion())};
+}
+
+/// Half a sigma either way is too far for the lens formula: a step that moves pixels by about a hundredth.
+double difference_step(const CameraParameter& parameter) {
+  switch (parameter.kind) {
+    case Kind::kEdgeOffset:
+    case Kind::kCenter:
+      return 1e-2;
+    case Kind::kTranslation:
+    case Kind::kRotation:
+    case Kind::kFocalLength:
+    case Kind::kAspect:
+    case Kind::kDistortion:
+      return 1e-5;
+  }
+  return 1e-5;
+}
+
+}  // namespace
+
+std::string name_of(const CameraParameter& parameter, const RigCamera& camera) {
+  switch (parameter.kind) {
+    case Kind::kEdgeOffset:
+      return "edge offset";
+    case Kind::kFocalLength:
+      return "focal length";
+    case Kind::kAspect:
+      return "fy / fx";
+    case Kind::kCenter:
+      return parameter.index == 0 ? "cx" : "cy";
+    case Kind::kDistortion: {
+      if (is_tangential(camera.model, parameter.index))
+        return fmt::format("p{}", parameter.index - kFirstTangential + 1);
+      const bool is_radtan = std::holds_alternative<RadtanDistortion>(camera.model.distortion());
+      return fmt::format(
+          "k{}", parameter.index + 1 - (is_radtan && parameter.index >= kFirstAfterTangential ? 2 : 0));
+    }
+    case Kind::kTranslation:
+      return fmt::format("translation {}", "xyz"[parameter.index]);
+    case Kind::kRotation:
+      return fmt::format("rotation {}", "xyz"[parameter.index]);
+  }
+  return "";
+}
+
+std::string unit_of(const CameraParameter& parameter) {
+  switch (parameter.kind) {
+    case Kind::kEdgeOffset:
+    case Kind::kCenter:
+      return "px";
+    case Kind::kTranslation:
+      return "m";
+    case Kind::kRotation:
+      return "rad";
+    default:
+      return "1";
+  }
+}
+
+std::vector<CameraParameter> edge_offset_parameters(const std::vector<int>& cameras, double sigma_px) {
+  std::vector<CameraParameter> parameters;
+  for (const int camera : cameras) parameters.push_back({camera, Kind::kEdgeOffset, 0, sigma_px});
+  return parameters;
+}
+
+std::vector<CameraParameter> intrinsic_parameters(const std::vector<int>& cameras,
+                                                  const std::vector<RigCamera>& rig) {
+  std::vector<CameraParameter> parameters;
+  for (const int camera : cameras) {
+    const CameraModel& model = rig[static_cast<std::size_t>(camera)].model;
+    parameters.push_back({camera, Kind::kFocalLength, 0, kFocalSigma});
+    parameters.push_back({camera, Kind::kAspect, 0, kAspectSigma});
+    parameters.push_back({camera, Kind::kCenter, 0, kCenterSigma_px});
+    parameters.push_back({camera, Kind::kCenter, 1, kCenterSigma_px});
+    for (int i = 0; i < static_cast<int>(coefficients_of(model).size()); ++i)
+      parameters.push_back({camera, Kind::kDistortion, i, distortion_sigma(model, i)});
+  }
+  return parameters;
+}
+
+std::vector<CameraParameter> extrinsic_parameters(const std::vector<int>& cameras) {
+  std::vector<CameraParameter> parameters;
+  for (std::size_t i = 1; i < cameras.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      parameters.push_back({cameras[i], Kind::kTranslation, axis, kTranslationSigma_m});
+      parameters.push_back({cameras[i], Kind::kRotation, axis, kRotationSigma_rad});
+    }
+  }
+  return parameters;
+}
+
+RigCamera moved(const RigCamera& camera, const CameraParameter& parameter, double step) {
+  RigCamera result = camera;
+  if (parameter.kind == Kind::kEdgeOffset) {
+    result.edge_offset_px += step;
+  } else if (parameter.kind == Kind::kTranslation || parameter.kind == Kind::kRotation) {
+    Vector6d xi = Vector6d::Zero();
+    xi[parameter.index + (parameter.kind == Kind::kRotation ? 3 : 0)] = step;
+    result.T_camera_rig = camera.T_camera_rig * Pose::exp(xi);
+  } else {
+    result.model = moved_lens(camera.model, parameter, step);
+  }
+  return result;
+}
+
+CameraRig with_corrections(const CameraRig& rig, const std::vector<RigCamera>& cameras,
+                           const std::vector<CameraParameter>& parameters) {
+  CameraRig result = rig;
+  std::set<std::size_t> moved_places;
+  for (const CameraParameter& one : parameters) {
+    if (one.kind == Kind::kTranslation || one.kind == Kind::kRotation)
+      moved_places.insert(static_cast<std::size_t>(one.camera));
+  }
+  const auto place = [&](std::size_t i) {
+    return moved_places.contains(i) ? cameras[i].T_camera_rig : rig.T_camera_rig(i);
+  };
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    result.cameras[i].model = cameras[i].model;
+    if (i > 0 && (moved_places.contains(i) || moved_places.contains(i - 1)))
+      result.cameras[i].T_this_previous = place(i) * place(i - 1).inverse();
+  }
+  return result;
+}
+
+std::vector<ParameterView> camera_columns(const Observations& observations,
+                                          const std::vector<std::size_t>& views, const MapState& state,
+                                          const std::vector<CameraParameter>& parameters) {
+  const auto num = static_cast<Eigen::Index>(parameters.size());
+  std::vector<ParameterView> columns;
+  for (std::size_t i = 0; i < views.size(); ++i) columns.push_back({i, Eigen::MatrixXd::Zero(8, num)});
+  for (Eigen::Index p = 0; p < num; ++p) {
+    const CameraParameter& parameter = parameters[static_cast<std::size_t>(p)];
+    const auto camera = static_cast<std::size_t>(parameter.camera);
+    const double step = difference_step(parameter);
+    MapState above = state, below = state;
+    above.cameras[camera] = moved(state.cameras[camera], parameter, step);
+    below.cameras[camera] = moved(state.cameras[camera], parameter, -step);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const TagView& view = observations.views[views[i]];
+      Vector8d residual_above, residual_below;
+      if (view.camera != parameter.camera || !residual_of(observations, view, above, &residual_above) ||
+          !residual_of(observations, view, below, &residual_below))
+        continue;
+      columns[i].by_parameter.col(p) = whitening(view, state) * (residual_above - residual_below) *
+                                       (0.5 * parameter.sigma / step);
+    }
+  }
+  return columns;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "map_state.h"
+#include "pose_information.h"
+
+namespace apriltrack {
+
+/// A number of a camera that can be estimated beside the poses.
+struct CameraParameter {
+  enum class Kind { kEdgeOffset, kFocalLength, kAspect, kCenter, kDistortion, kTranslation, kRotation };
+  int camera = 0;
+  Kind kind = Kind::kFocalLength;
+  int index = 0;       ///< Of a kind that has several.
+  double sigma = 0.0;  ///< How well it is known before: px, shares of the focal length, metres, radians.
+};
+
+/// "edge offset", "focal length", "k1".
+std::string name_of(const CameraParameter& parameter, const RigCamera& camera);
+
+/// "px", "1", "m" or "rad".
+std::string unit_of(const CameraParameter& parameter);
+
+std::vector<CameraParameter> edge_offset_parameters(const std::vector<int>& cameras, double sigma_px);
+/// Focal length, aspect, principal point, distortion of each.
+std::vector<CameraParameter> intrinsic_parameters(const std::vector<int>& cameras,
+                                                  const std::vector<RigCamera>& rig);
+/// Of each but the first.
+std::vector<CameraParameter> extrinsic_parameters(const std::vector<int>& cameras);
+
+/// The camera with the parameter moved by `step`; throws Error(kInvalidInput) where no lens has that.
+RigCamera moved(const RigCamera& camera, const CameraParameter& parameter, double step);
+
+/// The rig with the lenses of `cameras`, and the places of those that had `parameters` of theirs estimated.
+CameraRig with_corrections(const CameraRig& rig, const std::vector<RigCamera>& cameras,
+                           const std::vector<CameraParameter>& parameters);
+
+/// The whitened residuals of `views` by the parameters, in units of their sigmas; by central differences.
+std::vector<ParameterView> camera_columns(const Observations& observations,
+                                          const std::vector<std::size_t>& views, const MapState& state,
+                                          const std::vector<CameraParameter>& parameters);
+
+}  // namespace apriltrack

@@ -1,0 +1,254 @@
+#include "camera_refinement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "apriltrack/base/error.h"
+#include "bundle_adjustment.h"
+#include "corner_views.h"
+#include "error_scale.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr int kMaxSteps = 8;
+constexpr double kSettled = 0.02;  // of a standard deviation
+constexpr int kFramesOfGroup = 5;  // neighbours repeat their errors: they are held out together
+constexpr int kHeldOut = 4;        // every so many groups, one
+constexpr int kLeastGroups = 4;    // of those held out
+constexpr double kWorthTrying = 0.001;
+constexpr double kClear = 2.0;     // standard deviations of the mean improvement
+constexpr double kMostOfView = 8.0 * 16.0;  // a view counts no more than at four sigmas
+
+struct Split {
+  std::vector<std::size_t> others, held_out;
+};
+
+/// By the rank of their frames in time.
+Split split(const Observations& observations, const std::vector<std::size_t>& views) {
+  Split result;
+  int rank = -1, last_frame = -1;
+  for (const std::size_t v : views) {
+    if (observations.views[v].frame != last_frame) ++rank;
+    last_frame = observations.views[v].frame;
+    const bool is_held_out = rank / kFramesOfGroup % kHeldOut == kHeldOut - 1;
+    (is_held_out ? result.held_out : result.others).push_back(v);
+  }
+  return result;
+}
+
+std::vector<int> all_but(const std::vector<int>& tags, int held_tag) {
+  std::vector<int> others = tags;
+  std::erase(others, held_tag);
+  return others;
+}
+
+/// Cameras and poses together: a step of the cameras with all poses following, then the poses alone, until
+/// neither moves.
+class Fit {
+ public:
+  Fit(const PartTask& task, const std::vector<CameraParameter>& parameters, Part part, int held_tag)
+      : task_(task), parameters_(parameters), part_(std::move(part)), held_tag_(held_tag) {}
+
+  /// False where it does not settle.
+  bool run(MapState& state) {
+    total_ = already_moved(state);
+    step_number_ = 0;
+    for (int i = 0; i < kMaxSteps; ++i) {
+      const auto step = step_of_cameras(state);
+      if (!step || !move(*step, state)) return false;
+      const AdjustmentSummary summary =
+          adjust(task_.observations, part_.views, all_but(part_.tags, held_tag_),
+                 {.loss_scale = 0.0, .max_iterations = task_.options.max_iterations}, state);
+      if (!summary.is_usable) return false;
+      if (step->cwiseQuotient(sigmas_).cwiseAbs().maxCoeff() < kSettled) return true;
+    }
+    return false;
+  }
+
+  std::vector<EstimatedParameter> estimates() const {
+    std::vector<EstimatedParameter> result;
+    for (std::size_t i = 0; i < parameters_.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      result.push_back({parameters_[i], total_[k] * parameters_[i].sigma, sigmas_[k] * parameters_[i].sigma});
+    }
+    return result;
+  }
+
+ private:
+  /// An edge offset that was found before is part of what is estimated now; all else starts as it was given.
+  Eigen::VectorXd already_moved(const MapState& state) const {
+    Eigen::VectorXd total = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(parameters_.size()));
+    for (std::size_t i = 0; i < parameters_.size(); ++i) {
+      if (parameters_[i].kind == CameraParameter::Kind::kEdgeOffset)
+        total[static_cast<Eigen::Index>(i)] =
+            state.cameras[static_cast<std::size_t>(parameters_[i].camera)].edge_offset_px / parameters_[i].sigma;
+    }
+    return total;
+  }
+
+  /// In units of the parameters' sigmas.
+  std::optional<Eigen::VectorXd> step_of_cameras(const MapState& state) {
+    const std::vector<LinearView> views = corner_views(task_.observations, part_.views, state);
+    const auto poses = PoseInformation::of(views, held_tag_);
+    if (!poses || views.size() != part_.views.size()) return std::nullopt;
+    const ParameterInformation of_cameras =
+        poses->eliminate_poses(camera_columns(task_.observations, part_.views, state, parameters_));
+    if (step_number_++ < 2) {  // then it stays, or prior and views would pull to and fro
+      const double bias = task_.options.corner_bias_px / task_.options.corner_sigma_px;
+      scale_ = error_scale(views, *poses, bias * bias);
+    }
+    const Eigen::Index num = total_.size();
+    // Errors that tags keep weigh as if they were so much more noise.
+    Eigen::MatrixXd spread = scale_.noise_variance * of_cameras.information;
+    for (const auto& [tag, gradient] : of_cameras.gradient_by_errors)
+      spread += scale_.bias_variance * gradient * gradient.transpose();
+    const Eigen::LDLT<Eigen::MatrixXd> alone(of_cameras.information +
+                                             1e-9 * Eigen::MatrixXd::Identity(num, num));
+    const Eigen::MatrixXd covariance = alone.solve(alone.solve(spread).transpose());
+    const Eigen::VectorXd estimate = total_ - alone.solve(of_cameras.gradient);
+    // With what was known before: mean 0, variance 1.
+    const Eigen::LDLT<Eigen::MatrixXd> both(covariance + Eigen::MatrixXd::Identity(num, num));
+    const Eigen::VectorXd target = both.solve(estimate);  // prior (prior + covariance)^-1 estimate
+    sigmas_ = (Eigen::MatrixXd::Identity(num, num) - both.solve(Eigen::MatrixXd::Identity(num, num)))
+                  .diagonal()
+                  .cwiseMax(1e-16)
+                  .cwiseSqrt();
+    if (!target.allFinite()) return std::nullopt;
+    return target - total_;
+  }
+
+  bool move(const Eigen::VectorXd& step, MapState& state) {
+    try {
+      for (std::size_t i = 0; i < parameters_.size(); ++i) {
+        RigCamera& camera = state.cameras[static_cast<std::size_t>(parameters_[i].camera)];
+        camera = moved(camera, parameters_[i], step[static_cast<Eigen::Index>(i)] * parameters_[i].sigma);
+      }
+    } catch (const Error&) {  // a lens that no formula describes
+      return false;
+    }
+    total_ += step;
+    return true;
+  }
+
+  const PartTask& task_;
+  const std::vector<CameraParameter>& parameters_;
+  Part part_;
+  int held_tag_;
+  Eigen::VectorXd total_, sigmas_;
+  ErrorScale scale_;
+  int step_number_ = 0;
+};
+
+/// Squared disagreement of each group of frames, their poses fitted to the map as it is.
+std::map<int, double> disagreements(const PartTask& task, const std::vector<std::size_t>& views,
+                                    MapState state) {
+  adjust(task.observations, views, {}, {.loss_scale = 0.0, .max_iterations = task.options.max_iterations},
+         state);
+  std::map<int, double> of_frames;
+  for (const std::size_t v : views) {
+    bool is_valid = false;
+    const Vector8d residual = whitened_residual(task.observations, task.observations.views[v], state, is_valid);
+    of_frames[task.observations.views[v].frame] +=
+        is_valid ? std::min(kMostOfView, residual.squaredNorm()) : kMostOfView;
+  }
+  return of_frames;
+}
+
+/// Before and after, of the held-out views; whether the second is clearly less.
+bool is_better(const std::map<int, double>& before, const std::map<int, double>& after, std::size_t num_views,
+               CameraRefinement& result) {
+  double sum_before = 0.0, sum_after = 0.0;
+  std::vector<double> gains;  // of each group
+  int rank = 0;
+  for (const auto& [frame, squares] : before) {
+    sum_before += squares;
+    sum_after += after.at(frame);
+    if (rank++ % kFramesOfGroup == 0) gains.push_back(0.0);
+    gains.back() += squares - after.at(frame);
+  }
+  const double count = 8.0 * static_cast<double>(num_views);
+  result.held_out_before = std::sqrt(sum_before / count);
+  result.held_out_after = std::sqrt(sum_after / count);
+  if (gains.size() < kLeastGroups) return false;
+  const auto num = static_cast<double>(gains.size());
+  const double mean = (sum_before - sum_after) / num;
+  double squares = 0.0;
+  for (const double gain : gains) squares += (gain - mean) * (gain - mean);
+  return mean > kClear * std::sqrt(squares / (num * (num - 1.0)));
+}
+
+/// The share by which the residuals would fall, to first order.
+double promised_gain(const PartTask& task, const std::vector<CameraParameter>& parameters,
+                     const AdjustedPart& solved) {
+  const std::vector<LinearView> views = corner_views(task.observations, solved.part.views, solved.state);
+  const auto poses = PoseInformation::of(views, solved.held_tag);
+  if (!poses || views.size() != solved.part.views.size()) return 0.0;
+  const ParameterInformation of_cameras =
+      poses->eliminate_poses(camera_columns(task.observations, solved.part.views, solved.state, parameters));
+  const auto num = static_cast<Eigen::Index>(parameters.size());
+  const Eigen::VectorXd step =
+      (of_cameras.information + Eigen::MatrixXd::Identity(num, num)).ldlt().solve(of_cameras.gradient);
+  double squares = 0.0;
+  for (const LinearView& view : views) squares += view.residual.squaredNorm();
+  return 1.0 - std::sqrt(std::max(0.0, 1.0 - of_cameras.gradient.dot(step) / std::max(squares, 1e-12)));
+}
+
+bool stands_the_test(const PartTask& task, const std::vector<CameraParameter>& parameters, double least_gain,
+                     const AdjustedPart& solved, CameraRefinement& result) {
+  Split views = split(task.observations, solved.part.views);
+  const Part others = connected_to(task.observations, views.others, solved.held_tag, task.options.min_views);
+  std::erase_if(views.held_out, [&](std::size_t v) {
+    return !std::ranges::binary_search(others.tags, task.observations.views[v].tag);
+  });
+  if (others.tags.size() < 2 || views.held_out.empty()) {
+    result.reason = "too few frames to hold some out";
+    return false;
+  }
+  MapState before = solved.state;
+  adjust(task.observations, others.views, all_but(others.tags, solved.held_tag),
+         {.loss_scale = 0.0, .max_iterations = task.options.max_iterations}, before);
+  MapState after = before;
+  if (!Fit(task, parameters, others, solved.held_tag).run(after)) {
+    result.reason = "the views do not determine them";
+    return false;
+  }
+  if (!is_better(disagreements(task, views.held_out, before), disagreements(task, views.held_out, after),
+                 views.held_out.size(), result) ||
+      result.held_out_after > (1.0 - least_gain) * result.held_out_before) {
+    result.reason = fmt::format("frames that were held out agree no better ({:.3f} sigmas before, {:.3f} after)",
+                                result.held_out_before, result.held_out_after);
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+CameraRefinement refine_cameras(const PartTask& task, const Part& part,
+                                const std::vector<CameraParameter>& parameters, double least_gain,
+                                AdjustedPart& solved) {
+  CameraRefinement result;
+  if (promised_gain(task, parameters, solved) < std::max(least_gain, kWorthTrying)) {
+    result.reason = "no better cameras are in sight";
+    return result;
+  }
+  if (!stands_the_test(task, parameters, least_gain, solved, result)) return result;
+  AdjustedPart refined = solved;
+  Fit fit(task, parameters, solved.part, solved.held_tag);
+  if (!fit.run(refined.state)) {
+    result.reason = "the views do not determine them";
+    return result;
+  }
+  refined.part = adjust_cleanly(task, part, solved.held_tag, refined.state);
+  result.estimates = fit.estimates();
+  result.is_accepted = true;
+  solved = std::move(refined);
+  return result;
+}
+
+}  // namespace apriltrack

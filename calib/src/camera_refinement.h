@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "camera_parameters.h"
+#include "part_adjustment.h"
+
+namespace apriltrack {
+
+/// A parameter as it was estimated.
+struct EstimatedParameter {
+  CameraParameter parameter;
+  double value = 0.0;  ///< How far from what was given.
+  double sigma = 0.0;
+};
+
+struct CameraRefinement {
+  bool is_accepted = false;
+  std::string reason;  ///< Why not.
+  std::vector<EstimatedParameter> estimates;
+  /// How far frames that the map was not made from disagree with it, in standard deviations (root mean
+  /// square): before, and with a map and cameras refined from the others.
+  double held_out_before = 0.0, held_out_after = 0.0;
+};
+
+/// Estimates parameters of the cameras together with all poses. They are taken over, into `solved`, only
+/// where frames that took no part agree better with them, by more than chance and by the share `least_gain`;
+/// else all stays as it is.
+CameraRefinement refine_cameras(const PartTask& task, const Part& part,
+                                const std::vector<CameraParameter>& parameters, double least_gain,
+                                AdjustedPart& solved);
+
+}  // namespace apriltrack
