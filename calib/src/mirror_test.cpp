@@ -1,81 +1,165 @@
 #include "mirror_test.h"
 
 #include <algorithm>
+#include <map>
 #include <numbers>
+#include <optional>
 #include <set>
 
-#include "bundle_adjustment.h"
+#include "group_motion.h"
+#include "tag_groups.h"
 #include "tag_links.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr std::size_t kMaxFrames = 12;
-// Of the robust cost: a turn that only follows the noise gains a few percent, the right one most of it.
-constexpr double kClearlyLower = 0.8;
+constexpr std::size_t kMaxFrames = 40;
+constexpr std::size_t kMaxAnchors = 2;  // on either side of a hinge
+// Of half the robust sum of squares. What turns must be likelier by more than rounding; what stays is sure
+// only if it is likelier than the other pose by e^10.
+constexpr double kBetter = 2.0;
+constexpr double kDecisive = 10.0;
+constexpr double kSamePose_rad = 3.0 * std::numbers::pi / 180.0;
 // A mirrored tag is reflected about ONE line of sight: seen from 35 degrees off it, it is wrong by up to 70
 // degrees, tens of pixels, which no fit explains. Skipping such tags only saves time.
 constexpr double kDecidedSpread_rad = 35.0 * std::numbers::pi / 180.0;
-constexpr double kLossScale = 30.0;
 
-/// Unit directions from the tag to the cameras, in the tag's frame.
-std::vector<Eigen::Vector3d> view_directions(const Observations& observations,
-                                             const std::vector<std::size_t>& views, const MapState& state) {
+/// Where a group of tags meets the others: the frames that show both, and their views.
+struct Hinge {
+  std::vector<std::size_t> views;
+  std::vector<int> anchors, other_anchors;  ///< Tags of the group, and others, seen most often there.
+};
+
+std::vector<int> most_seen(const std::map<int, int>& counts) {
+  std::vector<int> tags;
+  for (const auto& [tag, count] : counts) tags.push_back(tag);
+  std::stable_sort(tags.begin(), tags.end(), [&](int a, int b) { return counts.at(a) > counts.at(b); });
+  tags.resize(std::min(tags.size(), kMaxAnchors));
+  return tags;
+}
+
+Hinge find_hinge(const Observations& observations, const Part& part, const std::vector<int>& group) {
+  const auto is_of_group = [&](std::size_t v) {
+    return std::ranges::binary_search(group, observations.views[v].tag);
+  };
+  struct Sides {
+    bool group = false, others = false;
+  };
+  std::map<int, Sides> frames;
+  for (const std::size_t v : part.views) {
+    Sides& sides = frames[observations.views[v].frame];
+    (is_of_group(v) ? sides.group : sides.others) = true;
+  }
+  std::vector<std::size_t> joint;
+  for (const auto& [frame, sides] : frames) {
+    if (sides.group && sides.others) joint.push_back(static_cast<std::size_t>(frame));
+  }
+  const std::vector<std::size_t> chosen = spread_selection(joint, kMaxFrames);
+  Hinge hinge;
+  std::map<int, int> counts, other_counts;
+  for (const std::size_t v : part.views) {
+    if (!std::ranges::binary_search(chosen, static_cast<std::size_t>(observations.views[v].frame))) continue;
+    hinge.views.push_back(v);
+    ++(is_of_group(v) ? counts : other_counts)[observations.views[v].tag];
+  }
+  hinge.anchors = most_seen(counts);
+  hinge.other_anchors = most_seen(other_counts);
+  return hinge;
+}
+
+/// The mean direction from the tag to the cameras that see it in these views, in the tag's frame; none where
+/// two of them or more are so far apart that they leave one pose only.
+std::optional<Eigen::Vector3d> direction_of_doubt(const Observations& observations, const MapState& state,
+                                                  const std::vector<std::size_t>& views, int tag) {
   std::vector<Eigen::Vector3d> directions;
   for (const std::size_t v : views) {
     const TagView& view = observations.views[v];
-    const Pose T_rig_camera =
-        observations.cameras[static_cast<std::size_t>(view.camera)].T_camera_rig.inverse();
-    const Pose T_tag_camera = state.T_map_tag[static_cast<std::size_t>(view.tag)].inverse() *
-                              state.T_map_rig[static_cast<std::size_t>(view.frame)] * T_rig_camera;
+    if (view.tag != tag) continue;
+    const Pose T_tag_camera = state.T_map_tag[static_cast<std::size_t>(tag)].inverse() *
+                              state.T_map_rig[static_cast<std::size_t>(view.frame)] *
+                              state.cameras[static_cast<std::size_t>(view.camera)].T_camera_rig.inverse();
     directions.push_back(T_tag_camera.translation().normalized());
   }
-  return directions;
-}
-
-Eigen::Vector3d mean_direction(const std::vector<Eigen::Vector3d>& directions) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& direction : directions) sum += direction;
-  return sum.normalized();
-}
-
-/// Two frames or more from well apart directions leave one pose only.
-bool is_decided(const std::vector<Eigen::Vector3d>& directions, const Eigen::Vector3d& mean) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& direction : directions) mean += direction;
+  mean.normalize();
   const auto far = std::count_if(directions.begin(), directions.end(), [&](const Eigen::Vector3d& direction) {
     return direction.dot(mean) < std::cos(kDecidedSpread_rad);
   });
-  return far >= 2;
+  return far >= 2 || !mean.allFinite() ? std::nullopt : std::optional(mean);
 }
 
-/// All the part's views in (a selection of) the frames that show the tag.
-std::vector<std::size_t> neighbourhood(const Observations& observations, const Part& part,
-                                       const std::vector<std::size_t>& tag_views) {
-  std::set<int> frames;
-  for (const std::size_t v : spread_selection(tag_views, kMaxFrames))
-    frames.insert(observations.views[v].frame);
-  std::vector<std::size_t> views;
-  for (const std::size_t v : part.views) {
-    if (frames.contains(observations.views[v].frame)) views.push_back(v);
+/// What takes the tag to its mirrored pose.
+std::optional<Pose> mirroring(const Observations& observations, const MapState& state,
+                              const std::vector<std::size_t>& views, int tag) {
+  const auto direction = direction_of_doubt(observations, state, views, tag);
+  if (!direction) return std::nullopt;
+  const Pose& pose = state.T_map_tag[static_cast<std::size_t>(tag)];
+  return mirrored_about(pose, pose.rotation() * *direction) * pose.inverse();
+}
+
+/// Where the group would lie if a tag at the hinge were seen mirrored: its own one, the frames as they are;
+/// or one of the others, and the frames are where the group has them.
+std::vector<GroupMotion> hypotheses(const Observations& observations, const MapState& state,
+                                    const Hinge& hinge) {
+  std::vector<GroupMotion> result;
+  for (const int tag : hinge.anchors) {
+    if (const auto motion = mirroring(observations, state, hinge.views, tag))
+      result.push_back({*motion, {}, 0.0});
   }
-  return views;
+  for (const int tag : hinge.other_anchors) {
+    const auto mirror = mirroring(observations, state, hinge.views, tag);
+    if (!mirror) continue;
+    GroupMotion start{mirror->inverse(), {}, 0.0};
+    for (const std::size_t v : hinge.views) {
+      const int frame = observations.views[v].frame;
+      start.T_map_rig[frame] = start.motion * state.T_map_rig[static_cast<std::size_t>(frame)];
+    }
+    result.push_back(std::move(start));
+  }
+  return result;
 }
 
-bool turn_if_better(const Observations& observations, const Part& part, int tag,
-                    const std::vector<std::size_t>& tag_views, MapState& state) {
-  const std::vector<Eigen::Vector3d> directions = view_directions(observations, tag_views, state);
-  const Eigen::Vector3d toward_viewer = mean_direction(directions);
-  if (is_decided(directions, toward_viewer)) return false;
+struct Alternatives {
+  GroupMotion now;
+  std::optional<GroupMotion> best_other;  ///< Another pose that the fit stays in.
+};
 
-  const std::vector<std::size_t> views = neighbourhood(observations, part, tag_views);
-  const AdjustmentOptions options{.loss_scale = kLossScale, .max_iterations = 30};
-  MapState as_is = state, turned = state;
-  Pose& pose = turned.T_map_tag[static_cast<std::size_t>(tag)];
-  pose = mirrored_about(pose, pose.rotation() * toward_viewer);
-  const AdjustmentSummary before = adjust(observations, views, {tag}, options, as_is);
-  const AdjustmentSummary after = adjust(observations, views, {tag}, options, turned);
-  if (!after.is_usable || (before.is_usable && after.cost > kClearlyLower * before.cost)) return false;
-  state = turned;
-  return true;
+Alternatives alternatives(const Observations& observations, const Part& part, const std::vector<int>& group,
+                          const MapState& state) {
+  const Hinge hinge = find_hinge(observations, part, group);
+  const std::vector<GroupMotion> starts = hypotheses(observations, state, hinge);
+  Alternatives result;
+  if (starts.empty()) return result;
+  result.now = fit_group_motion(observations, hinge.views, group, state, {});
+  for (const GroupMotion& start : starts) {
+    GroupMotion other = fit_group_motion(observations, hinge.views, group, state, start);
+    if (rotation_angle_rad(other.motion.rotation(), result.now.motion.rotation()) < kSamePose_rad) continue;
+    if (!result.best_other || other.cost < result.best_other->cost) result.best_other = std::move(other);
+  }
+  return result;
+}
+
+/// The group's tags, the frames at the hinge, and those that show the group alone.
+void take_over(const Observations& observations, const Part& part, const std::vector<int>& group,
+               const GroupMotion& other, MapState& state) {
+  std::set<int> frames_of_others;
+  for (const std::size_t v : part.views) {
+    if (!std::ranges::binary_search(group, observations.views[v].tag))
+      frames_of_others.insert(observations.views[v].frame);
+  }
+  std::set<int> moved;
+  for (const std::size_t v : part.views) {
+    const int frame = observations.views[v].frame;
+    if (frames_of_others.contains(frame) || !moved.insert(frame).second) continue;
+    Pose& pose = state.T_map_rig[static_cast<std::size_t>(frame)];
+    pose = other.motion * pose;
+  }
+  for (const auto& [frame, pose] : other.T_map_rig) state.T_map_rig[static_cast<std::size_t>(frame)] = pose;
+  for (const int tag : group) {
+    Pose& pose = state.T_map_tag[static_cast<std::size_t>(tag)];
+    pose = other.motion * pose;
+  }
 }
 
 }  // namespace
@@ -91,18 +175,26 @@ Pose mirrored_about(const Pose& T_frame_tag, const Eigen::Vector3d& direction) {
   return {mirrored, T_frame_tag.translation()};
 }
 
-std::vector<int> turn_mirrored_tags(const Observations& observations, const Part& part, int held_tag,
-                                    MapState& state) {
-  std::vector<int> turned;
-  for (const int tag : part.tags) {
-    std::vector<std::size_t> views;
-    for (const std::size_t v : part.views) {
-      if (observations.views[v].tag == tag) views.push_back(v);
-    }
-    if (!views.empty() && turn_if_better(observations, part, tag, views, state)) turned.push_back(tag);
+bool turn_mirrored_groups(const Observations& observations, const Part& part, int held_tag, MapState& state) {
+  bool has_turned = false;
+  for (const std::vector<int>& group : hinged_groups(observations, part)) {
+    const Alternatives poses = alternatives(observations, part, group, state);
+    if (!poses.best_other || !(poses.best_other->cost < poses.now.cost - kBetter)) continue;
+    take_over(observations, part, group, *poses.best_other, state);
+    has_turned = true;
   }
-  move_origin_to(state, held_tag);
-  return turned;
+  if (has_turned) move_origin_to(state, held_tag);
+  return has_turned;
+}
+
+std::vector<std::vector<int>> undecided_groups(const Observations& observations, const Part& part,
+                                               const MapState& state) {
+  std::vector<std::vector<int>> undecided;
+  for (const std::vector<int>& group : hinged_groups(observations, part)) {
+    const Alternatives poses = alternatives(observations, part, group, state);
+    if (poses.best_other && poses.best_other->cost < poses.now.cost + kDecisive) undecided.push_back(group);
+  }
+  return undecided;
 }
 
 }  // namespace apriltrack

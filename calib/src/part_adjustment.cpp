@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -43,7 +44,11 @@ std::vector<std::size_t> gross_outliers(const Observations& observations,
     Vector8d residual_px;
     const TagView& view = observations.views[v];
     whitened_residual(observations, view, state, is_valid, &residual_px);
-    const double distance_px = std::sqrt(residual_px.squaredNorm() / 4.0);
+    std::array<double, kNumCorners> distances_px;
+    for (int corner = 0; corner < kNumCorners; ++corner)
+      distances_px[static_cast<std::size_t>(corner)] = residual_px.segment<2>(2 * corner).norm();
+    std::ranges::sort(distances_px);
+    const double distance_px = distances_px[1];  // one corner or two drawn off speak of no other place
     if (!is_valid || distance_px > kGross_px + kGrossPerEdge * mean_edge_px(view.corners_px))
       gross.push_back(v);
   }
@@ -127,10 +132,15 @@ AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, c
                       .contradictions = {}};
   adjust_robustly(observations, part, held_tag, options, result.state);
   for (int round = 0; round < kMaxRounds; ++round) {
-    if (turn_mirrored_tags(observations, part, held_tag, result.state).empty()) break;
+    // First by all views; then by those that fit, whose noise is known, and tells poses apart that outliers hid.
+    if (!turn_mirrored_groups(observations, part, held_tag, result.state)) {
+      result.part = adjust_cleanly(task, part, held_tag, result.state);
+      if (!turn_mirrored_groups(observations, part, held_tag, result.state)) break;
+    }
     adjust_robustly(observations, part, held_tag, options, result.state);
+    result.part = {};
   }
-  result.part = adjust_cleanly(task, part, held_tag, result.state);
+  if (result.part.tags.empty()) result.part = adjust_cleanly(task, part, held_tag, result.state);
   result.contradictions =
       find_contradictions(observations, part, gross_outliers(observations, part.views, result.state));
   return result;

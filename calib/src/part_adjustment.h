@@ -29,6 +29,7 @@ struct AdjustedPart {
   MapState state;
   Contradictions contradictions;
   std::optional<int> culprit = std::nullopt;  ///< Left out before.
+  std::vector<int> undecided = {};            ///< Left out, for the views leave them two poses.
 };
 
 /// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment. Throws

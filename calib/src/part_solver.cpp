@@ -12,6 +12,7 @@
 #include "corner_views.h"
 #include "culprit_search.h"
 #include "part_adjustment.h"
+#include "undecided_tags.h"
 #include "error_scale.h"
 
 namespace apriltrack {
@@ -105,9 +106,11 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   AdjustedPart solved = adjust_part(task, part, held_tag, parallel);
   if (solved.contradictions.are_there()) solved = adjust_without_culprit(task, part, solved, parallel, log);
   PartSolution solution;
+  leave_out_undecided(task, part, solved);
   solution.cameras = better_cameras(task, part, solved);
   solution.held_tag = solved.held_tag;
   solution.culprit = solved.culprit;
+  solution.undecided = solved.undecided;
   solution.part = std::move(solved.part);
   solution.state = std::move(solved.state);
   measure_residuals(observations, solution);
@@ -120,6 +123,7 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   std::set_difference(part.tags.begin(), part.tags.end(), solution.part.tags.begin(),
                       solution.part.tags.end(), std::back_inserter(solution.lost_tags));
   if (solution.culprit) std::erase(solution.lost_tags, *solution.culprit);
+  std::erase_if(solution.lost_tags, [&](int tag) { return std::ranges::binary_search(solution.undecided, tag); });
   if (!(solution.total_rms_px < kNonsense_px))
     throw no_result(
         "calibrate",

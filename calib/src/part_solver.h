@@ -21,6 +21,7 @@ struct PartSolution {
   std::vector<int> views_offered_by_tag;  ///< Indexed like observations.tags.
   std::optional<int> culprit;             ///< Left out, for with it the frames contradict each other.
   CameraRefinement cameras;
+  std::vector<int> undecided;  ///< Left out, for the views leave them two poses.
   std::vector<int> lost_tags;             ///< Others that nothing trusted ties to the held tag.
 };
 

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "part_adjustment.h"
+
+namespace apriltrack {
+
+/// Takes tags out of `solved` whose views leave them a second pose, about as likely (AdjustedPart::undecided),
+/// and adjusts the others anew; where the held tag is one of them, another is held. part: before outliers were
+/// removed. Throws Error(kNoResult) when the held tag was chosen by the user, and when too little is left.
+void leave_out_undecided(const PartTask& task, const Part& part, AdjustedPart& solved);
+
+}  // namespace apriltrack
