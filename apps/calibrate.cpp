@@ -62,7 +62,8 @@ std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sig
                                        CalibrationResult& result) {
   if (a.no_refine || !a.detections.empty()) return std::nullopt;
   a.refinement.num_threads = a.num_threads;
-  RefinementResult refinement = refine_map(result, sightings.frames, result.rig, a.refinement, a.console.log());
+  RefinementResult refinement =
+      refine_map(result, sightings.frames, result.rig, a.refinement, a.console.log());
   if (!refinement.is_accepted) a.console.warning("not refined on the tags' pictures: " + refinement.reason);
   result.map = refinement.map;
   return refinement;
@@ -83,7 +84,8 @@ void run(CLI::App& command, CalibrateOptions& a) {
     throw no_result("calibrate", told_of_blank_images(sightings.counts.readable));
 
   a.calibration.num_threads = a.num_threads;
-  a.calibration.edge_offset_sigma_px = a.edge_offset_sigma_px.value_or(a.detections.empty() ? 0.0 : kForeignEdgeOffset_px);
+  a.calibration.edge_offset_sigma_px =
+      a.edge_offset_sigma_px.value_or(a.detections.empty() ? 0.0 : kForeignEdgeOffset_px);
   if (!a.held_tag.empty()) a.calibration.held_tag = parse_held_tag(a, sightings);
   CalibrationResult result = calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
   for (const std::string& warning : result.warnings) a.console.warning(warning);

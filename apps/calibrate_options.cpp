@@ -60,13 +60,13 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
   command.add_flag("--no-refine", a.no_refine,
                    "Leave the map as the corners say, and do not refine it on the tags' pictures");
   command
-      .add_option("--intrinsics", a.calibration.intrinsics,
-                  "Of the camera file: keep; refine with the map where held-out frames agree better; or auto: "
-                  "refine only where it is clearly wrong. A refined camera goes to <output>.camera.yaml")
+      .add_option(
+          "--intrinsics", a.calibration.intrinsics,
+          "Of the camera file: keep; refine with the map where held-out frames agree better; or auto: "
+          "refine only where it is clearly wrong. A refined camera goes to <output>.camera.yaml")
       ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Intrinsics>{{"keep", Intrinsics::kKeep},
-                                            {"auto", Intrinsics::kAuto},
-                                            {"refine", Intrinsics::kRefine}},
+          std::map<std::string, Intrinsics>{
+              {"keep", Intrinsics::kKeep}, {"auto", Intrinsics::kAuto}, {"refine", Intrinsics::kRefine}},
           CLI::ignore_case))
       ->default_str("auto");
   command

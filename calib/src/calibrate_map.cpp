@@ -131,11 +131,12 @@ bool is_loose(const Matrix6d& by_noise, double size_m) {
 }
 
 std::vector<std::string> flags_of(const MapTag& tag, const std::optional<TagCovariance>& covariance,
-                                  double rejected_share) {
+                                  double rejected_share, bool is_bent) {
   std::vector<std::string> flags;
   if (tag.statistics->views < kFewViews || (covariance && is_loose(covariance->by_noise, tag.size_m)))
     flags.push_back("weak");
   if (rejected_share > kManyRejected) flags.push_back("outliers");
+  if (is_bent) flags.push_back("bent");
   return flags;
 }
 
@@ -157,7 +158,9 @@ TagMap to_map(const Observations& observations, const PartSolution& solution, co
     if (covariance) tag.covariance = covariance->by_noise + covariance->by_bias;
     tag.statistics = TagStatistics{views[t], solution.residual_rms_px[i], {}};
     tag.statistics->flags =
-        flags_of(tag, covariance, 1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t]);
+        flags_of(tag, covariance, 1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t],
+                 std::ranges::find(solution.findings, static_cast<int>(t), &TagFinding::tag) !=
+                     solution.findings.end());  // others with a fault are not in the map
     map.tags.push_back(std::move(tag));
   }
   return map;
@@ -201,6 +204,21 @@ void warn_of_rejected_tags(const Observations& observations, const PartSolution&
         ": trust their places less; a wrong size, a bend, or a tag that moved may be the cause");
 }
 
+/// Faults of tags that have a name; and of a culprit whose fault has none.
+void report_findings(const Observations& observations, const PartSolution& solution, Findings& findings) {
+  bool is_culprit_named = false;
+  for (const TagFinding& finding : solution.findings) {
+    findings.warnings.push_back(finding.words);
+    if (finding.is_left_out) findings.left_out.push_back(key_of(observations, finding.tag));
+    is_culprit_named = is_culprit_named || finding.tag == solution.culprit;
+  }
+  if (solution.culprit && !is_culprit_named)
+    leave_out(observations, {*solution.culprit},
+              "its views contradict those of the other tags (a wrong size? moved while filming? an id that "
+              "hangs in two places?)",
+              findings);
+}
+
 void report_quality(const Observations& observations, const PartSolution& solution,
                     const CalibrationOptions& options, Findings& findings) {
   if (solution.covariances.empty())
@@ -208,11 +226,7 @@ void report_quality(const Observations& observations, const PartSolution& soluti
         fmt::format("no covariances, and no check that the views determine every pose: the map has {} tags, "
                     "and the matrix to invert grows with the square of their number (at most {} tags)",
                     solution.part.tags.size(), options.max_tags_with_covariance));
-  if (solution.culprit)
-    leave_out(observations, {*solution.culprit},
-              "its views contradict those of the other tags (a wrong size? moved while filming? an id that "
-              "hangs in two places?)",
-              findings);
+  report_findings(observations, solution, findings);
   leave_out(observations, solution.undecided,
             "its views agree with two poses about equally well: film it from further aside, and nearer",
             findings);
@@ -251,7 +265,8 @@ void take_cameras(const Observations& observations, const CameraRig& rig, const 
   std::string words;
   for (const EstimatedParameter& one : solution.cameras.estimates) {
     const auto camera = static_cast<std::size_t>(one.parameter.camera);
-    result.corrections.push_back({rig.cameras[camera].name, name_of(one.parameter, observations.cameras[camera]),
+    result.corrections.push_back({rig.cameras[camera].name,
+                                  name_of(one.parameter, observations.cameras[camera]),
                                   unit_of(one.parameter), one.value, one.sigma});
     is_lens_refined = is_lens_refined || one.parameter.kind != CameraParameter::Kind::kEdgeOffset;
     words += fmt::format("{}{}: {}", words.empty() ? "" : "; ", result.corrections.back().camera,

@@ -211,8 +211,8 @@ std::vector<ParameterView> camera_columns(const Observations& observations,
       if (view.camera != parameter.camera || !residual_of(observations, view, above, &residual_above) ||
           !residual_of(observations, view, below, &residual_below))
         continue;
-      columns[i].by_parameter.col(p) = whitening(view, state) * (residual_above - residual_below) *
-                                       (0.5 * parameter.sigma / step);
+      columns[i].by_parameter.col(p) =
+          whitening(view, state) * (residual_above - residual_below) * (0.5 * parameter.sigma / step);
     }
   }
   return columns;

@@ -21,7 +21,7 @@ constexpr int kFramesOfGroup = 5;  // neighbours repeat their errors: they are h
 constexpr int kHeldOut = 4;        // every so many groups, one
 constexpr int kLeastGroups = 4;    // of those held out
 constexpr double kWorthTrying = 0.001;
-constexpr double kClear = 2.0;     // standard deviations of the mean improvement
+constexpr double kClear = 2.0;              // standard deviations of the mean improvement
 constexpr double kMostOfView = 8.0 * 16.0;  // a view counts no more than at four sigmas
 
 struct Split {
@@ -80,13 +80,20 @@ class Fit {
   }
 
  private:
-  /// An edge offset that was found before is part of what is estimated now; all else starts as it was given.
+  /// Edge offsets and focal lengths that were found before are part of what is estimated now; all else starts
+  /// as it was given.
   Eigen::VectorXd already_moved(const MapState& state) const {
     Eigen::VectorXd total = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(parameters_.size()));
     for (std::size_t i = 0; i < parameters_.size(); ++i) {
+      const auto camera = static_cast<std::size_t>(parameters_[i].camera);
+      double& moved = total[static_cast<Eigen::Index>(i)];
       if (parameters_[i].kind == CameraParameter::Kind::kEdgeOffset)
-        total[static_cast<Eigen::Index>(i)] =
-            state.cameras[static_cast<std::size_t>(parameters_[i].camera)].edge_offset_px / parameters_[i].sigma;
+        moved = state.cameras[camera].edge_offset_px / parameters_[i].sigma;
+      if (parameters_[i].kind == CameraParameter::Kind::kFocalLength)
+        moved = (state.cameras[camera].model.pinhole().fx /
+                     task_.observations.cameras[camera].model.pinhole().fx -
+                 1.0) /
+                parameters_[i].sigma;
     }
     return total;
   }
@@ -94,7 +101,7 @@ class Fit {
   /// In units of the parameters' sigmas.
   std::optional<Eigen::VectorXd> step_of_cameras(const MapState& state) {
     const std::vector<LinearView> views = corner_views(task_.observations, part_.views, state);
-    const auto poses = PoseInformation::of(views, held_tag_);
+    const auto poses = PoseInformation::of(views, part_.tags, held_tag_);
     if (!poses || views.size() != part_.views.size()) return std::nullopt;
     const ParameterInformation of_cameras =
         poses->eliminate_poses(camera_columns(task_.observations, part_.views, state, parameters_));
@@ -152,7 +159,8 @@ std::map<int, double> disagreements(const PartTask& task, const std::vector<std:
   std::map<int, double> of_frames;
   for (const std::size_t v : views) {
     bool is_valid = false;
-    const Vector8d residual = whitened_residual(task.observations, task.observations.views[v], state, is_valid);
+    const Vector8d residual =
+        whitened_residual(task.observations, task.observations.views[v], state, is_valid);
     of_frames[task.observations.views[v].frame] +=
         is_valid ? std::min(kMostOfView, residual.squaredNorm()) : kMostOfView;
   }
@@ -186,7 +194,7 @@ bool is_better(const std::map<int, double>& before, const std::map<int, double>&
 double promised_gain(const PartTask& task, const std::vector<CameraParameter>& parameters,
                      const AdjustedPart& solved) {
   const std::vector<LinearView> views = corner_views(task.observations, solved.part.views, solved.state);
-  const auto poses = PoseInformation::of(views, solved.held_tag);
+  const auto poses = PoseInformation::of(views, solved.part.tags, solved.held_tag);
   if (!poses || views.size() != solved.part.views.size()) return 0.0;
   const ParameterInformation of_cameras =
       poses->eliminate_poses(camera_columns(task.observations, solved.part.views, solved.state, parameters));
@@ -220,8 +228,9 @@ bool stands_the_test(const PartTask& task, const std::vector<CameraParameter>& p
   if (!is_better(disagreements(task, views.held_out, before), disagreements(task, views.held_out, after),
                  views.held_out.size(), result) ||
       result.held_out_after > (1.0 - least_gain) * result.held_out_before) {
-    result.reason = fmt::format("frames that were held out agree no better ({:.3f} sigmas before, {:.3f} after)",
-                                result.held_out_before, result.held_out_after);
+    result.reason =
+        fmt::format("frames that were held out agree no better ({:.3f} sigmas before, {:.3f} after)",
+                    result.held_out_before, result.held_out_after);
     return false;
   }
   return true;
@@ -233,11 +242,12 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part,
                                 const std::vector<CameraParameter>& parameters, double least_gain,
                                 AdjustedPart& solved) {
   CameraRefinement result;
-  if (promised_gain(task, parameters, solved) < std::max(least_gain, kWorthTrying)) {
+  const bool is_forced = least_gain < 0.0;
+  if (!is_forced && promised_gain(task, parameters, solved) < std::max(least_gain, kWorthTrying)) {
     result.reason = "no better cameras are in sight";
     return result;
   }
-  if (!stands_the_test(task, parameters, least_gain, solved, result)) return result;
+  if (!is_forced && !stands_the_test(task, parameters, least_gain, solved, result)) return result;
   AdjustedPart refined = solved;
   Fit fit(task, parameters, solved.part, solved.held_tag);
   if (!fit.run(refined.state)) {

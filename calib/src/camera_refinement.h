@@ -26,7 +26,7 @@ struct CameraRefinement {
 
 /// Estimates parameters of the cameras together with all poses. They are taken over, into `solved`, only
 /// where frames that took no part agree better with them, by more than chance and by the share `least_gain`;
-/// else all stays as it is.
+/// else all stays as it is. Below 0, nothing is held out: the cameras of `solved` are other ones already.
 CameraRefinement refine_cameras(const PartTask& task, const Part& part,
                                 const std::vector<CameraParameter>& parameters, double least_gain,
                                 AdjustedPart& solved);

@@ -23,7 +23,8 @@ struct EdgeNoise {
 Matrix8d edge_noise_whitening(const CornersPx& corners, const EdgeNoise& noise);
 
 /// How the corners [x0 y0 x1 y1 ...] of a quad move when each of its edges moves inward by one pixel.
-/// corners: in the order of a tag seen from its front (bottom-left, bottom-right, top-right, top-left; y down).
+/// corners: in the order of a tag seen from its front (bottom-left, bottom-right, top-right, top-left; y
+/// down).
 Vector8d inward_displacements(const CornersPx& corners);
 
 }  // namespace apriltrack

@@ -6,9 +6,11 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "tag_examination.h"
 
 namespace apriltrack {
 namespace {
@@ -37,6 +39,26 @@ std::optional<AdjustedPart> adjust_without(const PartTask& task, const Part& par
   }
 }
 
+struct Trial {
+  std::optional<AdjustedPart> rest;
+  std::optional<TagFinding> finding;  ///< What is wrong with the tag that was left out.
+
+  bool is_explained() const { return finding && finding->is_complete(); }
+};
+
+/// A tag whose fault can be named from the map without it, the more wrong the better; else one whose absence
+/// keeps many tags.
+std::tuple<bool, double, std::size_t> merit(const Trial& trial) {
+  return {trial.is_explained(), trial.is_explained() ? trial.finding->gain() : 0.0,
+          trial.rest ? trial.rest->part.tags.size() : 0};
+}
+
+Trial try_without(const PartTask& task, const Part& part, int tag, int held_tag) {
+  Trial trial{adjust_without(task, part, tag, held_tag), std::nullopt};
+  if (trial.rest) trial.finding = diagnose(probe_views(task, part, *trial.rest, tag), task.observations, tag);
+  return trial;
+}
+
 /// Tags whose absence might explain the contradictions: any of a small map, for an id that hangs in two
 /// places folds the map, and frames far from both are rejected; of a large one those that are rejected.
 std::vector<int> suspects(const Part& part, const Contradictions& contradictions) {
@@ -49,8 +71,9 @@ std::vector<int> suspects(const Part& part, const Contradictions& contradictions
   return some;
 }
 
-[[noreturn]] void fail_with_contradictions(const Observations& observations,
-                                           const Contradictions& contradictions) {
+}  // namespace
+
+void fail_with_contradictions(const Observations& observations, const Contradictions& contradictions) {
   const auto name = [&](int tag) { return to_string(observations.tags[static_cast<std::size_t>(tag)]); };
   std::string what;
   for (const int tag : contradictions.tags) what += (what.empty() ? "" : ", ") + name(tag);
@@ -62,32 +85,24 @@ std::vector<int> suspects(const Part& part, const Contradictions& contradictions
                               contradictions.contradicting, contradictions.frames, what, kWhatToCheck));
 }
 
-}  // namespace
-
-AdjustedPart adjust_without_culprit(const PartTask& task, const Part& part, const AdjustedPart& first,
-                                    const ParallelFor& parallel, const LogSink& log) {
-  const Contradictions& contradictions = first.contradictions;
+std::optional<AdjustedPart> adjust_without_culprit(const PartTask& task, const Part& part,
+                                                   const Contradictions& contradictions, int held_tag,
+                                                   const ParallelFor& parallel, const LogSink& log) {
+  if (part.tags.size() < 3) return std::nullopt;
   const std::vector<int> tags = suspects(part, contradictions);
-  std::vector<std::optional<AdjustedPart>> trials(tags.size());
-  if (2 * contradictions.contradicting <= contradictions.frames)
-    parallel(tags.size(),
-             [&](std::size_t i) { trials[i] = adjust_without(task, part, tags[i], first.held_tag); });
-  std::size_t best = tags.size(), most = 0, num_best = 0;  // of those that help
-  for (std::size_t i = 0; i < tags.size(); ++i) {
-    const std::size_t kept = trials[i] ? trials[i]->part.tags.size() : 0;
-    if (kept > most) {
-      best = i;
-      most = kept;
-      num_best = 0;
-    }
-    if (kept == most && kept > 0) ++num_best;
-  }
-  if (num_best != 1) fail_with_contradictions(task.observations, contradictions);
+  std::vector<Trial> trials(tags.size());
+  parallel(tags.size(), [&](std::size_t i) { trials[i] = try_without(task, part, tags[i], held_tag); });
+  const auto best = std::ranges::max_element(trials, {}, merit);
+  const bool needs_a_name = 2 * contradictions.contradicting > contradictions.frames;  // most frames disagree
+  if (best == trials.end() || !best->rest || (needs_a_name && !best->is_explained()) ||
+      std::ranges::count(trials, merit(*best), merit) != 1)
+    return std::nullopt;
+  const int culprit = tags[static_cast<std::size_t>(best - trials.begin())];
   log(LogLevel::kInfo, fmt::format("{} is left out: with it, {} of {} frames contradict each other",
-                                   to_string(task.observations.tags[static_cast<std::size_t>(tags[best])]),
+                                   to_string(task.observations.tags[static_cast<std::size_t>(culprit)]),
                                    contradictions.contradicting, contradictions.frames));
-  AdjustedPart result = std::move(*trials[best]);
-  result.culprit = tags[best];
+  AdjustedPart result = std::move(*best->rest);
+  result.culprit = culprit;
   return result;
 }
 

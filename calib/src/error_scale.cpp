@@ -56,8 +56,8 @@ Eigen::MatrixXd mean_by_errors(const std::vector<const LinearView*>& views, cons
 }
 
 /// noise_variance: of one view, by how many neighbours repeat it.
-double bias_variance(const std::vector<LinearView>& views, const PoseInformation& poses, double noise_variance,
-                     double expected) {
+double bias_variance(const std::vector<LinearView>& views, const PoseInformation& poses,
+                     double noise_variance, double expected) {
   const auto tags = by_tag(views);
   const std::size_t step = std::max<std::size_t>(1, tags.size() / kMostTags);
   double squares = kBiasPriorStrength * expected, count = kBiasPriorStrength;

@@ -34,8 +34,8 @@ Matrix6d damped(const Matrix6d& H, double damping) {
 
 class GroupFit {
  public:
-  GroupFit(const Observations& observations, const std::vector<std::size_t>& views, const std::vector<int>& group,
-           const MapState& state)
+  GroupFit(const Observations& observations, const std::vector<std::size_t>& views,
+           const std::vector<int>& group, const MapState& state)
       : observations_(observations), views_(views), group_(group), state_(state) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const int tag : group) sum += state.T_map_tag[static_cast<std::size_t>(tag)].translation();
@@ -134,11 +134,9 @@ class GroupFit {
     const Vector6d step = -H.ldlt().solve(g);
     GroupMotion result = at;
     if (!step.allFinite()) return result;
-    result.motion =
-        at.motion * T_map_middle_ * Pose::exp(step) * T_map_middle_.inverse();
+    result.motion = at.motion * T_map_middle_ * Pose::exp(step) * T_map_middle_.inverse();
     for (const auto& [index, frame] : equations.frames) {
-      const Vector6d of_frame =
-          -factors.at(index).solve(frame.g + frame.motion_frame.transpose() * step);
+      const Vector6d of_frame = -factors.at(index).solve(frame.g + frame.motion_frame.transpose() * step);
       if (of_frame.allFinite()) result.T_map_rig.at(index) = at.T_map_rig.at(index) * Pose::exp(of_frame);
     }
     return result;

@@ -9,9 +9,9 @@ namespace apriltrack {
 
 /// Where a group of tags lies that moves as one body, all others held.
 struct GroupMotion {
-  Pose motion;                     ///< T_map_tag of the group's tags becomes motion * T_map_tag.
-  std::map<int, Pose> T_map_rig;   ///< Of the frames that the views are of.
-  double cost = 0.0;               ///< Half the robust sum of squares.
+  Pose motion;                    ///< T_map_tag of the group's tags becomes motion * T_map_tag.
+  std::map<int, Pose> T_map_rig;  ///< Of the frames that the views are of.
+  double cost = 0.0;              ///< Half the robust sum of squares.
 };
 
 /// Levenberg-Marquardt on the group's motion and on the poses of the frames, with Cauchy's loss on the views'

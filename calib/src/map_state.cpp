@@ -150,8 +150,10 @@ void move_origin_to(MapState& state, int tag) {
 
 MapState start_state(const Observations& observations, const Part& part, int held_tag,
                      const std::vector<ViewCandidates>& candidates, const ParallelFor& parallel) {
-  MapState state{std::vector<Pose>(observations.tags.size()), std::vector<Pose>(observations.frames.size()),
-                 observations.cameras, {}};
+  MapState state{std::vector<Pose>(observations.tags.size()),
+                 std::vector<Pose>(observations.frames.size()),
+                 observations.cameras,
+                 {}};
   const auto tree = poses_along_tree(observations.tags.size(), held_tag,
                                      find_links(observations, part, candidates, parallel));
   for (const int tag : part.tags) {

@@ -15,8 +15,8 @@ struct NoiseScale {
   std::vector<double> of_frame;  ///< Beside both, indexed like Observations::frames; empty = 1 for all.
 };
 
-/// The unknowns of a calibration, indexed like Observations::tags, ::frames and ::cameras; entries that a part
-/// does not use stay at identity.
+/// The unknowns of a calibration, indexed like Observations::tags, ::frames and ::cameras; entries that a
+/// part does not use stay at identity.
 struct MapState {
   std::vector<Pose> T_map_tag;
   std::vector<Pose> T_map_rig;

@@ -14,10 +14,11 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kSigmaPerMedian = 1.4826;   // of a normal distribution
-constexpr double kExpectedResiduals = 15.0;  // the expected sigma counts as many; two frames of two tags leave 14
-constexpr double kLeastRedundancy = 0.15;    // below, the frame's pose hides the error
-constexpr double kClearSpread = 0.05;        // of frames' variances about their mean, beyond chance
+constexpr double kSigmaPerMedian = 1.4826;  // of a normal distribution
+constexpr double kExpectedResiduals =
+    15.0;  // the expected sigma counts as many; two frames of two tags leave 14
+constexpr double kLeastRedundancy = 0.15;  // below, the frame's pose hides the error
+constexpr double kClearSpread = 0.05;      // of frames' variances about their mean, beyond chance
 
 /// What is left of each of a view's eight numbers when its frame's pose has followed it.
 struct Redundancy {
@@ -29,7 +30,8 @@ struct Redundancy {
 std::vector<Redundancy> redundancies(const std::vector<LinearView>& views) {
   std::map<int, Matrix6d> information;
   for (const LinearView& view : views)
-    information.try_emplace(view.frame, Matrix6d::Zero()).first->second += view.by_rig.transpose() * view.by_rig;
+    information.try_emplace(view.frame, Matrix6d::Zero()).first->second +=
+        view.by_rig.transpose() * view.by_rig;
   std::map<int, Eigen::LDLT<Matrix6d>> factors;
   for (const auto& [frame, H] : information) factors[frame].compute(H);
   std::vector<Redundancy> result;
@@ -116,7 +118,8 @@ std::vector<double> measure_frame_noise(const Observations& observations,
     weights += frame.count;
   }
   if (!(spread > kClearSpread * weights)) return scales;
-  const double prior = 2.0 * weights / spread + 4.0;  // degrees of freedom of an inverse chi-squared of that spread
+  const double prior =
+      2.0 * weights / spread + 4.0;  // degrees of freedom of an inverse chi-squared of that spread
   for (const auto& [index, frame] : frames)
     scales[static_cast<std::size_t>(index)] =
         std::sqrt((prior + frame.squares / mean) / (prior + frame.count));

@@ -15,10 +15,10 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kCoarseLoss = 30.0;  // views are some ten pixels off at the start
-constexpr double kFineLoss = 6.0;     // a good view's whitened norm is sqrt(8)
-constexpr double kMaxViewRms = 4.0;   // sigmas; one in 1e18 good views
-constexpr double kMaxComponent = 6.0; // sigmas; one corner off, the rest of the tag in place
+constexpr double kCoarseLoss = 30.0;   // views are some ten pixels off at the start
+constexpr double kFineLoss = 6.0;      // a good view's whitened norm is sqrt(8)
+constexpr double kMaxViewRms = 4.0;    // sigmas; one in 1e18 good views
+constexpr double kMaxComponent = 6.0;  // sigmas; one corner off, the rest of the tag in place
 constexpr int kMaxRounds = 4;
 constexpr double kGross_px = 1.0;
 constexpr double kGrossPerEdge = 0.1;
@@ -132,7 +132,8 @@ AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, c
                       .contradictions = {}};
   adjust_robustly(observations, part, held_tag, options, result.state);
   for (int round = 0; round < kMaxRounds; ++round) {
-    // First by all views; then by those that fit, whose noise is known, and tells poses apart that outliers hid.
+    // First by all views; then by those that fit, whose noise is known, and tells poses apart that outliers
+    // hid.
     if (!turn_mirrored_groups(observations, part, held_tag, result.state)) {
       result.part = adjust_cleanly(task, part, held_tag, result.state);
       if (!turn_mirrored_groups(observations, part, held_tag, result.state)) break;

@@ -11,15 +11,18 @@
 #include "apriltrack/base/error.h"
 #include "corner_views.h"
 #include "culprit_search.h"
+#include "error_scale.h"
 #include "part_adjustment.h"
 #include "undecided_tags.h"
-#include "error_scale.h"
 
 namespace apriltrack {
 namespace {
 
 constexpr double kNonsense_px = 5.0;
-constexpr double kClearGain = 0.05;  // of a lens that was not asked for
+constexpr double kOtherFocalLengths[] = {-0.07, -0.035, 0.035, 0.07};  // shares
+constexpr double kMost = 0.9;                                          // of the views
+constexpr double kClearlyMore = 0.03;                                  // of them
+constexpr double kClearGain = 0.05;                                    // of a lens that was not asked for
 
 void measure_residuals(const Observations& observations, PartSolution& solution) {
   std::vector<double> sums(observations.tags.size(), 0.0);
@@ -43,12 +46,14 @@ void measure_residuals(const Observations& observations, PartSolution& solution)
 
 /// Those of the cameras that were estimated with the poses.
 std::optional<SharedParameters> shared_parameters(const Observations& observations,
-                                                  const PartSolution& solution, const PoseInformation& poses) {
+                                                  const PartSolution& solution,
+                                                  const PoseInformation& poses) {
   if (!solution.cameras.is_accepted) return std::nullopt;
   std::vector<CameraParameter> parameters;
   for (const EstimatedParameter& one : solution.cameras.estimates) parameters.push_back(one.parameter);
   SharedParameters shared{
-      poses.eliminate_poses(camera_columns(observations, solution.part.views, solution.state, parameters)), {}};
+      poses.eliminate_poses(camera_columns(observations, solution.part.views, solution.state, parameters)),
+      {}};
   shared.prior_precision = Eigen::VectorXd::Ones(shared.information.gradient.size());
   return shared;
 }
@@ -68,32 +73,106 @@ CameraRefinement better_cameras(const PartTask& task, const Part& part, Adjusted
   const auto add = [&](const std::vector<CameraParameter>& more) {
     parameters.insert(parameters.end(), more.begin(), more.end());
   };
+  const bool has_other_focal_length = std::ranges::any_of(cameras, [&](int camera) {
+    const auto c = static_cast<std::size_t>(camera);
+    return solved.state.cameras[c].model.pinhole().fx != task.observations.cameras[c].model.pinhole().fx;
+  });
   CameraRefinement result;
   if (options.edge_offset_sigma_px > 0.0) {
     add(edge_offset_parameters(cameras, options.edge_offset_sigma_px));
-    result = refine_cameras(task, part, parameters, 0.0, solved);
+    if (!has_other_focal_length) result = refine_cameras(task, part, parameters, 0.0, solved);
   }
   if (options.intrinsics == Intrinsics::kKeep && !options.refine_extrinsics) return result;
   if (options.intrinsics != Intrinsics::kKeep) add(intrinsic_parameters(cameras, task.observations.cameras));
   if (options.refine_extrinsics) add(extrinsic_parameters(cameras));
+  if (has_other_focal_length) {
+    CameraRefinement forced = refine_cameras(task, part, parameters, -1.0, solved);
+    if (!forced.is_accepted)
+      throw no_result(
+          "calibrate",
+          fmt::format("the views agree with a focal length that is not the camera file's, but do not "
+                      "determine it: {}",
+                      kWhatToCheck));
+    return forced;
+  }
   const bool is_asked_for = options.intrinsics == Intrinsics::kRefine || options.refine_extrinsics;
   CameraRefinement of_all = refine_cameras(task, part, parameters, is_asked_for ? 0.0 : kClearGain, solved);
   if (of_all.is_accepted || !result.is_accepted) return of_all;
   return result;
 }
 
+/// Of the views, but for those of a culprit.
+double kept_share(const Observations& observations, const Part& part,
+                  const std::optional<AdjustedPart>& solved) {
+  if (!solved || solved->contradictions.are_there()) return 0.0;
+  const auto offered = std::ranges::count_if(
+      part.views, [&](std::size_t v) { return solved->culprit != observations.views[v].tag; });
+  return static_cast<double>(solved->part.views.size()) / static_cast<double>(offered);
+}
+
+/// Where the views contradict each other, or many were rejected, the focal length may be why: one that most
+/// of them agree with, if there is one.
+std::optional<AdjustedPart> adjust_with_other_focal_length(const PartTask& task, const Part& part,
+                                                           int held_tag, double share,
+                                                           const ParallelFor& parallel) {
+  std::optional<AdjustedPart> best;
+  for (const double change : kOtherFocalLengths) {
+    Observations other = task.observations;
+    for (RigCamera& camera : other.cameras)
+      camera = moved(camera, {.kind = CameraParameter::Kind::kFocalLength}, change);
+    const std::vector<ViewCandidates> candidates = solve_views(other, part.views, parallel);
+    try {
+      AdjustedPart solved = adjust_part({other, candidates, task.options}, part, held_tag, parallel);
+      const double of_this = kept_share(task.observations, part, solved);
+      if (of_this < share + kClearlyMore || of_this < kMost) continue;
+      share = of_this;
+      best = std::move(solved);
+    } catch (const Error&) {  // nor does this one fit
+    }
+  }
+  return best;
+}
+
+AdjustedPart adjust_without_contradictions(const PartTask& task, const Part& part, int held_tag,
+                                           const ParallelFor& parallel, const LogSink& log) {
+  std::optional<Error> failure;
+  std::optional<AdjustedPart> solved;
+  try {
+    solved = adjust_part(task, part, held_tag, parallel);
+  } catch (const Error& error) {  // one tag may be the cause, or the camera file
+    failure = error;
+  }
+  if (solved && !solved->contradictions.are_there() && kept_share(task.observations, part, solved) > kMost)
+    return std::move(*solved);
+  const Contradictions contradictions = solved ? solved->contradictions : Contradictions{};
+  std::optional<AdjustedPart> without;
+  if (failure || contradictions.are_there())
+    without = adjust_without_culprit(task, part, contradictions, held_tag, parallel, log);
+  const double share =
+      std::max(kept_share(task.observations, part, solved), kept_share(task.observations, part, without));
+  if (task.options.intrinsics != Intrinsics::kKeep && share < kMost) {
+    if (auto other = adjust_with_other_focal_length(task, part, held_tag, share, parallel))
+      return std::move(*other);
+  }
+  if (without) return std::move(*without);
+  if (failure) throw *failure;
+  if (contradictions.are_there()) fail_with_contradictions(task.observations, contradictions);
+  return std::move(*solved);
+}
+
 void measure_covariances(const Observations& observations, const CalibrationOptions& options,
                          PartSolution& solution) {
   if (solution.part.tags.size() > static_cast<std::size_t>(options.max_tags_with_covariance)) return;
   const std::vector<LinearView> views = corner_views(observations, solution.part.views, solution.state);
-  const auto poses = PoseInformation::of(views, solution.held_tag);
+  const auto poses = PoseInformation::of(views, solution.part.tags, solution.held_tag);
   if (!poses)
     throw no_result("calibrate",
                     "the views leave the pose of a tag undetermined; film each tag from more sides, together "
                     "with others");
   const double bias = options.corner_bias_px / options.corner_sigma_px;
   const ErrorScale scale = error_scale(views, *poses, bias * bias);
-  solution.covariances = tag_covariances(*poses, solution.part.tags, shared_parameters(observations, solution, *poses));
+  solution.covariances =
+      tag_covariances(*poses, solution.part.tags, shared_parameters(observations, solution, *poses));
   scale_by(scale, solution.covariances);
 }
 
@@ -103,11 +182,11 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
                         const std::vector<ViewCandidates>& candidates, const CalibrationOptions& options,
                         const ParallelFor& parallel, const LogSink& log) {
   const PartTask task{observations, candidates, options};
-  AdjustedPart solved = adjust_part(task, part, held_tag, parallel);
-  if (solved.contradictions.are_there()) solved = adjust_without_culprit(task, part, solved, parallel, log);
+  AdjustedPart solved = adjust_without_contradictions(task, part, held_tag, parallel, log);
   PartSolution solution;
   leave_out_undecided(task, part, solved);
   solution.cameras = better_cameras(task, part, solved);
+  solution.findings = examine_tags(task, part, solved);
   solution.held_tag = solved.held_tag;
   solution.culprit = solved.culprit;
   solution.undecided = solved.undecided;
@@ -123,7 +202,10 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   std::set_difference(part.tags.begin(), part.tags.end(), solution.part.tags.begin(),
                       solution.part.tags.end(), std::back_inserter(solution.lost_tags));
   if (solution.culprit) std::erase(solution.lost_tags, *solution.culprit);
-  std::erase_if(solution.lost_tags, [&](int tag) { return std::ranges::binary_search(solution.undecided, tag); });
+  std::erase_if(solution.lost_tags, [&](int tag) {
+    return std::ranges::binary_search(solution.undecided, tag) ||
+           std::ranges::find(solution.findings, tag, &TagFinding::tag) != solution.findings.end();
+  });
   if (!(solution.total_rms_px < kNonsense_px))
     throw no_result(
         "calibrate",

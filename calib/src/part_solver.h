@@ -6,6 +6,7 @@
 
 #include "camera_refinement.h"
 #include "tag_covariance.h"
+#include "tag_examination.h"
 
 namespace apriltrack {
 
@@ -21,8 +22,9 @@ struct PartSolution {
   std::vector<int> views_offered_by_tag;  ///< Indexed like observations.tags.
   std::optional<int> culprit;             ///< Left out, for with it the frames contradict each other.
   CameraRefinement cameras;
+  std::vector<TagFinding> findings;
   std::vector<int> undecided;  ///< Left out, for the views leave them two poses.
-  std::vector<int> lost_tags;             ///< Others that nothing trusted ties to the held tag.
+  std::vector<int> lost_tags;  ///< Others that nothing trusted ties to the held tag.
 };
 
 /// Start, robust adjustment, outliers removed, clean adjustment, mirrored tags turned, covariances; all of it

@@ -13,9 +13,10 @@ void add(PoseInformation::Blocks& blocks, Eigen::Index offset, const Matrix6x8d&
 
 }  // namespace
 
-std::optional<PoseInformation> PoseInformation::of(const std::vector<LinearView>& views, int held_tag) {
+std::optional<PoseInformation> PoseInformation::of(const std::vector<LinearView>& views,
+                                                   const std::vector<int>& tags, int held_tag) {
   PoseInformation information(views);
-  information.number_tags(held_tag);
+  information.number_tags(tags, held_tag);
   Eigen::MatrixXd reduced = information.collect();
   for (auto& [index, frame] : information.frames_) {
     frame.factor.compute(frame.rig_rig);
@@ -25,12 +26,11 @@ std::optional<PoseInformation> PoseInformation::of(const std::vector<LinearView>
   return information;
 }
 
-void PoseInformation::number_tags(int held_tag) {
-  for (const LinearView& view : *views_) {
-    if (view.tag != held_tag) offsets_.emplace(view.tag, 0);
-  }
+void PoseInformation::number_tags(const std::vector<int>& tags, int held_tag) {
   Eigen::Index next = 0;
-  for (auto& [tag, offset] : offsets_) offset = 6 * next++;
+  for (const int tag : tags) {
+    if (tag != held_tag) offsets_[tag] = 6 * next++;
+  }
 }
 
 std::optional<Eigen::Index> PoseInformation::offset_of(int tag) const {

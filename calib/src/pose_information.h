@@ -27,15 +27,16 @@ struct ParameterInformation {
 };
 
 /// The normal equations of all poses but the held tag's, frames eliminated one by one (Schur complement) and
-/// the system of the tags factored: one dense matrix of six rows per tag, and a block for each two tags that a
-/// frame shows together. (docs/algorithms/calibration.md, equations 7 and 10.)
+/// the system of the tags factored: one dense matrix of six rows per tag, and a block for each two tags that
+/// a frame shows together. (docs/algorithms/calibration.md, equations 7 and 10.)
 class PoseInformation {
  public:
   using Matrix6x8d = Eigen::Matrix<double, 6, 8>;
   using Blocks = std::map<Eigen::Index, Matrix6x8d>;  ///< By offset.
 
-  /// nullopt when the views leave a pose undetermined. Refers to `views`.
-  static std::optional<PoseInformation> of(const std::vector<LinearView>& views, int held_tag);
+  /// Of `tags`. nullopt when the views leave a pose undetermined. Refers to `views`.
+  static std::optional<PoseInformation> of(const std::vector<LinearView>& views, const std::vector<int>& tags,
+                                           int held_tag);
 
   /// Where the six rows of a tag start in the system; nullopt for the held one.
   std::optional<Eigen::Index> offset_of(int tag) const;
@@ -67,15 +68,15 @@ class PoseInformation {
   };
 
   explicit PoseInformation(const std::vector<LinearView>& views) : views_(&views) {}
-  void number_tags(int held_tag);
+  void number_tags(const std::vector<int>& tags, int held_tag);
   /// The tags' own blocks and the frames', not yet eliminated.
   Eigen::MatrixXd collect();
   void eliminate(const Frame& frame, Eigen::MatrixXd& reduced);
   bool factorise(Eigen::MatrixXd& reduced);
   /// J_rig' times the parameters' columns, by frame.
   std::map<int, Eigen::MatrixXd> frames_by_parameter(const std::vector<ParameterView>& columns) const;
-  void add_errors(const std::vector<ParameterView>& columns,
-                  const std::map<int, Eigen::MatrixXd>& by_frame, ParameterInformation& result) const;
+  void add_errors(const std::vector<ParameterView>& columns, const std::map<int, Eigen::MatrixXd>& by_frame,
+                  ParameterInformation& result) const;
 
   const std::vector<LinearView>* views_;
   std::map<int, Eigen::Index> offsets_;

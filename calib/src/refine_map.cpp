@@ -91,7 +91,7 @@ class Refinement {
     std::vector<int> tags(input_.map_index.size());
     std::iota(tags.begin(), tags.end(), 0);
     if (!map_tag(0, map).covariance) return true;
-    const auto poses = PoseInformation::of(views, held_tag_);
+    const auto poses = PoseInformation::of(views, tags, held_tag_);
     if (!poses) return false;
     std::vector<TagCovariance> covariances = tag_covariances(*poses, tags);
     scale_by(error_scale(views, *poses, options.picture_bias_px * options.picture_bias_px), covariances);

@@ -38,11 +38,10 @@ std::vector<TagCovariance> covariances_from(const PoseInformation& poses, const 
     d_poses_d_error.setZero();
     for (const auto& [column, block] : errors) d_poses_d_error -= rows.middleCols<6>(column) * block;
     if (shared && shared->parameters_by_errors.contains(tag))
-      d_poses_d_error += shared->poses_by_parameter.middleRows(first, rows.rows()) *
-                         shared->parameters_by_errors.at(tag);
+      d_poses_d_error +=
+          shared->poses_by_parameter.middleRows(first, rows.rows()) * shared->parameters_by_errors.at(tag);
     for (std::size_t i = 0; i < covariances.size(); ++i) {
-      const PoseInformation::Matrix6x8d own =
-          d_poses_d_error.middleRows<6>(6 * static_cast<Eigen::Index>(i));
+      const PoseInformation::Matrix6x8d own = d_poses_d_error.middleRows<6>(6 * static_cast<Eigen::Index>(i));
       covariances[i].by_bias += own * own.transpose();
     }
   }

@@ -1,12 +1,19 @@
 #pragma once
 
+#include <set>
+
 #include "part_adjustment.h"
 
 namespace apriltrack {
 
-/// Takes tags out of `solved` whose views leave them a second pose, about as likely (AdjustedPart::undecided),
-/// and adjusts the others anew; where the held tag is one of them, another is held. part: before outliers were
-/// removed. Throws Error(kNoResult) when the held tag was chosen by the user, and when too little is left.
+/// Takes tags out of `solved` whose views leave them a second pose, about as likely
+/// (AdjustedPart::undecided), and adjusts the others anew; where the held tag is one of them, another is
+/// held. part: before outliers were removed. Throws Error(kNoResult) when the held tag was chosen by the
+/// user, and when too little is left.
 void leave_out_undecided(const PartTask& task, const Part& part, AdjustedPart& solved);
+
+/// Holds another tag where the held one is among those that `go`; false where the user chose it, or there is
+/// no other.
+bool hold_another(const PartTask& task, const std::set<int>& go, AdjustedPart& solved);
 
 }  // namespace apriltrack

@@ -12,7 +12,7 @@
 #include "apriltrack/geometry/rotation.h"
 #include "bundle_adjustment.h"
 #include "corner_views.h"
-#include "part_solver.h"
+#include "part_adjustment.h"
 #include "support/numeric_jacobian.h"
 #include "synthetic_world.h"
 #include "tag_covariance.h"
@@ -60,8 +60,7 @@ TEST(ViewResidual, JacobiansAgreeWithDifferences) {
     const Pose& T_map_tag = state.T_map_tag[static_cast<std::size_t>(view.tag)];
     Vector8d residual;
     Matrix8x6d by_rig, by_tag;
-    ASSERT_TRUE(
-        view_residual(camera, size_m, view, T_map_rig, T_map_tag, &residual, &by_rig, &by_tag));
+    ASSERT_TRUE(view_residual(camera, size_m, view, T_map_rig, T_map_tag, &residual, &by_rig, &by_tag));
     EXPECT_LT(residual.norm(), 1e-9);  // the truth explains the corners
     const auto residual_at = [&](const Eigen::VectorXd& rig, const Eigen::VectorXd& tag) -> Eigen::VectorXd {
       Vector8d r;
@@ -109,6 +108,29 @@ TEST(EdgeNoise, WhiteningGivesUnitCovariance) {
   EXPECT_LT((sum / kSamples - Matrix8d::Identity()).cwiseAbs().maxCoeff(), 5.0 * std::sqrt(2.0 / kSamples));
 }
 
+TEST(EdgeNoise, InwardDisplacementsAreThoseOfASmallerSquare) {
+  // Bottom-left, bottom-right, top-right, top-left; y down. All edges of a square of 100 px move in by
+  // one: 98.
+  const CornersPx square = {Eigen::Vector2d(10, 110), {110, 110}, {110, 10}, {10, 10}};
+  Vector8d expected;
+  expected << 1, -1, -1, -1, -1, 1, 1, 1;
+  EXPECT_LT((inward_displacements(square) - expected).norm(), 1e-12);
+}
+
+TEST(EdgeNoise, InwardDisplacementsMoveEachEdgeOfAnyQuadByOne) {
+  const CornersPx corners = {Eigen::Vector2d(100, 210), {190, 230}, {205, 120}, {90, 100}};
+  const Vector8d displacements = inward_displacements(corners);
+  const Eigen::Vector2d middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+  for (std::size_t edge = 0; edge < 4; ++edge) {
+    const std::size_t end = (edge + 1) % 4;
+    const Eigen::Vector2d along = (corners[end] - corners[edge]).normalized();
+    Eigen::Vector2d normal(-along.y(), along.x());
+    if (normal.dot(middle - corners[edge]) < 0.0) normal = -normal;
+    EXPECT_NEAR(normal.dot(displacements.segment<2>(2 * static_cast<Eigen::Index>(edge))), 1.0, 1e-12);
+    EXPECT_NEAR(normal.dot(displacements.segment<2>(2 * static_cast<Eigen::Index>(end))), 1.0, 1e-12);
+  }
+}
+
 TEST(TagCovariance, AgreesWithCeres) {
   const SyntheticWorld world = test::make_room(7, 16, test::equidistant_camera());
   const Observations observations = observations_of(world, test::exact_detections(world));
@@ -117,10 +139,12 @@ TEST(TagCovariance, AgreesWithCeres) {
   ASSERT_EQ(connectivity.parts.size(), 1u);
   const Part& part = connectivity.parts[0];
   ASSERT_EQ(part.tags.size(), 7u);
-  const auto own = tag_covariances(corner_views(observations, part.views, state), part.tags, 0);
-  ASSERT_TRUE(own.has_value());
-  EXPECT_EQ((*own)[0].by_noise, Matrix6d::Zero());
-  EXPECT_EQ((*own)[0].by_bias, Matrix6d::Zero());
+  const auto views = corner_views(observations, part.views, state);
+  const auto poses = PoseInformation::of(views, part.tags, 0);
+  ASSERT_TRUE(poses.has_value());
+  const auto own = tag_covariances(*poses, part.tags);
+  EXPECT_EQ(own[0].by_noise, Matrix6d::Zero());
+  EXPECT_EQ(own[0].by_bias, Matrix6d::Zero());
 
   BundleProblem problem(observations, part.views, {1, 2, 3, 4, 5, 6}, state, 0.0);
   ceres::Covariance covariance((ceres::Covariance::Options()));
@@ -131,7 +155,7 @@ TEST(TagCovariance, AgreesWithCeres) {
     Eigen::Matrix<double, 6, 6, Eigen::RowMajor> expected;
     ASSERT_TRUE(covariance.GetCovarianceBlockInTangentSpace(problem.tag_block(tag), problem.tag_block(tag),
                                                             expected.data()));
-    const Matrix6d& actual = (*own)[static_cast<std::size_t>(tag)].by_noise;
+    const Matrix6d& actual = own[static_cast<std::size_t>(tag)].by_noise;
     EXPECT_LT((actual - expected).norm(), 1e-6 * expected.norm()) << actual << "\n\n" << expected;
   }
 }
@@ -148,8 +172,10 @@ TEST(TagCovariance, AgreesWithThePseudoinverseOfAllEquations) {
   const auto num_tags = static_cast<Eigen::Index>(part.tags.size());
   ASSERT_GT(num_tags, 17);
   constexpr int kHeld = 2;
-  const auto own = tag_covariances(corner_views(observations, part.views, state), part.tags, kHeld);
-  ASSERT_TRUE(own.has_value());
+  const auto views = corner_views(observations, part.views, state);
+  const auto poses = PoseInformation::of(views, part.tags, kHeld);
+  ASSERT_TRUE(poses.has_value());
+  const auto own = tag_covariances(*poses, part.tags);
 
   const auto num_frames = static_cast<Eigen::Index>(state.T_map_rig.size());
   const auto num_rows = 8 * static_cast<Eigen::Index>(part.views.size());
@@ -160,8 +186,8 @@ TEST(TagCovariance, AgreesWithThePseudoinverseOfAllEquations) {
     Vector8d residual;
     Matrix8x6d by_rig, by_tag;
     ASSERT_TRUE(
-        view_residual(observations.cameras[0], observations.sizes_m[static_cast<std::size_t>(view.tag)],
-                      view, state.T_map_rig[static_cast<std::size_t>(view.frame)],
+        view_residual(observations.cameras[0], observations.sizes_m[static_cast<std::size_t>(view.tag)], view,
+                      state.T_map_rig[static_cast<std::size_t>(view.frame)],
                       state.T_map_tag[static_cast<std::size_t>(view.tag)], &residual, &by_rig, &by_tag));
     const auto row = 8 * static_cast<Eigen::Index>(i);
     if (view.tag != kHeld) J.block<8, 6>(row, 6 * view.tag) = view.whitening * by_tag;
@@ -176,7 +202,7 @@ TEST(TagCovariance, AgreesWithThePseudoinverseOfAllEquations) {
     const auto by_bias = d_unknown_d_bias.middleRows<6>(6 * tag);
     const Matrix6d noise = by_error * by_error.transpose();
     const Matrix6d bias = by_bias * by_bias.transpose();
-    const TagCovariance& actual = (*own)[static_cast<std::size_t>(tag)];
+    const TagCovariance& actual = own[static_cast<std::size_t>(tag)];
     EXPECT_LE((actual.by_noise - noise).norm(), 1e-6 * noise.norm()) << "tag " << tag;
     EXPECT_LE((actual.by_bias - bias).norm(), 1e-6 * bias.norm()) << "tag " << tag;
     EXPECT_EQ(noise.norm() > 0.0, tag != kHeld);
@@ -190,10 +216,10 @@ TEST(TagCovariance, IsRefusedWhenATagHangsInTheAir) {
   Part part = connectivity.parts[0];
   std::erase_if(part.views, [&](std::size_t v) { return observations.views[v].tag == 3; });
   const auto views = corner_views(observations, part.views, true_state(world, observations));
-  EXPECT_FALSE(tag_covariances(views, part.tags, 0).has_value());
+  EXPECT_FALSE(PoseInformation::of(views, part.tags, 0).has_value());
 }
 
-TEST(SolvePart, SaysThatTheFirstAdjustmentFailed) {
+TEST(AdjustPart, SaysThatTheFirstAdjustmentFailed) {
   const SyntheticWorld world = test::make_room(7, 16, test::equidistant_camera());
   Observations observations = observations_of(world, test::exact_detections(world));
   const Connectivity connectivity = find_parts(observations, all_views(observations), 2);
@@ -203,7 +229,7 @@ TEST(SolvePart, SaysThatTheFirstAdjustmentFailed) {
   // A residual that is no number stops the solver before its first step.
   observations.views[3].whitening.setConstant(std::numeric_limits<double>::quiet_NaN());
   try {
-    solve_part(observations, connectivity.parts[0], 0, candidates, {}, parallel, silent_log());
+    adjust_part({observations, candidates, {}}, connectivity.parts[0], 0, parallel);
     FAIL() << "an adjustment that failed must not go on";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kNoResult);

@@ -14,8 +14,8 @@
 namespace apriltrack {
 
 enum class Intrinsics {
-  kKeep,   ///< As given.
-  kAuto,   ///< Refined where the file is clearly wrong: frames that were held out agree better by 5 % or more.
+  kKeep,  ///< As given.
+  kAuto,  ///< Refined where the file is clearly wrong: frames that were held out agree better by 5 % or more.
   kRefine  ///< Refined where such frames agree better at all, by more than chance.
 };
 
@@ -32,9 +32,9 @@ struct CalibrationOptions {
   /// not average, and the fit hides most of it from the residuals. Counts for the covariance only; 0 = none.
   /// Of our own renderer's pictures 0.03 is true, of path-traced ones 0.07 (docs/algorithms/calibration.md).
   double corner_bias_px = 0.05;
-  /// How far a detector's edges may lie inside or outside the true ones (px, along their normals, the same for
-  /// all tags): estimated with this sigma where it is > 0, and taken over where frames that were held out agree.
-  /// For corners from elsewhere; those of detect_tags() in linear light have none to speak of.
+  /// How far a detector's edges may lie inside or outside the true ones (px, along their normals, the same
+  /// for all tags): estimated with this sigma where it is > 0, and taken over where frames that were held out
+  /// agree. For corners from elsewhere; those of detect_tags() in linear light have none to speak of.
   double edge_offset_sigma_px = 0.0;
   /// Whether focal lengths, principal point and distortion are estimated with the map, near what the camera
   /// file says.

@@ -1,0 +1,283 @@
+#include "tag_probe.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "apriltrack/camera/pixel_jacobian.h"
+#include "apriltrack/geometry/planar_pnp.h"
+#include "corner_views.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kProbeLoss = 8.0;  // of a view's whitened norm; a good one's is sqrt(8)
+constexpr double kUnseenCost = 400.0;
+constexpr double kDoubtful = 0.051;  // of a second pose; the least that equation (1) gives is 0.05
+constexpr int kMaxFrameSteps = 4, kMaxTagSteps = 30;
+constexpr std::size_t kMaxProposals = 8;
+
+using Matrix8x9d = Eigen::Matrix<double, 8, 9>;
+using Vector9d = Eigen::Matrix<double, 9, 1>;
+using Matrix9d = Eigen::Matrix<double, 9, 9>;
+
+/// Residual of a tag of any shape, whitened; and its derivatives by the pose and by the shape's three
+/// numbers.
+bool probe_residual(const ProbeView& probe, const Pose& T_map_tag, const TagShape& shape, Vector8d* residual,
+                    Matrix8x9d* jacobian) {
+  const Pose T_camera_tag = probe.camera->T_camera_rig * probe.T_map_rig.inverse() * T_map_tag;
+  const Eigen::Matrix3d R = T_camera_tag.rotation_matrix();
+  const auto corners = shape.corners();
+  Vector8d residual_px;
+  Matrix8x9d by_all = Matrix8x9d::Zero();
+  for (int i = 0; i < kNumCorners; ++i) {
+    const Eigen::Vector3d& corner = corners[static_cast<std::size_t>(i)];
+    Eigen::Matrix<double, 2, 3> by_point;
+    const auto pixel = probe.camera->model.project(T_camera_tag * corner, &by_point);
+    if (!pixel) return false;
+    residual_px.segment<2>(2 * i) = *pixel - probe.view->corners_px[static_cast<std::size_t>(i)];
+    if (jacobian == nullptr) continue;
+    const Eigen::Matrix<double, 2, 3> by_corner = by_point * R;
+    by_all.block<2, 6>(2 * i, 0) = pixel_jacobian(by_corner, corner);
+    const double sign = i % 2 == 0 ? 1.0 : -1.0;
+    by_all.block<2, 1>(2 * i, 6) = by_corner * Eigen::Vector3d(corner.x(), corner.y(), 0.0);
+    by_all.block<2, 1>(2 * i, 7) = by_corner * Eigen::Vector3d(0.5 * corner.x(), -0.5 * corner.y(), 0.0);
+    by_all.block<2, 1>(2 * i, 8) = by_corner * Eigen::Vector3d(0.0, 0.0, sign * shape.size_m);
+  }
+  residual_px += probe.camera->edge_offset_px * probe.view->inward;
+  *residual = probe.whitening * residual_px;
+  if (jacobian != nullptr) *jacobian = probe.whitening * by_all;
+  return true;
+}
+
+double loss(double squares) {
+  return 0.5 * kProbeLoss * kProbeLoss * std::log1p(squares / (kProbeLoss * kProbeLoss));
+}
+
+double total_cost(const std::vector<ProbeView>& views, const TagFit& fit) {
+  double sum = 0.0;
+  for (const ProbeView& view : views) sum += probe_cost(view, fit.T_map_tag, fit.shape);
+  return sum;
+}
+
+struct Normal {
+  Matrix9d H = Matrix9d::Zero();
+  Vector9d g = Vector9d::Zero();
+};
+
+Normal normal_equations(const std::vector<ProbeView>& views, const TagFit& fit, ShapeFreedom freedom) {
+  Normal normal;
+  for (const ProbeView& view : views) {
+    Vector8d residual;
+    Matrix8x9d jacobian;
+    if (!probe_residual(view, fit.T_map_tag, fit.shape, &residual, &jacobian)) continue;
+    if (freedom == ShapeFreedom::kNone) jacobian.col(6).setZero();
+    if (freedom != ShapeFreedom::kBend) jacobian.rightCols<2>().setZero();
+    const double weight = 1.0 / (1.0 + residual.squaredNorm() / (kProbeLoss * kProbeLoss));
+    normal.H += weight * jacobian.transpose() * jacobian;
+    normal.g += weight * jacobian.transpose() * residual;
+  }
+  for (int i = 0; i < 9; ++i) {
+    if (!(normal.H(i, i) > 0.0)) normal.H(i, i) = 1.0;  // held
+  }
+  return normal;
+}
+
+TagFit moved_by(const TagFit& fit, const Vector9d& step) {
+  TagFit result = fit;
+  result.T_map_tag = fit.T_map_tag * Pose::exp(Vector6d(step.head<6>()));
+  result.shape.log_scale += step[6];
+  result.shape.aspect += step[7];
+  result.shape.twist += step[8];
+  return result;
+}
+
+/// The poses and information of frames that show `tag`, by their other kept views.
+struct FrameByOthers {
+  Pose T_map_rig;
+  Matrix6d information = Matrix6d::Zero();
+};
+
+/// Each once, sorted: views are in the order of their frames.
+std::vector<int> frames_of_views(const Observations& observations, const std::vector<std::size_t>& views) {
+  std::vector<int> frames;
+  for (const std::size_t v : views) {
+    if (frames.empty() || frames.back() != observations.views[v].frame)
+      frames.push_back(observations.views[v].frame);
+  }
+  return frames;
+}
+
+/// Where a frame is by its largest view, if that leaves one pose only.
+std::optional<Pose> pose_by_one(const PartTask& task, const AdjustedPart& solved,
+                                const std::vector<std::size_t>& views) {
+  const std::size_t largest = *std::ranges::max_element(
+      views, {}, [&](std::size_t v) { return mean_edge_px(task.observations.views[v].corners_px); });
+  const auto& candidates = task.candidates[largest].candidates;
+  if (candidates.empty() || (candidates.size() > 1 && candidates[1].weight > kDoubtful)) return std::nullopt;
+  const TagView& view = task.observations.views[largest];
+  return solved.state.T_map_tag[static_cast<std::size_t>(view.tag)] * candidates.front().T_rig_tag.inverse();
+}
+
+/// Frames of the part rest on what was kept there; others, which show one tag of it only, on that one.
+std::map<int, std::vector<std::size_t>> views_of_others(const PartTask& task, const Part& part,
+                                                        const AdjustedPart& solved, int tag) {
+  std::set<int> frames;
+  const std::vector<int> solved_frames = frames_of_views(task.observations, solved.part.views);
+  for (const std::size_t v : part.views) {
+    if (task.observations.views[v].tag == tag) frames.insert(task.observations.views[v].frame);
+  }
+  std::map<int, std::vector<std::size_t>> others;
+  for (const std::size_t v : part.views) {
+    const TagView& view = task.observations.views[v];
+    if (view.tag == tag || !frames.contains(view.frame) ||
+        !std::ranges::binary_search(solved.part.tags, view.tag))
+      continue;
+    if (!std::ranges::binary_search(solved_frames, view.frame) ||
+        std::ranges::binary_search(solved.part.views, v))
+      others[view.frame].push_back(v);
+  }
+  return others;
+}
+
+std::map<int, FrameByOthers> frames_by_others(const PartTask& task, const Part& part,
+                                              const AdjustedPart& solved, int tag) {
+  const std::vector<int> solved_frames = frames_of_views(task.observations, solved.part.views);
+  std::map<int, FrameByOthers> result;
+  MapState state = solved.state;
+  for (const auto& [frame, views] : views_of_others(task, part, solved, tag)) {
+    Pose& pose = state.T_map_rig[static_cast<std::size_t>(frame)];
+    if (!std::ranges::binary_search(solved_frames, frame)) {
+      const auto alone = pose_by_one(task, solved, views);
+      if (!alone) continue;
+      pose = *alone;
+    }
+    FrameByOthers& of_frame = result[frame];
+    for (int step = 0; step < kMaxFrameSteps; ++step) {
+      of_frame.information.setZero();
+      Vector6d gradient = Vector6d::Zero();
+      for (const LinearView& view : corner_views(task.observations, views, state)) {
+        of_frame.information += view.by_rig.transpose() * view.by_rig;
+        gradient += view.by_rig.transpose() * view.residual;
+      }
+      const Vector6d change = -of_frame.information.ldlt().solve(gradient);
+      if (!change.allFinite()) break;
+      pose = pose * Pose::exp(change);
+    }
+    of_frame.T_map_rig = pose;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::array<Eigen::Vector3d, 4> TagShape::corners() const {
+  std::array<Eigen::Vector3d, 4> result = tag_corners(size_m);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i].x() *= std::exp(log_scale) * (1.0 + 0.5 * aspect);
+    result[i].y() *= std::exp(log_scale) * (1.0 - 0.5 * aspect);
+    result[i].z() = (i % 2 == 0 ? 1.0 : -1.0) * twist * size_m;
+  }
+  return result;
+}
+
+std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                                   int tag) {
+  const auto others = frames_by_others(task, part, solved, tag);
+  std::vector<ProbeView> probes;
+  for (const std::size_t v : part.views) {
+    const TagView& view = task.observations.views[v];
+    const auto frame = others.find(view.frame);
+    if (view.tag != tag || frame == others.end()) continue;
+    ProbeView probe{&view, &solved.state.cameras[static_cast<std::size_t>(view.camera)],
+                    frame->second.T_map_rig, task.observations.frames[static_cast<std::size_t>(view.frame)],
+                    Matrix8d::Identity()};
+    const auto& candidates = task.candidates[v].candidates;
+    Vector8d residual_px;
+    Matrix8x6d by_rig;
+    if (candidates.empty() ||
+        !view_residual(*probe.camera, task.observations.sizes_m[static_cast<std::size_t>(tag)], view,
+                       probe.T_map_rig, probe.T_map_rig * candidates.front().T_rig_tag, &residual_px, &by_rig,
+                       nullptr))
+      continue;
+    const Matrix8d W = whitening(view, solved.state);
+    const Matrix8x6d by_frame = W * by_rig;
+    const Matrix8d covariance =
+        Matrix8d::Identity() + by_frame * frame->second.information.ldlt().solve(by_frame.transpose());
+    probe.whitening = covariance.llt().matrixL().solve(W);
+    if (probe.whitening.allFinite()) probes.push_back(probe);
+  }
+  return probes;
+}
+
+double probe_cost(const ProbeView& view, const Pose& T_map_tag, const TagShape& shape) {
+  Vector8d residual;
+  if (!probe_residual(view, T_map_tag, shape, &residual, nullptr)) return kUnseenCost;
+  return loss(residual.squaredNorm());
+}
+
+double usual_probe_cost() {
+  return loss(8.0);
+}
+
+TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom freedom) {
+  TagFit best = std::move(start);
+  best.cost = total_cost(views, best);
+  double damping = 1e-4;
+  for (int step = 0; step < kMaxTagSteps && damping < 1e8; ++step) {
+    const Normal normal = normal_equations(views, best, freedom);
+    bool is_better = false;
+    double decrease = 0.0;
+    while (!is_better && damping < 1e8) {
+      Matrix9d H = normal.H;
+      H.diagonal() *= 1.0 + damping;
+      const Vector9d change = -H.ldlt().solve(normal.g);
+      TagFit trial = change.allFinite() ? moved_by(best, change) : best;
+      trial.cost = total_cost(views, trial);
+      is_better = trial.cost < best.cost;
+      damping *= is_better ? 0.1 : 10.0;
+      if (!is_better) continue;
+      decrease = best.cost - trial.cost;
+      best = std::move(trial);
+    }
+    if (decrease < 1e-6 * best.cost) break;
+  }
+  const Matrix9d covariance = normal_equations(views, best, freedom).H.ldlt().solve(Matrix9d::Identity());
+  best.covariance = covariance.topLeftCorner<6, 6>();
+  best.scale_sigma = std::sqrt(std::max(0.0, covariance(6, 6)));
+  best.aspect_sigma = std::sqrt(std::max(0.0, covariance(7, 7)));
+  best.twist_sigma = std::sqrt(std::max(0.0, covariance(8, 8)));
+  return best;
+}
+
+TagFit fit_tag_anew(const std::vector<ProbeView>& views, double size_m) {
+  std::vector<const ProbeView*> largest;
+  for (const ProbeView& view : views) largest.push_back(&view);
+  std::ranges::stable_sort(largest, std::greater<>(),
+                           [](const ProbeView* probe) { return mean_edge_px(probe->view->corners_px); });
+  // Some of the largest, and some from all over: outliers may be large, too.
+  std::vector<const ProbeView*> proposers(
+      largest.begin(),
+      largest.begin() + static_cast<std::ptrdiff_t>(std::min(largest.size(), kMaxProposals)));
+  for (std::size_t i = 0; i < kMaxProposals && !views.empty(); ++i)
+    proposers.push_back(&views[i * views.size() / kMaxProposals]);
+  TagFit best;
+  best.shape.size_m = size_m;
+  best.cost = HUGE_VAL;
+  for (const ProbeView* probe : proposers) {
+    const auto rays = corner_rays(probe->camera->model, probe->view->corners_px);
+    if (!rays) continue;
+    for (const PlanarPose& pose : solve_planar_pnp(*rays, size_m)) {
+      TagFit trial = best;
+      trial.T_map_tag = probe->T_map_rig * probe->camera->T_camera_rig.inverse() * pose.T_camera_tag;
+      trial.cost = total_cost(views, trial);
+      if (trial.cost < best.cost) best = std::move(trial);
+    }
+  }
+  return fit_tag(views, std::move(best), ShapeFreedom::kNone);
+}
+
+}  // namespace apriltrack

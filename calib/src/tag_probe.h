@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "part_adjustment.h"
+
+namespace apriltrack {
+
+/// One view of a tag, as the other tags of its frame foretell it: the frame's pose rests on them alone.
+struct ProbeView {
+  const TagView* view = nullptr;
+  const RigCamera* camera = nullptr;
+  Pose T_map_rig;
+  Timestamp timestamp;
+  /// Turns reprojection errors (px) into independent numbers of unit variance, the frame's own error
+  /// included.
+  Matrix8d whitening;
+};
+
+/// Of all views of `tag` (outliers, too) in frames that show another tag of the solved part; in the order of
+/// time.
+std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                                   int tag);
+
+/// A tag as it might be: not quite as large as stated, not quite square, not quite flat.
+struct TagShape {
+  double size_m = 0.0;
+  double log_scale = 0.0;  ///< Of both sides.
+  double aspect = 0.0;     ///< Width over height is 1 + aspect.
+  double twist = 0.0;      ///< Corners lie by this share of the size before and behind the plane, by turns.
+
+  std::array<Eigen::Vector3d, 4> corners() const;
+};
+
+enum class ShapeFreedom {
+  kNone,
+  kSize,
+  kBend  ///< Size, aspect and twist: a curled print is shorter along one side.
+};
+
+struct TagFit {
+  Pose T_map_tag;
+  TagShape shape;
+  double cost = 0.0;                                                ///< Half the robust sum of squares.
+  Matrix6d covariance = Matrix6d::Zero();                           ///< Of the pose.
+  double scale_sigma = 0.0, aspect_sigma = 0.0, twist_sigma = 0.0;  ///< Where they were free.
+};
+
+/// Robustly; from `start`.
+TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom freedom);
+/// From the best of the poses that the largest views propose.
+TagFit fit_tag_anew(const std::vector<ProbeView>& views, double size_m);
+/// Of one view.
+double probe_cost(const ProbeView& view, const Pose& T_map_tag, const TagShape& shape);
+/// What a view costs that errs as expected.
+double usual_probe_cost();
+
+}  // namespace apriltrack

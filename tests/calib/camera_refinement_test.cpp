@@ -1,0 +1,142 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "calibrating.h"
+
+// Cameras that are not as their file says, and detectors that put edges beside the true ones.
+
+namespace apriltrack {
+namespace {
+
+using test::calibrate;
+using test::expect_truth;
+using test::SyntheticWorld;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// Corners as the true world shows them, with noise; and the world as a wrong camera file has it.
+struct Filmed {
+  SyntheticWorld truth, stated;
+  std::vector<FrameDetections> frames;
+};
+
+Filmed film(const Camera& camera, double sigma_px = 0.1) {
+  Filmed result;
+  result.truth = test::make_room(14, 120, camera);
+  result.stated = result.truth;
+  result.frames = test::exact_detections(result.truth);
+  RandomStream random(41);
+  test::add_edge_noise(result.frames, sigma_px, -0.45, random);
+  return result;
+}
+
+void scale_focal_length(Camera& camera, double factor) {
+  Pinhole pinhole = camera.model.pinhole();
+  pinhole.fx *= factor;
+  pinhole.fy *= factor;
+  camera.model = CameraModel(pinhole, camera.model.distortion());
+}
+
+const CameraCorrection* correction(const CalibrationResult& result, const std::string& parameter) {
+  const auto found = std::ranges::find(result.corrections, parameter, &CameraCorrection::parameter);
+  return found == result.corrections.end() ? nullptr : &*found;
+}
+
+TEST(CameraRefinement, FindsAWrongFocalLengthAndSaysSo) {
+  for (const double factor : {0.94, 1.03}) {
+    Filmed filmed = film(test::perspective_camera());
+    scale_focal_length(filmed.stated.rig.cameras[0], factor);
+    const CalibrationResult result = calibrate(filmed.stated, filmed.frames);
+    const CameraCorrection* focal = correction(result, "focal length");
+    ASSERT_NE(focal, nullptr) << factor;
+    EXPECT_NEAR(focal->value, 1.0 / factor - 1.0, 5.0 * focal->sigma);
+    EXPECT_LT(focal->sigma, 0.003);
+    EXPECT_NEAR(result.rig.cameras[0].model.pinhole().fx, filmed.truth.rig.cameras[0].model.pinhole().fx, 3.0);
+    EXPECT_EQ(result.map.tags.size(), 14u);
+    expect_truth(filmed.truth, result.map, result.held_tag, 0.02, 0.01);
+    EXPECT_THAT(result.warnings, ::testing::Contains(HasSubstr("focal length")));
+  }
+}
+
+TEST(CameraRefinement, LeavesARightCameraAlone) {
+  for (const Camera& camera : {test::perspective_camera(), test::equidistant_camera()}) {
+    const Filmed filmed = film(camera);
+    const CalibrationResult result = calibrate(filmed.stated, filmed.frames);
+    EXPECT_THAT(result.corrections, IsEmpty());
+    EXPECT_THAT(result.warnings, IsEmpty());
+    EXPECT_EQ(result.rig.cameras[0].model.pinhole().fx, camera.model.pinhole().fx);
+  }
+}
+
+TEST(CameraRefinement, KeepsTheCameraWhereToldTo) {
+  Filmed filmed = film(test::perspective_camera());
+  scale_focal_length(filmed.stated.rig.cameras[0], 1.01);
+  const CalibrationResult result =
+      calibrate(filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep});
+  EXPECT_THAT(result.corrections, IsEmpty());
+  EXPECT_EQ(result.rig.cameras[0].model.pinhole().fx, filmed.stated.rig.cameras[0].model.pinhole().fx);
+}
+
+TEST(CameraRefinement, FindsHowFarEdgesLieInside) {
+  Filmed filmed = film(test::perspective_camera(), 0.05);
+  constexpr double kInward_px = 0.2;
+  for (FrameDetections& frame : filmed.frames) {
+    for (Detection& detection : frame.detections) {
+      // By hand: every edge moves along its normal, corners are where neighbours meet.
+      auto corners = detection.corners_px;
+      std::array<Eigen::Vector2d, 4> normals;
+      std::array<double, 4> offsets{};
+      const Eigen::Vector2d middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+      for (std::size_t e = 0; e < 4; ++e) {
+        const Eigen::Vector2d along = (corners[(e + 1) % 4] - corners[e]).normalized();
+        normals[e] = {-along.y(), along.x()};
+        if (normals[e].dot(middle - corners[e]) < 0.0) normals[e] = -normals[e];
+        offsets[e] = normals[e].dot(corners[e]) + kInward_px;
+      }
+      for (std::size_t c = 0; c < 4; ++c) {
+        Eigen::Matrix2d lines;
+        lines << normals[c].transpose(), normals[(c + 3) % 4].transpose();
+        detection.corners_px[c] = lines.inverse() * Eigen::Vector2d(offsets[c], offsets[(c + 3) % 4]);
+      }
+    }
+  }
+  const CalibrationResult without = calibrate(filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep});
+  const CalibrationResult result = calibrate(
+      filmed.stated, filmed.frames, {.edge_offset_sigma_px = 0.2, .intrinsics = Intrinsics::kKeep});
+  const CameraCorrection* offset = correction(result, "edge offset");
+  ASSERT_NE(offset, nullptr);
+  EXPECT_NEAR(offset->value, kInward_px, 5.0 * offset->sigma);
+  const auto error = [&](const TagMap& map) {
+    double squares = 0.0;
+    for (const MapTag& tag : map.tags)
+      squares += (tag.T_map_tag.translation() -
+                  test::T_origin_tag(filmed.truth.map, result.held_tag, tag.key).translation())
+                     .squaredNorm();
+    return std::sqrt(squares / static_cast<double>(map.tags.size()));
+  };
+  EXPECT_LT(error(result.map), 0.4 * error(without.map));
+}
+
+TEST(CameraRefinement, FindsWhereTheSecondCameraSits) {
+  Filmed filmed;
+  filmed.truth = test::make_room(14, 120, test::perspective_camera());
+  Camera second = test::perspective_camera("cam1");
+  second.T_this_previous = Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(-0.12, 0.0, 0.0));
+  filmed.truth.rig.cameras.push_back(second);
+  filmed.frames = test::exact_detections(filmed.truth);
+  RandomStream random(42);
+  test::add_edge_noise(filmed.frames, 0.1, -0.45, random);
+  filmed.stated = filmed.truth;
+  filmed.stated.rig.cameras[1].T_this_previous =
+      Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(-0.125, 0.002, 0.0));
+  const CalibrationResult result = calibrate(
+      filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep, .refine_extrinsics = true});
+  ASSERT_NE(correction(result, "translation x"), nullptr);
+  const Pose error = result.rig.T_camera_rig(1) * filmed.truth.rig.T_camera_rig(1).inverse();
+  EXPECT_LT(error.translation().norm(), 1e-3);
+  EXPECT_LT(error.log().tail<3>().norm(), 1e-3);
+}
+
+}  // namespace
+}  // namespace apriltrack

@@ -1,0 +1,163 @@
+#include <gmock/gmock.h>
+
+#include "apriltrack/geometry/tag_corners.h"
+#include "apriltrack/geometry/rotation.h"
+#include "calibrating.h"
+
+// What is wrong with a tag is named, and the map of the others is right.
+
+namespace apriltrack {
+namespace {
+
+using test::calibrate;
+using test::SyntheticWorld;
+using test::tag36h11;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr int kFaulty = 11;
+constexpr double kNoise_px = 0.1;
+
+SyntheticWorld room() {
+  return test::make_room(12, 120, test::perspective_camera());
+}
+
+void add_noise(std::vector<FrameDetections>& frames) {
+  RandomStream random(77);
+  test::add_edge_noise(frames, kNoise_px, -0.45, random);
+}
+
+MapTag& faulty_tag(SyntheticWorld& world) {
+  for (MapTag& tag : world.map.tags) {
+    if (tag.key == tag36h11(kFaulty)) return tag;
+  }
+  throw std::logic_error("no such tag");
+}
+
+/// Takes the faulty tag's detections from another world's picture of the same frame.
+void take_from(const std::vector<FrameDetections>& others, std::size_t i, std::vector<FrameDetections>& frames) {
+  const auto is_faulty = [](const Detection& detection) { return detection.tag.id == kFaulty; };
+  std::erase_if(frames[i].detections, is_faulty);
+  for (const Detection& detection : others[i].detections) {
+    if (is_faulty(detection)) frames[i].detections.push_back(detection);
+  }
+}
+
+void expect_the_others_right(const SyntheticWorld& world, const CalibrationResult& result) {
+  EXPECT_GE(result.map.tags.size(), world.map.tags.size() - 1);
+  TagMap others = result.map;
+  std::erase_if(others.tags, [](const MapTag& tag) { return tag.key.id == kFaulty; });
+  test::expect_truth(world, others, result.held_tag, 0.03, 0.02);
+}
+
+auto complaint(const std::string& kind) {
+  return Contains(AllOf(HasSubstr(to_string(tag36h11(kFaulty))), HasSubstr(kind)));
+}
+
+TEST(TagFaults, NamesNoneWhereThereAreNone) {
+  const SyntheticWorld world = room();
+  std::vector<FrameDetections> frames = test::exact_detections(world);
+  add_noise(frames);
+  EXPECT_THAT(calibrate(world, frames).warnings, IsEmpty());
+}
+
+TEST(TagFaults, NamesAWrongSizeAndTheRightOne) {
+  for (const double factor : {0.95, 1.12}) {
+    SyntheticWorld printed = room();
+    const SyntheticWorld stated = room();
+    faulty_tag(printed).size_m *= factor;
+    std::vector<FrameDetections> frames = test::exact_detections(printed);
+    add_noise(frames);
+    const CalibrationResult result = calibrate(stated, frames);
+    EXPECT_THAT(result.warnings, complaint(factor > 1.0 ? "larger than its stated size" : "smaller than its"));
+    EXPECT_THAT(result.left_out, Contains(tag36h11(kFaulty)));
+    expect_the_others_right(stated, result);
+  }
+}
+
+TEST(TagFaults, NamesATagThatWasMovedOnce) {
+  const SyntheticWorld world = room();
+  SyntheticWorld after = room();
+  Pose& pose = faulty_tag(after).T_map_tag;
+  pose = pose * Pose(rotation_exp({0.0, 0.1, 0.05}), Eigen::Vector3d(0.08, -0.05, 0.0));
+  std::vector<FrameDetections> frames = test::exact_detections(world), later = test::exact_detections(after);
+  for (std::size_t i = frames.size() / 2; i < frames.size(); ++i) take_from(later, i, frames);
+  add_noise(frames);
+  const CalibrationResult result = calibrate(world, frames);
+  EXPECT_THAT(result.warnings, complaint("was moved by 0.09"));
+  EXPECT_THAT(result.left_out, Contains(tag36h11(kFaulty)));
+  expect_the_others_right(world, result);
+}
+
+TEST(TagFaults, NamesAnIdThatHangsTwice) {
+  const SyntheticWorld world = room();
+  SyntheticWorld copy = room();
+  Pose& pose = faulty_tag(copy).T_map_tag;
+  pose = pose * Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(0.5, 0.3, 0.0));
+  std::vector<FrameDetections> frames = test::exact_detections(world), others = test::exact_detections(copy);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (i / 6 % 2 == 1) take_from(others, i, frames);
+  }
+  add_noise(frames);
+  const CalibrationResult result = calibrate(world, frames);
+  EXPECT_THAT(result.warnings, complaint("two places"));
+  expect_the_others_right(world, result);
+}
+
+/// The faulty tag's corners, moved in its own frame, differently in each frame.
+std::vector<FrameDetections> filmed_with(const SyntheticWorld& world,
+                                         const std::function<Eigen::Vector3d(Eigen::Vector3d, std::size_t)>& moved) {
+  std::vector<FrameDetections> frames = test::exact_detections(world);
+  const MapTag& tag = *world.map.find(tag36h11(kFaulty));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    for (Detection& detection : frames[i].detections) {
+      if (detection.tag.id != kFaulty) continue;
+      const auto corners = tag_corners(tag.size_m);
+      for (std::size_t c = 0; c < corners.size(); ++c)
+        detection.corners_px[c] = *world.rig.cameras[0].model.project(
+            world.T_world_rig[i].inverse() * tag.T_map_tag * moved(corners[c], i));
+    }
+  }
+  return frames;
+}
+
+TEST(TagFaults, NamesALiftedCorner) {
+  const SyntheticWorld world = room();
+  std::vector<FrameDetections> frames = filmed_with(world, [](Eigen::Vector3d corner, std::size_t) {
+    if (corner.x() > 0.0 && corner.y() > 0.0) corner.z() -= 0.012;
+    return corner;
+  });
+  add_noise(frames);
+  const CalibrationResult result = calibrate(world, frames);
+  EXPECT_THAT(result.warnings, complaint("is bent"));
+  expect_the_others_right(world, result);
+}
+
+TEST(TagFaults, NamesACurledPrint) {
+  const SyntheticWorld world = room();
+  std::vector<FrameDetections> frames = filmed_with(world, [](Eigen::Vector3d corner, std::size_t) {
+    corner.x() *= 0.96;
+    return corner;
+  });
+  add_noise(frames);
+  EXPECT_THAT(calibrate(world, frames).warnings, complaint("narrower than high"));
+}
+
+TEST(TagFaults, NamesATagThatFlaps) {
+  const SyntheticWorld world = room();
+  std::vector<FrameDetections> frames = filmed_with(world, [](const Eigen::Vector3d& corner, std::size_t i) {
+    const double t = 0.9 * static_cast<double>(i);
+    const Pose flap(rotation_exp({0.12 * std::sin(t), 0.10 * std::cos(1.3 * t), 0.0}),
+                    Eigen::Vector3d(0.02 * std::sin(0.7 * t), 0.02 * std::cos(t), 0.0));
+    return Eigen::Vector3d(flap * corner);
+  });
+  add_noise(frames);
+  const CalibrationResult result = calibrate(world, frames);
+  EXPECT_THAT(result.warnings, complaint("hangs loosely"));
+  expect_the_others_right(world, result);
+}
+
+}  // namespace
+}  // namespace apriltrack
