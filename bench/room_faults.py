@@ -3,15 +3,17 @@
 usage: case = room_faults.make("moved", 17); case.write(folder)
        bench/make_room --kind moved --seed 17 --output FOLDER
 
-A case is the same for a kind and a seed, whatever else was made before it. `case.signal_px` tells how much there is to see of a fault:
-the rms over its tag's views (over all views, of a focal length) of how far its corners lie from where they would be without it. A pose
-that gives way takes up a part of that. Needs python3-numpy.
+A case is the same for a kind and a seed, whatever else was made before it. `case.signal_px` tells how large a fault is in the picture: the
+rms over its tag's views (over all views, of a focal length) of how far its corners lie from where they would be without it. A pose that
+gives way takes up a part of that; `case.evidence` is the rest, in sigmas, over all views of the tag (of the kinds in WITH_EVIDENCE). Faults
+with less than MIN_EVIDENCE, which cannot be seen at all, are drawn anew. Needs python3-numpy.
 """
 from dataclasses import dataclass, field, replace
 import zlib
 
 import numpy as np
 
+import room_fits
 import rooms
 
 FLIP_STYLE = rooms.Style(tags=(6, 16), side_m=(5.0, 8.0), size_m=(0.08, 0.12), radtan_fov_deg=(14.0, 32.0), equidistant_share=0.0,
@@ -20,6 +22,8 @@ MIN_APART_M, MAX_TOGETHER = 0.5, 0.2
 MIN_VIEWS_PER_PLACE = 5
 OUTLIER_PX = (3.0, 50.0)
 MAX_REDRAWS = 200
+MIN_EVIDENCE = 8.0
+WITH_EVIDENCE = ("wrong_size", "moved", "bent", "loose")
 
 
 class NotInThisRoom(Exception):
@@ -36,12 +40,10 @@ class Case:
     size: str = ""
     signal_px: float = 0.0
     views_of_it: int = 0
+    evidence: float = float("nan")
 
     def write(self, folder):
         rooms.write(self.room, self.views, folder)
-
-    def signal_to_noise(self):
-        return self.signal_px / self.room.sigma_px * max(self.views_of_it, 1)**0.5
 
 
 def log_uniform(rng, low, high, count=None):
@@ -53,7 +55,8 @@ def seen_matrix(room):
 
 
 def rms_px(pixels, others):
-    return float(np.sqrt(np.nanmean(((pixels - others)**2).sum(-1)))) if pixels.size else 0.0
+    squares = ((pixels - others)**2).sum(-1)
+    return float(np.sqrt(squares[np.isfinite(squares)].mean())) if np.isfinite(squares).any() else 0.0
 
 
 def faulty(rng, room, tag, corners, size, **changes):
@@ -242,14 +245,24 @@ KINDS = {
 }
 
 
+def evidence_of(kind, room, views, culprits):
+    if kind not in WITH_EVIDENCE:
+        return float("nan")
+    found = room_fits.evidence(room, views, int(np.flatnonzero(room.ids == culprits[0])[0]))
+    if found < MIN_EVIDENCE:
+        raise NotInThisRoom
+    return found
+
+
 def make(kind, seed):
     plant, style, is_noise_wanted = KINDS[kind]
     rng = np.random.default_rng([zlib.crc32(kind.encode()), seed])
     for _ in range(MAX_REDRAWS):
         try:
             room, views, culprits, size, signal, count = plant(rng, rooms.random_room(rng, style))
+            evidence = evidence_of(kind, room, views, culprits)
         except NotInThisRoom:
             continue
         views = rooms.noisy(room, views, rng) if is_noise_wanted else views
-        return Case(kind, seed, room, views, [int(number) for number in culprits], size, signal, count)
+        return Case(kind, seed, room, views, [int(number) for number in culprits], size, signal, count, evidence)
     raise RuntimeError(f"{kind}, seed {seed}: no room takes this fault")

@@ -19,6 +19,7 @@ import numpy as np
 import yaml
 
 import room_faults
+import room_fits
 
 # What a complaint must say to have named a kind of fault.
 KIND_WORDS = {
@@ -39,6 +40,25 @@ TIMEOUT_S = 120
 
 
 @dataclass
+class WrongTag:
+    tag: int
+    degrees: float
+    mm: float
+    sigma_mm: float
+    views: int
+    edge_px: float
+    is_flagged: bool  # in the map
+    misfit: float  # by how much its views fit the map's pose worse than the true one (chi squared, cameras known)
+    is_spoken_of: bool = False  # by a warning
+
+    def is_flipped(self):
+        return self.degrees > WRONG_DEG
+
+    def is_silent(self):
+        return not self.is_flagged and not self.is_spoken_of
+
+
+@dataclass
 class Outcome:
     kind: str
     seed: int
@@ -49,7 +69,7 @@ class Outcome:
     culprits: list
     size: str
     signal_px: float
-    signal_to_noise: float
+    evidence: float
     sigma_px: float
     views: int
     tags_there: int = 0
@@ -57,8 +77,8 @@ class Outcome:
     kinds_said: set = field(default_factory=set)  # all kinds that statements on the culprit name
     is_kind_said_alone: bool = False  # by one statement on the culprit that names no other kind
     accused: list = field(default_factory=list)  # other tags that a statement of some kind names
-    wrong: list = field(default_factory=list)  # ids of the map's tags that are in a wrong place
-    wrong_flagged: list = field(default_factory=list)  # those of them that the map flags
+    wrong: list = field(default_factory=list)  # WrongTag: those without a fault of which the map tells a wrong place
+    is_culprit_mapped: bool = False
     sound_mm: float = float("nan")  # rms of the tags that have no fault
     sound_nees: float = float("nan")  # over 6, their mean
     tags_mapped: int = 0
@@ -75,7 +95,7 @@ class Outcome:
 
     def is_silently_wrong(self):
         """A map with a tag in a wrong place that is neither flagged nor spoken of."""
-        return any(tag not in self.wrong_flagged and not any(tag in tags_in(text) for text in self.statements) for tag in self.wrong)
+        return any(tag.is_silent() for tag in self.wrong)
 
 
 def kinds_in(text):
@@ -106,7 +126,8 @@ def read_map(path):
         p, o = tag["pose"]["position"], tag["pose"]["orientation"]
         x, y, z, w = np.array([o[k] for k in "xyzw"]) / np.linalg.norm([o[k] for k in "xyzw"])
         T = np.eye(4)
-        T[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        T[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
                      [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
         T[:3, 3] = [p[k] for k in "xyz"]
         covariance = np.array(tag["covariance"]).reshape(6, 6) if "covariance" in tag else None
@@ -126,18 +147,13 @@ def alignment(A, B):
     return T
 
 
-def angles_deg(A, B):
-    cosine = (np.einsum("nij,nij->n", A[:, :3, :3], B[:, :3, :3]) - 1) / 2
-    return np.degrees(np.arccos(np.clip(cosine, -1, 1)))
-
-
 def robust_alignment(A, B):
     """Of the tags that agree: those that a first alignment leaves far off do not take part in the second."""
     chosen = np.ones(len(A), bool)
     for _ in range(5):
         T = alignment(A[chosen], B[chosen])
         aligned = T @ B
-        off = np.linalg.norm(A[:, :3, 3] - aligned[:, :3, 3], axis=1) / 0.05 + angles_deg(A, aligned) / 2
+        off = np.linalg.norm(A[:, :3, 3] - aligned[:, :3, 3], axis=1) / 0.05 + room_fits.angles_deg(A, aligned) / 2
         chosen = off <= max(3 * np.median(off), 1e-9)
     return T
 
@@ -153,32 +169,32 @@ def normalised_error(true, estimate, covariance):
 
 def judge_map(case, folder, outcome):
     """A tag is wrong that is turned by over 10 degrees, or off by over 5 sigma and a tenth of the distance it is seen from."""
-    room = case.room
+    room, found = case.room, read_map(folder / OUTPUT)
     truth = {int(number): T for number, T in reversed(list(zip(room.ids, room.T_world_tag)))}
-    found = read_map(folder / OUTPUT)
     outcome.tags_mapped = len(found)
-    keys = [key for key in found if key in truth]
-    A, B = np.array([truth[key] for key in keys]), np.array([found[key][0] for key in keys])
-    sound = np.array([key not in case.culprits for key in keys])
-    if sound.sum() < 2:
+    outcome.is_culprit_mapped = any(tag in found for tag in case.culprits)
+    keys = [key for key in found if key in truth and key not in case.culprits]
+    if len(keys) < 2:
         return
-    aligned = robust_alignment(A[sound], B[sound]) @ B
-    off, turned = np.linalg.norm(A[:, :3, 3] - aligned[:, :3, 3], axis=1), angles_deg(A, aligned)
+    A, B = np.array([truth[key] for key in keys]), np.array([found[key][0] for key in keys])
+    aligned = robust_alignment(A, B) @ B
+    off, turned = np.linalg.norm(A[:, :3, 3] - aligned[:, :3, 3], axis=1), room_fits.angles_deg(A, aligned)
     eyes = np.linalg.inv(room.T_camera_world)[:, :3, 3]
-    held = next((key for key in keys if found[key][1] is not None and not found[key][1].any()), None)
-    nees = []
     for i, key in enumerate(keys):
-        covariance = found[key][1]
-        mine = case.views.frame[room.ids[case.views.tag] == key]
-        distance = np.median(np.linalg.norm(eyes[mine] - truth[key][:3, 3], axis=1))
+        mine = room.ids[case.views.tag] == key
+        distance = np.median(np.linalg.norm(eyes[case.views.frame[mine]] - truth[key][:3, 3], axis=1))
+        covariance, flags = found[key][1:]
         sigma = np.sqrt(np.trace(covariance[:3, :3])) if covariance is not None else 0.0
         if turned[i] > WRONG_DEG or off[i] > max(WRONG_SHARE * distance, WRONG_SIGMAS * sigma):
-            outcome.wrong.append(key)
-            outcome.wrong_flagged += [key] if found[key][2] else []
-        if sound[i] and held in truth and held not in case.culprits and key != held and covariance is not None:
-            nees.append(normalised_error(np.linalg.inv(truth[held]) @ truth[key], np.linalg.inv(found[held][0]) @ found[key][0], covariance))
-    outcome.sound_mm = 1e3 * float(np.sqrt((off[sound]**2).mean()))
-    outcome.sound_nees = float(np.mean(nees)) if nees else float("nan")
+            edges = np.linalg.norm(case.views.pixels[mine] - np.roll(case.views.pixels[mine], 1, 1), axis=-1)
+            outcome.wrong.append(WrongTag(key, turned[i], 1e3 * off[i], 1e3 * sigma, int(mine.sum()), edges.mean(), bool(flags),
+                                          room_fits.misfit(room, case.views, key, aligned[i])))
+    outcome.sound_mm = 1e3 * float(np.sqrt((off**2).mean()))
+    held = next((key for key in keys if found[key][1] is not None and not found[key][1].any()), None)
+    if held is not None:
+        outcome.sound_nees = float(np.mean([
+            normalised_error(np.linalg.inv(truth[held]) @ truth[key], np.linalg.inv(found[held][0]) @ found[key][0], found[key][1])
+            for key in keys if key != held]))
 
 
 def judge_words(case, outcome):
@@ -188,6 +204,8 @@ def judge_words(case, outcome):
     outcome.is_tag_named = bool(complaints)
     outcome.kinds_said = set().union(*map(kinds_in, complaints))
     outcome.is_kind_said_alone = any(kinds_in(text) == {case.kind} for text in complaints)
+    for wrong in outcome.wrong:
+        wrong.is_spoken_of = any(wrong.tag in tags_in(text) for text in outcome.statements)
     outcome.accused = sorted(set().union(*(tags_in(text) for text in outcome.statements if kinds_in(text))) - set(case.culprits))
 
 
@@ -216,7 +234,7 @@ def trial(trials, kind, seed):
         except subprocess.TimeoutExpired:
             status, said, seconds = -1, f"no end within {TIMEOUT_S} s", float(TIMEOUT_S)
         statements, left_out = ([said], []) if status else (said["warnings"], [int(key.split("/")[1]) for key in said["left_out"]])
-        outcome = Outcome(kind, seed, status, statements, left_out, seconds, case.culprits, case.size, case.signal_px, case.signal_to_noise(),
+        outcome = Outcome(kind, seed, status, statements, left_out, seconds, case.culprits, case.size, case.signal_px, case.evidence,
                           case.room.sigma_px, len(case.views.frame), len(set(case.room.ids)))
         if status == 0:
             judge_map(case, folder, outcome)
