@@ -23,8 +23,8 @@ OUTLIERS_INTRODUCTION = """
 Outliers: of each room 10 % of the corners, or 10 % of the views as a whole, or 5 % of each, by 3 to 50 px or (of a third of the views)
 corners in a turned order. Flips: tags of 8 to 12 cm on one wall, 2 to 7 m off and nearly square to them, by lenses of 14 to 32 degrees,
 noise of 0.15 to 0.3 px. A tag of a map is flipped that is turned by over 10 degrees, displaced that is off by over 5 sigma and a tenth of
-its distance; silently so without a flag and without a warning that names it. Misfit: by how much chi squared its views, the cameras known,
-speak against the map's pose; inf: they fit nowhere about it.
+its distance; silently so where neither the flag `weak` nor a warning on few tags says so. Misfit: by how much chi squared its views, the
+cameras known, speak against the map's pose; inf: they fit nowhere about it.
 """
 
 
@@ -112,13 +112,14 @@ def words(outcomes):
         recordings.table(rows)
 
 
-def wrong_rows(outcomes):
-    """Tags of accepted maps in wrong places, worst first."""
-    wrong = [(o, tag) for o in outcomes for tag in o.wrong]
-    wrong.sort(key=lambda item: (not item[1].is_silent(), -item[1].misfit))
-    return [{"kind": o.kind, "seed": o.seed, "tag": tag.tag, "degrees": f"{tag.degrees:.1f}", "mm (sigma)": f"{tag.mm:.0f} ({tag.sigma_mm:.0f})",
-             "views": tag.views, "edge px": f"{tag.edge_px:.0f}", "flagged": tag.is_flagged, "spoken of": tag.is_spoken_of,
-             "misfit": f"{tag.misfit:.1f}"} for o, tag in wrong]
+def wrong_row(o):
+    """Of a map with tags in wrong places, the worst of them told in full: the one that is silent, or most plainly wrong."""
+    worst = max(o.wrong, key=lambda tag: (tag.is_silent(), min(tag.misfit, 1e9), tag.degrees))
+    return {"kind": o.kind, "seed": o.seed,
+            "tags wrong / silently / mapped": f"{len(o.wrong)} / {sum(tag.is_silent() for tag in o.wrong)} / {o.tags_mapped}",
+            "the plainest": worst.tag, "degrees": f"{worst.degrees:.1f}", "mm (sigma)": f"{worst.mm:.0f} ({worst.sigma_mm:.0f})",
+            "views of px": f"{worst.views} of {worst.edge_px:.0f}", "weak": worst.is_weak, "spoken of": worst.is_spoken_of,
+            "misfit": f"{worst.misfit:.1f}"}
 
 
 def outlier_row(kind, outcomes):
@@ -138,8 +139,8 @@ def outliers(b):
                "flips": tried(b, "flips", ROOMS["flips"])}
     recordings.table([outlier_row(kind, outcomes) for kind, outcomes in by_kind.items()])
     together = sum(by_kind.values(), [])
-    if wrong := wrong_rows(together):
-        recordings.table(wrong)
+    if wrong := sorted((o for o in together if o.wrong), key=lambda o: (not o.is_silently_wrong(), -len(o.wrong))):
+        recordings.table([wrong_row(o) for o in wrong])
     words([o for o in together if o.status])
     flipped = sum(tag.is_flipped() for o in together for tag in o.wrong)
     silent = sum(tag.is_flipped() and tag.is_silent() for o in together for tag in o.wrong)
@@ -176,7 +177,8 @@ def faults(b):
           "and no other kind.\n")
     outcomes = {kind: tried(b, kind, ROOMS["faults"]) for kind in FAULTS}
     recordings.table([fault_row(kind, of_kind) for kind, of_kind in outcomes.items()])
-    by_evidence = ("evidence, in sigmas: what no pose of the tag explains", lambda o: o.evidence, EVIDENCE_BINS, room_faults.WITH_EVIDENCE)
+    unexplained = "evidence, in sigmas: what no pose of the tag explains"
+    by_evidence = (unexplained, lambda o: o.evidence, EVIDENCE_BINS, room_faults.WITH_EVIDENCE)
     by_px = ("the fault's rms in px", lambda o: o.signal_px, PX_BINS, [kind for kind in FAULTS if kind != "one_frame"])
     for title, value, bins, kinds in (by_evidence, by_px):
         for what, is_counted in (("Tag named", lambda o: o.is_tag_named), ("Tag and kind named", lambda o: o.is_named())):

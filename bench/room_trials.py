@@ -34,6 +34,7 @@ KIND_WORDS = {
 # Kinds whose fault is the camera's, not a tag's.
 TAGLESS = ("focal",)
 WRONG_DEG, WRONG_SHARE, WRONG_SIGMAS = 10.0, 0.1, 5.0
+MAX_NAMED_SHARE = 1 / 3  # a warning that names more of the map's tags says nothing of one
 OUTPUT = "calibrated.yaml"
 PROCESSES = 2
 TIMEOUT_S = 120
@@ -47,15 +48,15 @@ class WrongTag:
     sigma_mm: float
     views: int
     edge_px: float
-    is_flagged: bool  # in the map
+    is_weak: bool  # flagged so in the map
     misfit: float  # by how much its views fit the map's pose worse than the true one (chi squared, cameras known)
-    is_spoken_of: bool = False  # by a warning
+    is_spoken_of: bool = False  # by a warning that does not name every other tag, too
 
     def is_flipped(self):
         return self.degrees > WRONG_DEG
 
     def is_silent(self):
-        return not self.is_flagged and not self.is_spoken_of
+        return not self.is_weak and not self.is_spoken_of
 
 
 @dataclass
@@ -94,7 +95,7 @@ class Outcome:
         return [text for text in self.statements if kinds_in(text)]
 
     def is_silently_wrong(self):
-        """A map with a tag in a wrong place that is neither flagged nor spoken of."""
+        """A map with a tag in a wrong place that is neither flagged weak nor spoken of."""
         return any(tag.is_silent() for tag in self.wrong)
 
 
@@ -187,7 +188,7 @@ def judge_map(case, folder, outcome):
         sigma = np.sqrt(np.trace(covariance[:3, :3])) if covariance is not None else 0.0
         if turned[i] > WRONG_DEG or off[i] > max(WRONG_SHARE * distance, WRONG_SIGMAS * sigma):
             edges = np.linalg.norm(case.views.pixels[mine] - np.roll(case.views.pixels[mine], 1, 1), axis=-1)
-            outcome.wrong.append(WrongTag(key, turned[i], 1e3 * off[i], 1e3 * sigma, int(mine.sum()), edges.mean(), bool(flags),
+            outcome.wrong.append(WrongTag(key, turned[i], 1e3 * off[i], 1e3 * sigma, int(mine.sum()), edges.mean(), "weak" in flags,
                                           room_fits.misfit(room, case.views, key, aligned[i])))
     outcome.sound_mm = 1e3 * float(np.sqrt((off**2).mean()))
     held = next((key for key in keys if found[key][1] is not None and not found[key][1].any()), None)
@@ -205,7 +206,8 @@ def judge_words(case, outcome):
     outcome.kinds_said = set().union(*map(kinds_in, complaints))
     outcome.is_kind_said_alone = any(kinds_in(text) == {case.kind} for text in complaints)
     for wrong in outcome.wrong:
-        wrong.is_spoken_of = any(wrong.tag in tags_in(text) for text in outcome.statements)
+        wrong.is_spoken_of = any(wrong.tag in tags_in(text) and len(tags_in(text)) <= MAX_NAMED_SHARE * outcome.tags_mapped
+                                 for text in outcome.statements)
     outcome.accused = sorted(set().union(*(tags_in(text) for text in outcome.statements if kinds_in(text))) - set(case.culprits))
 
 
