@@ -41,7 +41,7 @@ def best_pose(room, views, T, size):
     for _ in range(ITERATIONS):
         J = np.stack([(residuals(moved_by(T, step * axis)) - r) / step for axis in np.eye(6)], 1)
         H = J.T @ J
-        candidate = moved_by(T, np.linalg.solve(H + damping * np.diag(np.diag(H)), -J.T @ r))
+        candidate = moved_by(T, np.linalg.solve(H + damping * np.diag(np.diag(H) + 1), -J.T @ r))
         r_new = residuals(candidate)
         if r_new @ r_new < r @ r:
             T, r, damping = candidate, r_new, damping / 5

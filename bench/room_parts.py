@@ -173,8 +173,8 @@ def by_size(kind, outcomes, value, bins, is_counted):
 
 
 def faults(b):
-    print("\n## Planted faults\n\nOne fault a room, as bench/room_faults.py says. Named: a warning or the error names the tag and this kind of fault, "
-          "and no other kind.\n")
+    print("\n## Planted faults\n\nOne fault a room, as bench/room_faults.py says. Named: a warning or the error names the tag and this kind of\n"
+          "fault, and no other kind.\n")
     outcomes = {kind: tried(b, kind, ROOMS["faults"]) for kind in FAULTS}
     recordings.table([fault_row(kind, of_kind) for kind, of_kind in outcomes.items()])
     unexplained = "evidence, in sigmas: what no pose of the tag explains"
