@@ -31,7 +31,7 @@ cameras known, speak against the map's pose; inf: they fit nowhere about it.
 def tried(b, kind, number, held="first", scorer=None):
     """Outcomes of seeds 1, 2, ..., the commands printed once for all of them."""
     number = b.args.rooms or (QUICK_ROOMS if b.args.quick else number)
-    trials = room_trials.Trials(b.program, scorer, held)
+    trials = room_trials.Trials(b.program, scorer, b.args.processes, held)
     print(f"    # for SEED in 1 to {number}: bench/make_room --kind {kind} --seed SEED --output OUT")
     words = " ".join(room_trials.command("apriltrack", b.out))
     print(f"    {b.shown([words])}{'' if held == 'first' else f' --held-tag (the one {held} seen)'}", flush=True)

@@ -1,4 +1,4 @@
-"""Runs `apriltrack calibrate` on random rooms, two at a time, and judges what it says and writes against what was planted.
+"""Runs `apriltrack calibrate` on random rooms, several at a time, and judges what it says and writes against what was planted.
 
 usage: outcomes = room_trials.run(room_trials.Trials(program), "moved", range(1, 301))
 
@@ -36,7 +36,6 @@ TAGLESS = ("focal",)
 WRONG_DEG, WRONG_SHARE, WRONG_SIGMAS = 10.0, 0.1, 5.0
 MAX_NAMED_SHARE = 1 / 3  # a warning that names more of the map's tags says nothing of one
 OUTPUT = "calibrated.yaml"
-PROCESSES = 2
 TIMEOUT_S = 120
 
 
@@ -216,6 +215,7 @@ class Trials:
     """How rooms are tried."""
     program: pathlib.Path
     scorer: pathlib.Path = None  # tools/score_map.py, to score maps by it, too
+    processes: int = 2
     held: str = "first"  # tag to hold: first (of the smallest key, the default), most or least (seen)
 
 
@@ -249,5 +249,5 @@ def trial(trials, kind, seed):
 
 def run(trials, kind, seeds):
     """Outcomes in the order of seeds."""
-    with multiprocessing.Pool(PROCESSES) as pool:
+    with multiprocessing.Pool(trials.processes) as pool:
         return pool.map(functools.partial(trial, trials, kind), seeds, chunksize=4)
