@@ -55,8 +55,9 @@ def seen_matrix(room):
 
 
 def rms_px(pixels, others):
+    """Infinite where the others lie outside what the lens covers."""
     squares = ((pixels - others)**2).sum(-1)
-    return float(np.sqrt(squares[np.isfinite(squares)].mean())) if np.isfinite(squares).any() else 0.0
+    return float(np.sqrt(squares[np.isfinite(squares)].mean())) if np.isfinite(squares).any() else float("inf")
 
 
 def faulty(rng, room, tag, corners, size, **changes):

@@ -48,7 +48,7 @@ def mean(values):
 
 
 def in_bin(value, limits):
-    return limits[0] <= value < limits[1]
+    return limits[0] <= value and (value < limits[1] or limits[1] == math.inf)
 
 
 def bin_text(limits):
@@ -158,6 +158,7 @@ def fault_row(kind, outcomes):
     maps = [o for o in outcomes if o.status == 0]
     return {"fault": kind, "rooms": len(outcomes), "refused (1)": sum(o.status == 1 for o in outcomes),
             "crashes": sum(o.is_crash() for o in outcomes),
+            "tag left out": share(outcomes, lambda o: bool(set(o.culprits) & set(o.left_out))),
             "tag named": share(outcomes, lambda o: o.is_tag_named), "kind among others": share(outcomes, lambda o: kind in o.kinds_said),
             "tag and kind": share(outcomes, lambda o: o.is_named()), "others accused": share(outcomes, lambda o: bool(o.accused)),
             "in the map, in silence": share(outcomes, lambda o: o.is_culprit_mapped and not o.is_tag_named),
