@@ -2,7 +2,8 @@
 
 usage: bench/calibration SHARED --only growth
 
-Each frame sees some ten tags: the camera walks down the middle, and looks from one wall to the other. Needs python3-numpy.
+Each frame sees some ten tags: the camera walks down the middle, and looks from one wall to the other. Judged is the time of all cores, which
+what else the machine does changes little, and which is more than what the user waits. Needs python3-numpy.
 """
 import os
 import subprocess
@@ -19,6 +20,7 @@ QUICK = 4
 STEP_M, WIDTH_M, SIZE_M = 0.18, 2.4, 0.16
 CAMERA = rooms.Camera(1280, 1024, np.array([700.0, 700.0, 639.5, 511.5]), "radtan", np.array([-0.02, 0.005, 0.0, 0.0]))
 RANDOM_SEED = 1
+FAMILY = "tagStandard41h12"  # has 2115 ids
 MAX_EXPONENT, MAX_GIB = 1.2, 4.0
 
 
@@ -37,7 +39,8 @@ def corridor(tags, frames):
     towards = np.stack([np.cos(swing), np.sin(swing), 0.1 * np.sin(0.7 * walk)], 1)
     times = 1_600_000_000_000_000_000 + 100_000_000 * np.arange(frames, dtype=np.int64)
     path = rooms.looking(eye, towards, np.tile([0.0, 0, 1], (frames, 1)))
-    room = rooms.Room(CAMERA, np.arange(tags), sizes, T_world_tag, path, times, 0.15, 0.05, rooms.corners_of(T_world_tag, sizes))
+    corners = rooms.corners_of(T_world_tag, sizes)
+    room = rooms.Room(CAMERA, np.arange(tags), sizes, T_world_tag, path, times, 0.15, 0.05, corners, family=FAMILY)
     return room, rooms.noisy(room, seen_in_pieces(room, rng), rng)
 
 
@@ -95,6 +98,8 @@ def growth(b):
                        "over views, of the last two": f"{slope(views[-2:], values[-2:]):.3f}"}
                       for name, values in (("s", seconds), ("s of all cores", busy), ("peak MB", peaks))])
     tags, frames = TAGS_FRAMES[len(rows) - 1]
-    VERDICTS.at_most("growth", f"exponent of time over views, up to {tags} tags and {frames} frames", MAX_EXPONENT, slope(views, seconds))
-    VERDICTS.at_most("growth", f"memory of {tags} tags and {frames} frames, GiB", MAX_GIB, peaks[-1] / 1024)
     VERDICTS.add("growth", "corridors without a map", "0", str(sum(status != 0 for status in statuses)), not any(statuses))
+    if not any(statuses):
+        to = f"up to {tags} tags and {frames} frames"
+        VERDICTS.at_most("growth", f"exponent of time (of all cores) over views, {to}", MAX_EXPONENT, slope(views, busy))
+        VERDICTS.at_most("growth", f"memory, GiB, {to}", MAX_GIB, max(peaks) / 1024)

@@ -88,6 +88,7 @@ class Room:
     corners: np.ndarray  # (N, 4, 3), or (F, N, 4, 3) where they move: where the corners are in the world
     stated_sizes: np.ndarray = None  # what the user says; the truth where None
     stated_camera: Camera = None
+    family: str = FAMILY
 
     def __post_init__(self):
         self.stated_sizes = self.sizes if self.stated_sizes is None else self.stated_sizes
@@ -369,7 +370,7 @@ def camera_text(camera):
 
 
 def map_text(room):
-    lines = ["apriltrack_map: 1", "frame: world", f"default_family: {FAMILY}", "tags:"]
+    lines = ["apriltrack_map: 1", "frame: world", f"default_family: {room.family}", "tags:"]
     first = np.unique(room.ids, return_index=True)[1]  # of tags that carry one id
     for number, size, T in zip(room.ids[first], room.sizes[first], room.T_world_tag[first]):
         p, q = (", ".join(f"{k}: {v:.15g}" for k, v in zip("xyzw", values)) for values in (T[:3, 3], quaternion(T[:3, :3])))
@@ -380,7 +381,7 @@ def map_text(room):
 def detections_text(room, views):
     head = "timestamp_ns,camera,family,id," + ",".join(f"c{i}{axis}" for i in range(4) for axis in "xy")
     rows = zip(room.times_ns[views.frame], room.ids[views.tag], views.pixels.reshape(-1, 8))
-    return "\n".join([head, *(f"{t},cam0,{FAMILY},{n}," + ",".join(f"{v:.8f}" for v in px) for t, n, px in rows)]) + "\n"
+    return "\n".join([head, *(f"{t},cam0,{room.family},{n}," + ",".join(f"{v:.8f}" for v in px) for t, n, px in rows)]) + "\n"
 
 
 def sizes_text(room):
