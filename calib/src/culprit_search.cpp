@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
-#include "tag_examination.h"
+#include "tag_fault.h"
 
 namespace apriltrack {
 namespace {
@@ -55,7 +55,7 @@ std::tuple<bool, double, std::size_t> merit(const Trial& trial) {
 
 Trial try_without(const PartTask& task, const Part& part, int tag, int held_tag) {
   Trial trial{adjust_without(task, part, tag, held_tag), std::nullopt};
-  if (trial.rest) trial.finding = diagnose(probe_views(task, part, *trial.rest, tag), task.observations, tag);
+  if (trial.rest) trial.finding = look_at(task, probe_views(task, part, *trial.rest, tag), tag).finding;
   return trial;
 }
 

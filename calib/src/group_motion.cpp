@@ -10,8 +10,9 @@ namespace {
 
 constexpr double kLossScale = 8.0;  // of a view's whitened norm; a good one's is sqrt(8)
 constexpr double kFailedProjection = 1e4;
-constexpr int kMaxSteps = 40;
+constexpr int kMaxSteps = 40, kFirstSteps = 4;
 constexpr double kLeastDecrease = 1e-6;
+constexpr double kPatience = 12.0;  // steps like the last one
 constexpr double kMostDamping = 1e8;
 
 /// One frame's equations and their coupling with the group's motion.
@@ -36,19 +37,23 @@ class GroupFit {
  public:
   GroupFit(const Observations& observations, const std::vector<std::size_t>& views,
            const std::vector<int>& group, const MapState& state)
-      : observations_(observations), views_(views), group_(group), state_(state) {
+      : observations_(observations), state_(state) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const int tag : group) sum += state.T_map_tag[static_cast<std::size_t>(tag)].translation();
     // Turns about the group's middle leave it where it is: a well conditioned motion.
     T_map_middle_ = Pose(Eigen::Quaterniond::Identity(), sum / static_cast<double>(group.size()));
+    for (const std::size_t v : views) {
+      const TagView& view = observations.views[v];
+      const Pose& T_map_tag = state.T_map_tag[static_cast<std::size_t>(view.tag)];
+      views_.push_back({&view, whitening(view, state), std::ranges::binary_search(group, view.tag),
+                        (T_map_tag.inverse() * T_map_middle_).adjoint()});
+    }
   }
 
-  GroupMotion run(GroupMotion start) const {
+  GroupMotion run(GroupMotion start, double wanted_cost) const {
     GroupMotion best = std::move(start);
-    for (const std::size_t v : views_) {
-      const int frame = observations_.views[v].frame;
-      best.T_map_rig.try_emplace(frame, state_.T_map_rig[static_cast<std::size_t>(frame)]);
-    }
+    for (const View& view : views_)
+      best.T_map_rig.try_emplace(view.of->frame, state_.T_map_rig[static_cast<std::size_t>(view.of->frame)]);
     best.cost = cost(best);
     double damping = 1e-4;
     for (int step = 0; step < kMaxSteps && damping < kMostDamping; ++step) {
@@ -64,36 +69,40 @@ class GroupFit {
       best = std::move(*next);
       damping = std::max(1e-9, 0.1 * damping);
       if (decrease < kLeastDecrease * best.cost) break;
+      if (step >= kFirstSteps && best.cost - kPatience * decrease > wanted_cost) break;
     }
     return best;
   }
 
  private:
-  bool moves(const TagView& view) const { return std::ranges::binary_search(group_, view.tag); }
-  Pose tag_pose(const TagView& view, const GroupMotion& at) const {
-    const Pose& pose = state_.T_map_tag[static_cast<std::size_t>(view.tag)];
-    return moves(view) ? at.motion * pose : pose;
-  }
-  bool residual(const TagView& view, const GroupMotion& at, Vector8d* whitened, Matrix8x6d* by_rig,
+  struct View {
+    const TagView* of;
+    Matrix8d whitening;
+    bool moves;
+    Eigen::Matrix<double, 6, 6> tag_by_motion;  ///< About the group's middle.
+  };
+
+  bool residual(const View& view, const GroupMotion& at, Vector8d* whitened, Matrix8x6d* by_rig,
                 Matrix8x6d* by_tag) const {
+    const auto tag = static_cast<std::size_t>(view.of->tag);
+    const Pose& T_map_tag = state_.T_map_tag[tag];
     Vector8d residual_px;
-    if (!view_residual(state_.cameras[static_cast<std::size_t>(view.camera)],
-                       observations_.sizes_m[static_cast<std::size_t>(view.tag)], view,
-                       at.T_map_rig.at(view.frame), tag_pose(view, at), &residual_px, by_rig, by_tag))
+    if (!view_residual(state_.cameras[static_cast<std::size_t>(view.of->camera)], observations_.sizes_m[tag],
+                       *view.of, at.T_map_rig.at(view.of->frame),
+                       view.moves ? at.motion * T_map_tag : T_map_tag, &residual_px, by_rig, by_tag))
       return false;
-    const Matrix8d W = whitening(view, state_);
-    *whitened = W * residual_px;
-    if (by_rig != nullptr) *by_rig = W * *by_rig;
-    if (by_tag != nullptr) *by_tag = W * *by_tag;
+    *whitened = view.whitening.lazyProduct(residual_px);
+    if (by_rig != nullptr) *by_rig = view.whitening.lazyProduct(*by_rig).eval();
+    if (by_tag != nullptr) *by_tag = view.whitening.lazyProduct(*by_tag).eval();
     return true;
   }
 
   double cost(const GroupMotion& at) const {
     double sum = 0.0;
-    for (const std::size_t v : views_) {
+    for (const View& view : views_) {
       Vector8d whitened;
-      const bool is_valid = residual(observations_.views[v], at, &whitened, nullptr, nullptr);
-      const double squares = is_valid ? whitened.squaredNorm() : kFailedProjection;
+      const double squares =
+          residual(view, at, &whitened, nullptr, nullptr) ? whitened.squaredNorm() : kFailedProjection;
       sum += 0.5 * kLossScale * kLossScale * std::log1p(squares / (kLossScale * kLossScale));
     }
     return sum;
@@ -101,22 +110,20 @@ class GroupFit {
 
   Equations linearise(const GroupMotion& at) const {
     Equations equations;
-    for (const std::size_t v : views_) {
-      const TagView& view = observations_.views[v];
+    for (const View& view : views_) {
       Vector8d whitened;
       Matrix8x6d by_rig, by_tag;
-      if (!residual(view, at, &whitened, &by_rig, &by_tag)) continue;
+      if (!residual(view, at, &whitened, &by_rig, view.moves ? &by_tag : nullptr)) continue;
       const double weight = 1.0 / (1.0 + whitened.squaredNorm() / (kLossScale * kLossScale));
-      FrameBlock& frame = equations.frames[view.frame];
-      frame.H += weight * by_rig.transpose() * by_rig;
-      frame.g += weight * by_rig.transpose() * whitened;
-      if (!moves(view)) continue;
-      const Pose T_middle_tag =
-          T_map_middle_.inverse() * state_.T_map_tag[static_cast<std::size_t>(view.tag)];
-      const Matrix8x6d by_motion = by_tag * T_middle_tag.inverse().adjoint();
-      frame.motion_frame += weight * by_motion.transpose() * by_rig;
-      equations.H += weight * by_motion.transpose() * by_motion;
-      equations.g += weight * by_motion.transpose() * whitened;
+      FrameBlock& frame = equations.frames[view.of->frame];
+      const Matrix8x6d weighted = weight * by_rig;
+      frame.H += weighted.transpose().lazyProduct(by_rig);
+      frame.g += weighted.transpose().lazyProduct(whitened);
+      if (!view.moves) continue;
+      const Matrix8x6d by_motion = weight * by_tag.lazyProduct(view.tag_by_motion);
+      frame.motion_frame += by_motion.transpose().lazyProduct(by_rig);
+      equations.H += by_motion.transpose().lazyProduct(by_motion) / weight;
+      equations.g += by_motion.transpose().lazyProduct(whitened);
     }
     return equations;
   }
@@ -128,7 +135,7 @@ class GroupFit {
     std::map<int, Eigen::LDLT<Matrix6d>> factors;
     for (const auto& [index, frame] : equations.frames) {
       const auto& factor = factors[index].compute(damped(frame.H, damping));
-      H -= frame.motion_frame * factor.solve(frame.motion_frame.transpose());
+      H -= frame.motion_frame.lazyProduct(factor.solve(frame.motion_frame.transpose()).eval());
       g -= frame.motion_frame * factor.solve(frame.g);
     }
     const Vector6d step = -H.ldlt().solve(g);
@@ -143,17 +150,17 @@ class GroupFit {
   }
 
   const Observations& observations_;
-  const std::vector<std::size_t>& views_;
-  const std::vector<int>& group_;
   const MapState& state_;
+  std::vector<View> views_;
   Pose T_map_middle_;
 };
 
 }  // namespace
 
 GroupMotion fit_group_motion(const Observations& observations, const std::vector<std::size_t>& views,
-                             const std::vector<int>& group, const MapState& state, GroupMotion start) {
-  return GroupFit(observations, views, group, state).run(std::move(start));
+                             const std::vector<int>& group, const MapState& state, GroupMotion start,
+                             double wanted_cost) {
+  return GroupFit(observations, views, group, state).run(std::move(start), wanted_cost);
 }
 
 }  // namespace apriltrack

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <map>
 #include <vector>
 
@@ -16,8 +17,10 @@ struct GroupMotion {
 
 /// Levenberg-Marquardt on the group's motion and on the poses of the frames, with Cauchy's loss on the views'
 /// whitened norms. views: of frames that show tags of the group beside others. group: sorted. start: the
-/// motion to start from, and the frames' poses where they are not those of `state`.
+/// motion to start from, and the frames' poses where they are not those of `state`. wanted_cost: a fit that
+/// creeps too slowly ever to come below is given up, where it is.
 GroupMotion fit_group_motion(const Observations& observations, const std::vector<std::size_t>& views,
-                             const std::vector<int>& group, const MapState& state, GroupMotion start);
+                             const std::vector<int>& group, const MapState& state, GroupMotion start,
+                             double wanted_cost = std::numeric_limits<double>::infinity());
 
 }  // namespace apriltrack

@@ -13,7 +13,8 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::size_t kMaxFrames = 40;
+constexpr std::size_t kMaxFrames = 40, kLeastFrames = 6;
+constexpr std::size_t kMaxViews = 160;
 constexpr std::size_t kMaxAnchors = 2;  // on either side of a hinge
 // Of half the robust sum of squares. What turns must be likelier by more than rounding; what stays is sure
 // only if it is likelier than the other pose by e^10.
@@ -54,7 +55,10 @@ Hinge find_hinge(const Observations& observations, const Part& part, const std::
   for (const auto& [frame, sides] : frames) {
     if (sides.group && sides.others) joint.push_back(static_cast<std::size_t>(frame));
   }
-  const std::vector<std::size_t> chosen = spread_selection(joint, kMaxFrames);
+  const std::size_t views_of_frame = part.views.size() / std::max<std::size_t>(1, frames.size());
+  const std::size_t num_frames =
+      std::clamp(kMaxViews / std::max<std::size_t>(1, views_of_frame), kLeastFrames, kMaxFrames);
+  const std::vector<std::size_t> chosen = spread_selection(joint, num_frames);
   Hinge hinge;
   std::map<int, int> counts, other_counts;
   for (const std::size_t v : part.views) {
@@ -133,7 +137,8 @@ Alternatives alternatives(const Observations& observations, const Part& part, co
   if (starts.empty()) return result;
   result.now = fit_group_motion(observations, hinge.views, group, state, {});
   for (const GroupMotion& start : starts) {
-    GroupMotion other = fit_group_motion(observations, hinge.views, group, state, start);
+    GroupMotion other =
+        fit_group_motion(observations, hinge.views, group, state, start, result.now.cost + kDecisive);
     if (rotation_angle_rad(other.motion.rotation(), result.now.motion.rotation()) < kSamePose_rad) continue;
     if (!result.best_other || other.cost < result.best_other->cost) result.best_other = std::move(other);
   }

@@ -204,7 +204,9 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   if (solution.culprit) std::erase(solution.lost_tags, *solution.culprit);
   std::erase_if(solution.lost_tags, [&](int tag) {
     return std::ranges::binary_search(solution.undecided, tag) ||
-           std::ranges::find(solution.findings, tag, &TagFinding::tag) != solution.findings.end();
+           std::ranges::any_of(solution.findings, [&](const TagFinding& finding) {
+             return finding.tag == tag && finding.is_left_out;
+           });
   });
   if (!(solution.total_rms_px < kNonsense_px))
     throw no_result(

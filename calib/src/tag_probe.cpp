@@ -5,20 +5,22 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <set>
+#include <span>
 
 #include "apriltrack/camera/pixel_jacobian.h"
 #include "apriltrack/geometry/planar_pnp.h"
 #include "corner_views.h"
+#include "tag_links.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr double kProbeLoss = 8.0;  // of a view's whitened norm; a good one's is sqrt(8)
+// Scales of Cauchy's loss on a view's whitened norm; a good one's is sqrt(8).
+constexpr double kProbeLoss = 8.0, kCoarseLoss = 100.0;
 constexpr double kUnseenCost = 400.0;
 constexpr double kDoubtful = 0.051;  // of a second pose; the least that equation (1) gives is 0.05
 constexpr int kMaxFrameSteps = 4, kMaxTagSteps = 30;
-constexpr std::size_t kMaxProposals = 8;
+constexpr std::size_t kMaxProposals = 8, kMostProbes = 160;
 
 using Matrix8x9d = Eigen::Matrix<double, 8, 9>;
 using Vector9d = Eigen::Matrix<double, 9, 1>;
@@ -48,18 +50,24 @@ bool probe_residual(const ProbeView& probe, const Pose& T_map_tag, const TagShap
     by_all.block<2, 1>(2 * i, 8) = by_corner * Eigen::Vector3d(0.0, 0.0, sign * shape.size_m);
   }
   residual_px += probe.camera->edge_offset_px * probe.view->inward;
-  *residual = probe.whitening * residual_px;
-  if (jacobian != nullptr) *jacobian = probe.whitening * by_all;
+  *residual = probe.whitening.lazyProduct(residual_px);
+  if (jacobian != nullptr) *jacobian = probe.whitening.lazyProduct(by_all);
   return true;
 }
 
-double loss(double squares) {
-  return 0.5 * kProbeLoss * kProbeLoss * std::log1p(squares / (kProbeLoss * kProbeLoss));
+double loss(double squares, double scale) {
+  return 0.5 * scale * scale * std::log1p(squares / (scale * scale));
 }
 
-double total_cost(const std::vector<ProbeView>& views, const TagFit& fit) {
+double cost_of(const ProbeView& view, const Pose& T_map_tag, const TagShape& shape, double loss_scale) {
+  Vector8d residual;
+  if (!probe_residual(view, T_map_tag, shape, &residual, nullptr)) return kUnseenCost;
+  return loss(residual.squaredNorm(), loss_scale);
+}
+
+double total_cost(const std::vector<ProbeView>& views, const TagFit& fit, double loss_scale) {
   double sum = 0.0;
-  for (const ProbeView& view : views) sum += probe_cost(view, fit.T_map_tag, fit.shape);
+  for (const ProbeView& view : views) sum += cost_of(view, fit.T_map_tag, fit.shape, loss_scale);
   return sum;
 }
 
@@ -68,7 +76,8 @@ struct Normal {
   Vector9d g = Vector9d::Zero();
 };
 
-Normal normal_equations(const std::vector<ProbeView>& views, const TagFit& fit, ShapeFreedom freedom) {
+Normal normal_equations(const std::vector<ProbeView>& views, const TagFit& fit, ShapeFreedom freedom,
+                        double loss_scale) {
   Normal normal;
   for (const ProbeView& view : views) {
     Vector8d residual;
@@ -76,9 +85,10 @@ Normal normal_equations(const std::vector<ProbeView>& views, const TagFit& fit, 
     if (!probe_residual(view, fit.T_map_tag, fit.shape, &residual, &jacobian)) continue;
     if (freedom == ShapeFreedom::kNone) jacobian.col(6).setZero();
     if (freedom != ShapeFreedom::kBend) jacobian.rightCols<2>().setZero();
-    const double weight = 1.0 / (1.0 + residual.squaredNorm() / (kProbeLoss * kProbeLoss));
-    normal.H += weight * jacobian.transpose() * jacobian;
-    normal.g += weight * jacobian.transpose() * residual;
+    const double weight = 1.0 / (1.0 + residual.squaredNorm() / (loss_scale * loss_scale));
+    const Matrix8x9d weighted = weight * jacobian;
+    normal.H += weighted.transpose().lazyProduct(jacobian);
+    normal.g += weighted.transpose().lazyProduct(residual);
   }
   for (int i = 0; i < 9; ++i) {
     if (!(normal.H(i, i) > 0.0)) normal.H(i, i) = 1.0;  // held
@@ -93,6 +103,57 @@ TagFit moved_by(const TagFit& fit, const Vector9d& step) {
   result.shape.aspect += step[7];
   result.shape.twist += step[8];
   return result;
+}
+
+TagFit descended(const std::vector<ProbeView>& views, TagFit best, ShapeFreedom freedom, double loss_scale) {
+  best.cost = total_cost(views, best, loss_scale);
+  double damping = 1e-4;
+  for (int step = 0; step < kMaxTagSteps && damping < 1e8; ++step) {
+    const Normal normal = normal_equations(views, best, freedom, loss_scale);
+    bool is_better = false;
+    double decrease = 0.0;
+    while (!is_better && damping < 1e8) {
+      Matrix9d H = normal.H;
+      H.diagonal() *= 1.0 + damping;
+      const Vector9d change = -H.ldlt().solve(normal.g);
+      TagFit trial = change.allFinite() ? moved_by(best, change) : best;
+      trial.cost = total_cost(views, trial, loss_scale);
+      is_better = trial.cost < best.cost;
+      damping *= is_better ? 0.1 : 10.0;
+      if (!is_better) continue;
+      decrease = best.cost - trial.cost;
+      best = std::move(trial);
+    }
+    if (decrease < 1e-6 * best.cost) break;
+  }
+  return best;
+}
+
+/// Of the poses that some of the largest views, and some from all over, propose: outliers may be large, too.
+TagFit best_proposal(const std::vector<ProbeView>& views, double size_m) {
+  std::vector<const ProbeView*> largest;
+  for (const ProbeView& view : views) largest.push_back(&view);
+  std::ranges::stable_sort(largest, std::greater<>(),
+                           [](const ProbeView* probe) { return mean_edge_px(probe->view->corners_px); });
+  std::vector<const ProbeView*> proposers(
+      largest.begin(),
+      largest.begin() + static_cast<std::ptrdiff_t>(std::min(largest.size(), kMaxProposals)));
+  for (std::size_t i = 0; i < kMaxProposals && !views.empty(); ++i)
+    proposers.push_back(&views[i * views.size() / kMaxProposals]);
+  TagFit best;
+  best.shape.size_m = size_m;
+  best.cost = HUGE_VAL;
+  for (const ProbeView* probe : proposers) {
+    const auto rays = corner_rays(probe->camera->model, probe->view->corners_px);
+    if (!rays) continue;
+    for (const PlanarPose& pose : solve_planar_pnp(*rays, size_m)) {
+      TagFit trial = best;
+      trial.T_map_tag = probe->T_map_rig * probe->camera->T_camera_rig.inverse() * pose.T_camera_tag;
+      trial.cost = total_cost(views, trial, kProbeLoss);
+      if (trial.cost < best.cost) best = std::move(trial);
+    }
+  }
+  return best;
 }
 
 /// The poses and information of frames that show `tag`, by their other kept views.
@@ -111,6 +172,12 @@ std::vector<int> frames_of_views(const Observations& observations, const std::ve
   return frames;
 }
 
+std::span<const std::size_t> views_of_frame(const Observations& observations, const Part& part, int frame) {
+  const auto range = std::ranges::equal_range(part.views, frame, {},
+                                              [&](std::size_t v) { return observations.views[v].frame; });
+  return {range.begin(), range.end()};
+}
+
 /// Where a frame is by its largest view, if that leaves one pose only.
 std::optional<Pose> pose_by_one(const PartTask& task, const AdjustedPart& solved,
                                 const std::vector<std::size_t>& views) {
@@ -122,35 +189,40 @@ std::optional<Pose> pose_by_one(const PartTask& task, const AdjustedPart& solved
   return solved.state.T_map_tag[static_cast<std::size_t>(view.tag)] * candidates.front().T_rig_tag.inverse();
 }
 
+/// Those of one tag; of very many some, spread evenly.
+std::vector<std::size_t> views_to_probe(const Observations& observations, const Part& part, int tag) {
+  std::vector<std::size_t> views = part.views;
+  std::erase_if(views, [&](std::size_t v) { return observations.views[v].tag != tag; });
+  return spread_selection(views, kMostProbes);
+}
+
 /// Frames of the part rest on what was kept there; others, which show one tag of it only, on that one.
 std::map<int, std::vector<std::size_t>> views_of_others(const PartTask& task, const Part& part,
-                                                        const AdjustedPart& solved, int tag) {
-  std::set<int> frames;
+                                                        const AdjustedPart& solved, int tag,
+                                                        const std::vector<std::size_t>& probed) {
+  const std::vector<int> frames = frames_of_views(task.observations, probed);
   const std::vector<int> solved_frames = frames_of_views(task.observations, solved.part.views);
-  for (const std::size_t v : part.views) {
-    if (task.observations.views[v].tag == tag) frames.insert(task.observations.views[v].frame);
-  }
   std::map<int, std::vector<std::size_t>> others;
-  for (const std::size_t v : part.views) {
-    const TagView& view = task.observations.views[v];
-    if (view.tag == tag || !frames.contains(view.frame) ||
-        !std::ranges::binary_search(solved.part.tags, view.tag))
-      continue;
-    if (!std::ranges::binary_search(solved_frames, view.frame) ||
-        std::ranges::binary_search(solved.part.views, v))
-      others[view.frame].push_back(v);
+  for (const int frame : frames) {
+    const bool is_solved = std::ranges::binary_search(solved_frames, frame);
+    for (const std::size_t v : views_of_frame(task.observations, is_solved ? solved.part : part, frame)) {
+      const int other = task.observations.views[v].tag;
+      if (other != tag && std::ranges::binary_search(solved.part.tags, other)) others[frame].push_back(v);
+    }
   }
   return others;
 }
 
 std::map<int, FrameByOthers> frames_by_others(const PartTask& task, const Part& part,
-                                              const AdjustedPart& solved, int tag) {
+                                              const AdjustedPart& solved, int tag,
+                                              const std::vector<std::size_t>& probed) {
   const std::vector<int> solved_frames = frames_of_views(task.observations, solved.part.views);
   std::map<int, FrameByOthers> result;
   MapState state = solved.state;
-  for (const auto& [frame, views] : views_of_others(task, part, solved, tag)) {
+  for (const auto& [frame, views] : views_of_others(task, part, solved, tag, probed)) {
     Pose& pose = state.T_map_rig[static_cast<std::size_t>(frame)];
-    if (!std::ranges::binary_search(solved_frames, frame)) {
+    // A frame that shows one other tag may have been mirrored with it to please the tag in question.
+    if (views.size() == 1 || !std::ranges::binary_search(solved_frames, frame)) {
       const auto alone = pose_by_one(task, solved, views);
       if (!alone) continue;
       pose = *alone;
@@ -186,12 +258,13 @@ std::array<Eigen::Vector3d, 4> TagShape::corners() const {
 
 std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const AdjustedPart& solved,
                                    int tag) {
-  const auto others = frames_by_others(task, part, solved, tag);
+  const std::vector<std::size_t> probed = views_to_probe(task.observations, part, tag);
+  const auto others = frames_by_others(task, part, solved, tag, probed);
   std::vector<ProbeView> probes;
-  for (const std::size_t v : part.views) {
+  for (const std::size_t v : probed) {
     const TagView& view = task.observations.views[v];
     const auto frame = others.find(view.frame);
-    if (view.tag != tag || frame == others.end()) continue;
+    if (frame == others.end()) continue;
     ProbeView probe{&view, &solved.state.cameras[static_cast<std::size_t>(view.camera)],
                     frame->second.T_map_rig, task.observations.frames[static_cast<std::size_t>(view.frame)],
                     Matrix8d::Identity()};
@@ -214,38 +287,17 @@ std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const
 }
 
 double probe_cost(const ProbeView& view, const Pose& T_map_tag, const TagShape& shape) {
-  Vector8d residual;
-  if (!probe_residual(view, T_map_tag, shape, &residual, nullptr)) return kUnseenCost;
-  return loss(residual.squaredNorm());
+  return cost_of(view, T_map_tag, shape, kProbeLoss);
 }
 
 double usual_probe_cost() {
-  return loss(8.0);
+  return loss(8.0, kProbeLoss);
 }
 
 TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom freedom) {
-  TagFit best = std::move(start);
-  best.cost = total_cost(views, best);
-  double damping = 1e-4;
-  for (int step = 0; step < kMaxTagSteps && damping < 1e8; ++step) {
-    const Normal normal = normal_equations(views, best, freedom);
-    bool is_better = false;
-    double decrease = 0.0;
-    while (!is_better && damping < 1e8) {
-      Matrix9d H = normal.H;
-      H.diagonal() *= 1.0 + damping;
-      const Vector9d change = -H.ldlt().solve(normal.g);
-      TagFit trial = change.allFinite() ? moved_by(best, change) : best;
-      trial.cost = total_cost(views, trial);
-      is_better = trial.cost < best.cost;
-      damping *= is_better ? 0.1 : 10.0;
-      if (!is_better) continue;
-      decrease = best.cost - trial.cost;
-      best = std::move(trial);
-    }
-    if (decrease < 1e-6 * best.cost) break;
-  }
-  const Matrix9d covariance = normal_equations(views, best, freedom).H.ldlt().solve(Matrix9d::Identity());
+  TagFit best = descended(views, std::move(start), freedom, kProbeLoss);
+  const Matrix9d covariance =
+      normal_equations(views, best, freedom, kProbeLoss).H.ldlt().solve(Matrix9d::Identity());
   best.covariance = covariance.topLeftCorner<6, 6>();
   best.scale_sigma = std::sqrt(std::max(0.0, covariance(6, 6)));
   best.aspect_sigma = std::sqrt(std::max(0.0, covariance(7, 7)));
@@ -254,30 +306,12 @@ TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom f
 }
 
 TagFit fit_tag_anew(const std::vector<ProbeView>& views, double size_m) {
-  std::vector<const ProbeView*> largest;
-  for (const ProbeView& view : views) largest.push_back(&view);
-  std::ranges::stable_sort(largest, std::greater<>(),
-                           [](const ProbeView* probe) { return mean_edge_px(probe->view->corners_px); });
-  // Some of the largest, and some from all over: outliers may be large, too.
-  std::vector<const ProbeView*> proposers(
-      largest.begin(),
-      largest.begin() + static_cast<std::ptrdiff_t>(std::min(largest.size(), kMaxProposals)));
-  for (std::size_t i = 0; i < kMaxProposals && !views.empty(); ++i)
-    proposers.push_back(&views[i * views.size() / kMaxProposals]);
-  TagFit best;
-  best.shape.size_m = size_m;
-  best.cost = HUGE_VAL;
-  for (const ProbeView* probe : proposers) {
-    const auto rays = corner_rays(probe->camera->model, probe->view->corners_px);
-    if (!rays) continue;
-    for (const PlanarPose& pose : solve_planar_pnp(*rays, size_m)) {
-      TagFit trial = best;
-      trial.T_map_tag = probe->T_map_rig * probe->camera->T_camera_rig.inverse() * pose.T_camera_tag;
-      trial.cost = total_cost(views, trial);
-      if (trial.cost < best.cost) best = std::move(trial);
-    }
-  }
-  return fit_tag(views, std::move(best), ShapeFreedom::kNone);
+  const TagFit start = best_proposal(views, size_m);
+  const TagFit direct = fit_tag(views, start, ShapeFreedom::kNone);
+  // Few views, some of them at an angle to the others: the pose that pleases most of them may be a trap.
+  TagFit coarse = descended(views, start, ShapeFreedom::kNone, kCoarseLoss);
+  const TagFit indirect = fit_tag(views, std::move(coarse), ShapeFreedom::kNone);
+  return indirect.cost < direct.cost ? indirect : direct;
 }
 
 }  // namespace apriltrack

@@ -18,8 +18,8 @@ struct ProbeView {
   Matrix8d whitening;
 };
 
-/// Of all views of `tag` (outliers, too) in frames that show another tag of the solved part; in the order of
-/// time.
+/// Of the views of `tag` (outliers, too) in frames that show another tag of the solved part, up to 160 spread
+/// evenly; in the order of time.
 std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const AdjustedPart& solved,
                                    int tag);
 
@@ -45,6 +45,7 @@ struct TagFit {
   double cost = 0.0;                                                ///< Half the robust sum of squares.
   Matrix6d covariance = Matrix6d::Zero();                           ///< Of the pose.
   double scale_sigma = 0.0, aspect_sigma = 0.0, twist_sigma = 0.0;  ///< Where they were free.
+  bool is_aspect_clear = false, is_twist_clear = false;             ///< Beyond doubt.
 };
 
 /// Robustly; from `start`.

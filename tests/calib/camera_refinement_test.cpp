@@ -52,7 +52,8 @@ TEST(CameraRefinement, FindsAWrongFocalLengthAndSaysSo) {
     ASSERT_NE(focal, nullptr) << factor;
     EXPECT_NEAR(focal->value, 1.0 / factor - 1.0, 5.0 * focal->sigma);
     EXPECT_LT(focal->sigma, 0.003);
-    EXPECT_NEAR(result.rig.cameras[0].model.pinhole().fx, filmed.truth.rig.cameras[0].model.pinhole().fx, 3.0);
+    EXPECT_NEAR(result.rig.cameras[0].model.pinhole().fx, filmed.truth.rig.cameras[0].model.pinhole().fx,
+                3.0);
     EXPECT_EQ(result.map.tags.size(), 14u);
     expect_truth(filmed.truth, result.map, result.held_tag, 0.02, 0.01);
     EXPECT_THAT(result.warnings, ::testing::Contains(HasSubstr("focal length")));
@@ -72,8 +73,7 @@ TEST(CameraRefinement, LeavesARightCameraAlone) {
 TEST(CameraRefinement, KeepsTheCameraWhereToldTo) {
   Filmed filmed = film(test::perspective_camera());
   scale_focal_length(filmed.stated.rig.cameras[0], 1.01);
-  const CalibrationResult result =
-      calibrate(filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep});
+  const CalibrationResult result = calibrate(filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep});
   EXPECT_THAT(result.corrections, IsEmpty());
   EXPECT_EQ(result.rig.cameras[0].model.pinhole().fx, filmed.stated.rig.cameras[0].model.pinhole().fx);
 }
@@ -101,9 +101,10 @@ TEST(CameraRefinement, FindsHowFarEdgesLieInside) {
       }
     }
   }
-  const CalibrationResult without = calibrate(filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep});
-  const CalibrationResult result = calibrate(
-      filmed.stated, filmed.frames, {.edge_offset_sigma_px = 0.2, .intrinsics = Intrinsics::kKeep});
+  const CalibrationResult without =
+      calibrate(filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep});
+  const CalibrationResult result =
+      calibrate(filmed.stated, filmed.frames, {.edge_offset_sigma_px = 0.2, .intrinsics = Intrinsics::kKeep});
   const CameraCorrection* offset = correction(result, "edge offset");
   ASSERT_NE(offset, nullptr);
   EXPECT_NEAR(offset->value, kInward_px, 5.0 * offset->sigma);
@@ -122,7 +123,8 @@ TEST(CameraRefinement, FindsWhereTheSecondCameraSits) {
   Filmed filmed;
   filmed.truth = test::make_room(14, 120, test::perspective_camera());
   Camera second = test::perspective_camera("cam1");
-  second.T_this_previous = Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(-0.12, 0.0, 0.0));
+  second.T_this_previous =
+      Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(-0.12, 0.0, 0.0));
   filmed.truth.rig.cameras.push_back(second);
   filmed.frames = test::exact_detections(filmed.truth);
   RandomStream random(42);
@@ -130,8 +132,8 @@ TEST(CameraRefinement, FindsWhereTheSecondCameraSits) {
   filmed.stated = filmed.truth;
   filmed.stated.rig.cameras[1].T_this_previous =
       Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(-0.125, 0.002, 0.0));
-  const CalibrationResult result = calibrate(
-      filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep, .refine_extrinsics = true});
+  const CalibrationResult result =
+      calibrate(filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep, .refine_extrinsics = true});
   ASSERT_NE(correction(result, "translation x"), nullptr);
   const Pose error = result.rig.T_camera_rig(1) * filmed.truth.rig.T_camera_rig(1).inverse();
   EXPECT_LT(error.translation().norm(), 1e-3);

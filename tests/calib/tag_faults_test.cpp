@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 
-#include "apriltrack/geometry/tag_corners.h"
 #include "apriltrack/geometry/rotation.h"
+#include "apriltrack/geometry/tag_corners.h"
 #include "calibrating.h"
 
 // What is wrong with a tag is named, and the map of the others is right.
@@ -37,7 +37,8 @@ MapTag& faulty_tag(SyntheticWorld& world) {
 }
 
 /// Takes the faulty tag's detections from another world's picture of the same frame.
-void take_from(const std::vector<FrameDetections>& others, std::size_t i, std::vector<FrameDetections>& frames) {
+void take_from(const std::vector<FrameDetections>& others, std::size_t i,
+               std::vector<FrameDetections>& frames) {
   const auto is_faulty = [](const Detection& detection) { return detection.tag.id == kFaulty; };
   std::erase_if(frames[i].detections, is_faulty);
   for (const Detection& detection : others[i].detections) {
@@ -71,7 +72,8 @@ TEST(TagFaults, NamesAWrongSizeAndTheRightOne) {
     std::vector<FrameDetections> frames = test::exact_detections(printed);
     add_noise(frames);
     const CalibrationResult result = calibrate(stated, frames);
-    EXPECT_THAT(result.warnings, complaint(factor > 1.0 ? "larger than its stated size" : "smaller than its"));
+    EXPECT_THAT(result.warnings,
+                complaint(factor > 1.0 ? "larger than its stated size" : "smaller than its"));
     EXPECT_THAT(result.left_out, Contains(tag36h11(kFaulty)));
     expect_the_others_right(stated, result);
   }
@@ -107,8 +109,8 @@ TEST(TagFaults, NamesAnIdThatHangsTwice) {
 }
 
 /// The faulty tag's corners, moved in its own frame, differently in each frame.
-std::vector<FrameDetections> filmed_with(const SyntheticWorld& world,
-                                         const std::function<Eigen::Vector3d(Eigen::Vector3d, std::size_t)>& moved) {
+std::vector<FrameDetections> filmed_with(
+    const SyntheticWorld& world, const std::function<Eigen::Vector3d(Eigen::Vector3d, std::size_t)>& moved) {
   std::vector<FrameDetections> frames = test::exact_detections(world);
   const MapTag& tag = *world.map.find(tag36h11(kFaulty));
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -116,8 +118,8 @@ std::vector<FrameDetections> filmed_with(const SyntheticWorld& world,
       if (detection.tag.id != kFaulty) continue;
       const auto corners = tag_corners(tag.size_m);
       for (std::size_t c = 0; c < corners.size(); ++c)
-        detection.corners_px[c] = *world.rig.cameras[0].model.project(
-            world.T_world_rig[i].inverse() * tag.T_map_tag * moved(corners[c], i));
+        detection.corners_px[c] = *world.rig.cameras[0].model.project(world.T_world_rig[i].inverse() *
+                                                                      tag.T_map_tag * moved(corners[c], i));
     }
   }
   return frames;

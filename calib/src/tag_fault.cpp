@@ -1,0 +1,113 @@
+#include "tag_fault.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "tag_fault_words.h"
+
+namespace apriltrack {
+namespace {
+
+using Kind = TagFinding::Kind;
+
+constexpr std::size_t kLeastProbes = 4;
+// Clear: by so many standard deviations, so much of the tag's size, and so much of half the sum of squares.
+constexpr double kClearSigmas = 5.0;
+constexpr double kClearScale = 0.012;
+constexpr double kClearBend = 0.006;
+constexpr double kTwistPerEdge = 2.0;  // a twist shows where the tag is seen from aside, and there by half
+constexpr double kClearGain = 20.0;
+constexpr double kClearShare = 0.25;  // of what is beyond the usual
+constexpr double kMostLeft = 2.5;     // of the usual
+constexpr double kPerNumber = 2.0;    // what a further unknown must gain to be preferred
+// Misfit of one place, below which no second one is asked for.
+constexpr double kMisfitOfTwo = 1.2;
+constexpr double kMisfitOfMoved = 2.5;  // lens errors look like small moves
+constexpr double kMisfitOfLoose = 2.0;  // something is always left
+
+struct Hypothesis {
+  Kind kind;
+  double cost;  ///< With a fee for its unknowns.
+  TagFit fit;
+  std::optional<TwoPlaces> places;
+};
+
+/// Beyond chance, and beyond what errors do that the tag keeps in all of its views, `kept`.
+bool is_clear(double value, double sigma, double kept, double least, double misfit) {
+  const double by_chance = sigma * std::sqrt(std::max(1.0, misfit));
+  return std::abs(value) > std::max(least, kClearSigmas * std::hypot(by_chance, kept));
+}
+
+double mean_edge_of(const std::vector<ProbeView>& probes) {
+  double sum = 0.0;
+  for (const ProbeView& probe : probes) sum += mean_edge_px(probe.view->corners_px);
+  return sum / static_cast<double>(probes.size());
+}
+
+std::vector<Hypothesis> hypotheses_about(const std::vector<ProbeView>& probes, const TagFit& one,
+                                         double misfit, double kept_px) {
+  const double kept = kept_px / mean_edge_of(probes);  // as a share of the size
+  const double size_m = one.shape.size_m;
+  std::vector<Hypothesis> result;
+  const TagFit scaled = fit_tag(probes, one, ShapeFreedom::kSize);
+  if (is_clear(scaled.shape.log_scale, scaled.scale_sigma, kept, kClearScale, misfit))
+    result.push_back({Kind::kSize, scaled.cost, scaled, {}});
+  TagFit bent = fit_tag(probes, one, ShapeFreedom::kBend);
+  bent.is_aspect_clear = is_clear(bent.shape.aspect, bent.aspect_sigma, kept, kClearBend, misfit);
+  bent.is_twist_clear =
+      is_clear(bent.shape.twist, bent.twist_sigma, kTwistPerEdge * kept, kClearBend, misfit);
+  if (bent.is_aspect_clear || bent.is_twist_clear)
+    result.push_back({Kind::kNotFlat, bent.cost + 2.0 * kPerNumber, bent, {}});
+  if (misfit < kMisfitOfTwo) return result;
+  if (misfit > kMisfitOfMoved) {
+    if (auto moved = moved_once(probes, size_m)) result.push_back({Kind::kMoved, moved->cost, {}, moved});
+  }
+  if (auto places = two_places(probes, one, size_m))
+    result.push_back({Kind::kTwoPlaces, places->cost, {}, places});
+  return result;
+}
+
+std::string describe(const Hypothesis& one, const std::vector<ProbeView>& probes,
+                     const Observations& observations, const std::string& name) {
+  switch (one.kind) {
+    case Kind::kSize: return words_of_size(one.fit, name);
+    case Kind::kNotFlat: return words_of_bend(one.fit, name);
+    case Kind::kMoved: return words_of_move(*one.places, probes, observations.frames.front(), name);
+    case Kind::kTwoPlaces: return words_of_copies(*one.places, name);
+    case Kind::kLoose: break;
+  }
+  return words_of_loose(name);
+}
+
+}  // namespace
+
+TagLook look_at(const PartTask& task, const std::vector<ProbeView>& probes, int tag) {
+  if (probes.size() < kLeastProbes) return {};
+  const auto t = static_cast<std::size_t>(tag);
+  const std::string name = to_string(task.observations.tags[t]);
+  const TagFit one = fit_tag_anew(probes, task.observations.sizes_m[t]);
+  const double usual = usual_probe_cost() * static_cast<double>(probes.size());
+  TagLook look{one.cost / usual, std::nullopt};
+  const auto hypotheses = hypotheses_about(probes, one, look.misfit, task.options.corner_bias_px);
+  const auto best = std::ranges::min_element(hypotheses, {}, &Hypothesis::cost);
+  const double least_gain = std::max(kClearGain, kClearShare * (one.cost - usual));
+  if (best != hypotheses.end() && one.cost - best->cost > least_gain && best->cost < kMostLeft * usual) {
+    look.finding = {.tag = tag,
+                    .kind = best->kind,
+                    .words = describe(*best, probes, task.observations, name),
+                    .is_left_out = best->kind != Kind::kNotFlat,
+                    .misfit_before = look.misfit,
+                    .misfit_after = best->cost / usual};
+  } else if (look.misfit > kMisfitOfLoose && is_loose(probes, one)) {
+    look.finding = {.tag = tag,
+                    .kind = Kind::kLoose,
+                    .words = words_of_loose(name),
+                    .is_left_out = true,
+                    .misfit_before = look.misfit,
+                    .misfit_after = kMisfitOfLoose};
+  }
+  return look;
+}
+
+}  // namespace apriltrack

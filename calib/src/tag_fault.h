@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tag_probe.h"
+
+namespace apriltrack {
+
+/// What is wrong with a tag, told in words that a user can act on.
+struct TagFinding {
+  enum class Kind { kSize, kMoved, kTwoPlaces, kNotFlat, kLoose };
+  int tag = 0;
+  Kind kind = Kind::kSize;
+  std::string words;
+  bool is_left_out = false;
+  /// What the views cost, in units of what they would if they erred as expected: with one place and the
+  /// stated shape, and with what was found.
+  double misfit_before = 0.0, misfit_after = 0.0;
+
+  /// Nothing is left to be explained.
+  bool is_complete() const { return misfit_after < 1.6; }
+  double gain() const { return misfit_before - misfit_after; }
+};
+
+struct TagLook {
+  /// What the views of one place with the stated shape cost, in units of what they would if they erred as
+  /// expected; 0 where there are too few.
+  double misfit = 0.0;
+  /// None where nothing is clearly wrong, or nothing explains it.
+  std::optional<TagFinding> finding;
+};
+
+/// Whether something explains the tag's views where one place and the stated shape do not: another size, a
+/// bend, two places, one after the other or by turns, or no fixed place at all. probes: in the order of time.
+TagLook look_at(const PartTask& task, const std::vector<ProbeView>& probes, int tag);
+
+}  // namespace apriltrack

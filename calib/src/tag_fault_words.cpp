@@ -1,0 +1,79 @@
+#include "tag_fault_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace apriltrack {
+namespace {
+
+constexpr double kOneObject_m = 1.0;  // farther, and it may as well be two tags
+
+std::string how_far(const TwoPlaces& two) {
+  const Pose change = two.change();
+  return fmt::format(
+      "{:.3g} m and {:.1f} degrees", change.translation().norm(),
+      rotation_angle_rad(change.rotation(), Eigen::Quaterniond::Identity()) * 180.0 / std::numbers::pi);
+}
+
+std::string words_of_two(const TwoPlaces& two, const std::string& when, const std::string& name) {
+  return fmt::format(
+      "{} is seen at two places, {}, {} apart: its id hangs twice (a duplicate), or it was carried from one "
+      "to the other. It is left out: cover one, or give it another id",
+      name, when, how_far(two));
+}
+
+}  // namespace
+
+std::string words_of_size(const TagFit& scaled, const std::string& name) {
+  const double scale = std::exp(scaled.shape.log_scale);
+  return fmt::format(
+      "{} looks {:.1f} % {} than its stated size of {:.4g} m (sigma {:.1f} %): a wrong size was given, or it "
+      "was printed at another scale; measure it (about {:.4g} m), and correct --tag-size or --tag-sizes. It "
+      "is left out",
+      name, 100.0 * std::abs(scale - 1.0), scale > 1.0 ? "larger" : "smaller", scaled.shape.size_m,
+      100.0 * scaled.scale_sigma, scale * scaled.shape.size_m);
+}
+
+std::string words_of_bend(const TagFit& bent, const std::string& name) {
+  const TagShape& shape = bent.shape;
+  std::string what;
+  if (bent.is_twist_clear)
+    what = fmt::format("its corners lie {:.1f} mm (sigma {:.1f}) before and behind one plane",
+                       1e3 * std::abs(shape.twist) * shape.size_m, 1e3 * bent.twist_sigma * shape.size_m);
+  if (bent.is_aspect_clear)
+    what += fmt::format("{}it is {:.1f} % (sigma {:.1f}) {} than high", what.empty() ? "" : ", and ",
+                        100.0 * std::abs(shape.aspect), 100.0 * bent.aspect_sigma,
+                        shape.aspect > 0.0 ? "wider" : "narrower");
+  return fmt::format(
+      "{} is bent, not flat, or was printed unevenly: {}. Fix it to a flat, stiff board; its pose is that of "
+      "the plane through its corners",
+      name, what);
+}
+
+std::string words_of_move(const TwoPlaces& two, const std::vector<ProbeView>& probes, Timestamp begin,
+                          const std::string& name) {
+  if (two.change().translation().norm() > kOneObject_m) return words_of_two(two, "one after the other", name);
+  const auto second = std::ranges::find(two.is_at_second, true) - two.is_at_second.begin();
+  const ProbeView& before = probes[static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, second - 1))];
+  const ProbeView& after = probes[static_cast<std::size_t>(second)];
+  return fmt::format(
+      "{} was moved by {} while filming, between {:.2f} and {:.2f} s after the first frame. It is left out: "
+      "film again, with all tags fixed",
+      name, how_far(two), seconds_between(begin, before.timestamp), seconds_between(begin, after.timestamp));
+}
+
+std::string words_of_copies(const TwoPlaces& two, const std::string& name) {
+  return words_of_two(two, "by turns", name);
+}
+
+std::string words_of_loose(const std::string& name) {
+  return fmt::format(
+      "{} hangs loosely: it moves from view to view, and no fixed place explains them. It is left out: fix "
+      "it to the wall",
+      name);
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tag_places.h"
+
+namespace apriltrack {
+
+// What is wrong with the tag `name`, by how much, and what to do.
+
+std::string words_of_size(const TagFit& scaled, const std::string& name);
+std::string words_of_bend(const TagFit& bent, const std::string& name);
+/// begin: of the recording.
+std::string words_of_move(const TwoPlaces& two, const std::vector<ProbeView>& probes, Timestamp begin,
+                          const std::string& name);
+std::string words_of_copies(const TwoPlaces& two, const std::string& name);
+std::string words_of_loose(const std::string& name);
+
+}  // namespace apriltrack

@@ -1,0 +1,142 @@
+#include "tag_places.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+namespace apriltrack {
+namespace {
+
+constexpr std::size_t kLeastOfPlace = 3;  // views
+constexpr double kPerNumber = 2.0;        // what a further unknown must gain to be preferred
+// Apart: by so much, so clearly.
+constexpr double kClearSquares = 45.0;  // of six numbers: chance in a million
+constexpr double kClearMove = 0.02;     // of the tag's size; and at least
+constexpr double kClearMove_m = 0.003;
+constexpr double kClearTurn_rad = 1.0 * std::numbers::pi / 180.0;
+constexpr double kTwoTags = 0.8;  // of the size: two tags that hang at a time cannot overlap
+
+double cost_at(const std::vector<ProbeView>& probes, const TagFit& fit) {
+  double sum = 0.0;
+  for (const ProbeView& probe : probes) sum += probe_cost(probe, fit.T_map_tag, fit.shape);
+  return sum;
+}
+
+std::vector<ProbeView> where(const std::vector<ProbeView>& probes, const std::vector<bool>& flags,
+                             bool value) {
+  std::vector<ProbeView> chosen;
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    if (flags[i] == value) chosen.push_back(probes[i]);
+  }
+  return chosen;
+}
+
+/// The moment at which it costs least to go over from one place to the other; 0 or probes.size(): never.
+std::size_t best_change(const std::vector<ProbeView>& probes, const TagFit& first, const TagFit& second) {
+  double all_second = cost_at(probes, second), least = all_second;
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    all_second += probe_cost(probes[i], first.T_map_tag, first.shape) -
+                  probe_cost(probes[i], second.T_map_tag, second.shape);
+    if (all_second < least) {
+      least = all_second;
+      best = i + 1;
+    }
+  }
+  return best;
+}
+
+/// Both places fitted to the views that are said to show them.
+std::optional<TwoPlaces> fit_two(const std::vector<ProbeView>& probes,
+                                 std::vector<bool> at_second, double size_m) {
+  const auto first = where(probes, at_second, false), second = where(probes, at_second, true);
+  if (first.size() < kLeastOfPlace || second.size() < kLeastOfPlace) return std::nullopt;
+  TwoPlaces result{0.0, fit_tag_anew(first, size_m), fit_tag_anew(second, size_m),
+                    std::move(at_second)};
+  result.cost = result.fit.cost + result.second.cost;
+  return result;
+}
+
+/// Two tags of one id need not be of one size.
+void allow_another_size(const std::vector<ProbeView>& probes, TagFit& fit) {
+  TagFit scaled = fit_tag(probes, fit, ShapeFreedom::kSize);
+  scaled.cost += kPerNumber;
+  if (scaled.cost < fit.cost) fit = scaled;
+}
+
+/// Whether the places differ by more than their errors, and by `least_m`.
+bool are_apart(const TwoPlaces& two, double least_m) {
+  const Pose change = two.change();
+  const Vector6d xi = change.log();
+  const Matrix6d covariance = two.fit.covariance + two.second.covariance;
+  const double squares = xi.dot(covariance.ldlt().solve(xi));
+  return squares > kClearSquares && change.translation().norm() > least_m;
+}
+
+}  // namespace
+
+std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double size_m) {
+  std::optional<TwoPlaces> best;
+  for (const double share : {0.25, 0.5, 0.75}) {
+    auto change = static_cast<std::size_t>(share * static_cast<double>(probes.size()));
+    std::optional<TwoPlaces> trial;
+    for (int round = 0; round < 4; ++round) {
+      std::vector<bool> at_second(probes.size());
+      for (std::size_t i = 0; i < probes.size(); ++i) at_second[i] = i >= change;
+      auto next = fit_two(probes, std::move(at_second), size_m);
+      if (!next) break;
+      trial = std::move(next);
+      const std::size_t better = best_change(probes, trial->fit, trial->second);
+      if (better == change) break;
+      change = better;
+    }
+    if (trial && (!best || trial->cost < best->cost)) best = std::move(trial);
+  }
+  if (!best) return std::nullopt;
+  best->cost += 7.0 * kPerNumber;
+  const double turn_rad = rotation_angle_rad(best->change().rotation(), Eigen::Quaterniond::Identity());
+  const double least_m = turn_rad > kClearTurn_rad ? 0.0 : std::max(kClearMove * size_m, kClearMove_m);
+  return are_apart(*best, least_m) ? best : std::nullopt;
+}
+
+// The views that the one place explains worst tell where the other is.
+std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const TagFit& one, double size_m) {
+  std::vector<bool> at_second(probes.size());
+  for (std::size_t i = 0; i < probes.size(); ++i)
+    at_second[i] = probe_cost(probes[i], one.T_map_tag, one.shape) > 4.0 * usual_probe_cost();
+  std::optional<TwoPlaces> result;
+  for (int round = 0; round < 4; ++round) {
+    auto next = fit_two(probes, at_second, size_m);
+    if (!next) break;
+    result = std::move(next);
+    for (std::size_t i = 0; i < probes.size(); ++i)
+      at_second[i] = probe_cost(probes[i], result->second.T_map_tag, result->second.shape) <
+                     probe_cost(probes[i], result->fit.T_map_tag, result->fit.shape);
+    if (at_second == result->is_at_second) break;
+  }
+  if (!result || !are_apart(*result, kTwoTags * size_m)) return std::nullopt;
+  allow_another_size(where(probes, result->is_at_second, false), result->fit);
+  allow_another_size(where(probes, result->is_at_second, true), result->second);
+  result->cost = result->fit.cost + result->second.cost;
+  const auto minority = static_cast<double>(std::min(std::ranges::count(result->is_at_second, true),
+                                                     std::ranges::count(result->is_at_second, false)));
+  result->cost += 6.0 * kPerNumber + minority;
+  return result;
+}
+
+/// Of the views: many that no one place explains, though each by itself is a tag's.
+bool is_loose(const std::vector<ProbeView>& probes, const TagFit& one) {
+  constexpr double kFarOff = 30.0, kAsUsual = 12.0;  // squares; 8 and 2 are expected
+  std::size_t far = 0, explained = 0;
+  for (const ProbeView& probe : probes) {
+    const double cost = probe_cost(probe, one.T_map_tag, one.shape);
+    if (cost < usual_probe_cost() * kFarOff / 8.0 * 0.8) continue;
+    ++far;
+    const TagFit alone = fit_tag_anew({probe}, one.shape.size_m);
+    if (alone.cost < usual_probe_cost() * kAsUsual / 8.0) ++explained;
+  }
+  return static_cast<double>(far) > 0.35 * static_cast<double>(probes.size()) &&
+         static_cast<double>(explained) > 0.8 * static_cast<double>(far);
+}
+}  // namespace apriltrack

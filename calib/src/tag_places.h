@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "tag_probe.h"
+
+namespace apriltrack {
+
+/// A tag that is at one of two places, view by view.
+struct TwoPlaces {
+  double cost;  ///< Half the robust sum of squares, with a fee for what it assumes.
+  TagFit fit, second;
+  std::vector<bool> is_at_second;  ///< By view.
+
+  Pose change() const { return fit.T_map_tag.inverse() * second.T_map_tag; }
+};
+
+/// First at the one, then at the other; nullopt where the views tell no two places apart. probes: in the
+/// order of time.
+std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double size_m);
+
+/// By turns: two tags of one id. one: the best single place.
+std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const TagFit& one, double size_m);
+
+/// Many views that no one place explains, though each by itself is a tag's.
+bool is_loose(const std::vector<ProbeView>& probes, const TagFit& one);
+
+}  // namespace apriltrack
