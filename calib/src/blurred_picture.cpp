@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+
+#include "normal_distribution.h"
 
 namespace apriltrack {
 namespace {
@@ -27,9 +28,8 @@ struct Step {
 /// Of a Gaussian about `distance` beyond an edge: what lies beyond the edge.
 Step beyond(double distance, double sigma) {
   const double z = distance / sigma;
-  const double density = std::exp(-0.5 * z * z) / (std::numbers::sqrt2 * std::sqrt(std::numbers::pi));
-  return {0.5 * std::erfc(-z / std::numbers::sqrt2), density / sigma, -z * density / (sigma * sigma),
-          -z * density};
+  const auto [below, density] = normal_at(z);
+  return {below, density / sigma, -z * density / (sigma * sigma), -z * density};
 }
 
 CellShares cell_shares(const TagPattern& pattern, double place, double sigma) {
