@@ -5,29 +5,14 @@
 #include <map>
 #include <utility>
 
+#include "joint_covariance.h"
+
 namespace apriltrack {
 namespace {
 
 Matrix6d symmetric(const Matrix6d& matrix) {
   return 0.5 * (matrix + matrix.transpose());
 }
-
-/// What shared parameters that were estimated add: the poses follow their errors.
-struct SharedErrors {
-  explicit SharedErrors(const SharedParameters& shared)
-      : poses_by_parameter(shared.information.poses_by_parameter),
-        covariance((shared.information.information + Eigen::MatrixXd(shared.prior_precision.asDiagonal()))
-                       .ldlt()
-                       .solve(Eigen::MatrixXd::Identity(shared.prior_precision.size(),
-                                                        shared.prior_precision.size()))) {
-    for (const auto& [tag, gradient] : shared.information.gradient_by_errors)
-      parameters_by_errors[tag] = -covariance * gradient;
-  }
-
-  Eigen::MatrixXd poses_by_parameter;
-  Eigen::MatrixXd covariance;
-  std::map<int, Eigen::MatrixXd> parameters_by_errors;
-};
 
 /// rows: those of the inverse that belong to the tags from offset `first` on.
 std::vector<TagCovariance> covariances_from(const PoseInformation& poses, const Eigen::MatrixXd& rows,
