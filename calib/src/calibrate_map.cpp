@@ -9,6 +9,8 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
+#include "camera_gravity.h"
+#include "constraint_tags.h"
 #include "part_solver.h"
 
 namespace apriltrack {
@@ -156,6 +158,7 @@ TagMap to_map(const Observations& observations, const PartSolution& solution, co
     std::optional<TagCovariance> covariance;
     if (!solution.covariances.empty()) covariance = solution.covariances[i];
     if (covariance) tag.covariance = covariance->by_noise + covariance->by_bias;
+    if (solution.constrained) tag.covariance = solution.constrained->covariances[i];
     tag.statistics = TagStatistics{views[t], solution.residual_rms_px[i], {}};
     tag.statistics->flags =
         flags_of(tag, covariance, 1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t],
@@ -283,6 +286,31 @@ void take_cameras(const Observations& observations, const CameraRig& rig, const 
       solution.cameras.held_out_before, solution.cameras.held_out_after, words));
 }
 
+/// Constraints weigh against the covariance of all tags.
+void require_covariances(const CalibrationOptions& options, const Part& part) {
+  if (options.constraints.empty() ||
+      part.tags.size() <= static_cast<std::size_t>(options.max_tags_with_covariance))
+    return;
+  throw invalid_input(
+      "constraints",
+      fmt::format("need the covariance of all tags, and the map has {} of them (at most {}): leave "
+                  "them away, or map fewer tags at a time",
+                  part.tags.size(), options.max_tags_with_covariance));
+}
+
+/// What constraints made of the map, and what is to be said of them.
+void take_constraints(const PartSolution& solution, CalibrationResult& result, Findings& findings) {
+  result.gauge = to_string(result.held_tag) + " held at the origin";
+  if (!solution.constrained) return;
+  if (!solution.constrained->gauge.empty()) result.gauge = solution.constrained->gauge;
+  result.constraint_audits = solution.constrained->audits;
+  for (std::size_t i = 0; i < solution.constraints.size(); ++i) {
+    if (result.constraint_audits[i].is_used) result.constraints.push_back(solution.constraints[i]);
+  }
+  findings.warnings.insert(findings.warnings.end(), solution.constrained->warnings.begin(),
+                           solution.constrained->warnings.end());
+}
+
 void report_other_parts(const Observations& observations, const std::vector<Part>& parts,
                         Findings& findings) {
   for (std::size_t i = 1; i < parts.size(); ++i)
@@ -308,6 +336,7 @@ void CalibrationOptions::check() const {
           fmt::format("{}", edge_offset_sigma_px), "in [0, 100]");
   require(max_tags_with_covariance >= 0, "max_tags_with_covariance", std::to_string(max_tags_with_covariance),
           "0 or more");
+  for (const MapConstraint& constraint : constraints) check_constraint(constraint);
   require(min_views >= 1, "min_views", std::to_string(min_views), "1 or more");
   require(max_iterations >= 1, "max_iterations", std::to_string(max_iterations), "1 or more");
   require(num_threads >= 0, "num_threads", std::to_string(num_threads), "0 (all cores) or more");
@@ -320,21 +349,26 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   const ParallelFor parallel = parallel_for(options.num_threads);
   Findings findings;
   const Observations observations = collect_observations(frames, rig, sizes, options, findings);
+  const std::vector<MapConstraint> constraints =
+      with_families(options.constraints, observations.tags, findings.left_out);
+  require_camera_frames(constraints, observations);
   std::vector<ViewCandidates> candidates;
   std::vector<Part> parts = solvable_parts(observations, options, parallel, candidates, findings);
   require_connection(observations, parts);
   std::vector<int> held_tags;
   choose_gauge(observations, options, findings, parts, held_tags);
   report_other_parts(observations, parts, findings);
+  require_covariances(options, parts.front());
 
   CalibrationResult result;
   log(LogLevel::kInfo, fmt::format("adjusting {} tags from {} observations", parts.front().tags.size(),
                                    parts.front().views.size()));
-  const PartSolution main =
-      solve_part(observations, parts.front(), held_tags.front(), candidates, options, parallel, log);
+  const PartSolution main = solve_part(observations, parts.front(), held_tags.front(), candidates, options,
+                                       constraints, parallel, log);
   report_quality(observations, main, options, findings);
   result.held_tag = key_of(observations, main.held_tag);
   result.map = to_map(observations, main, options.map_frame);
+  take_constraints(main, result, findings);
   result.residual_rms_px = main.total_rms_px;
   result.frames_used = static_cast<int>(frames_of(observations, main.part.views).size());
   result.rig_poses = rig_poses(observations, main);
@@ -345,7 +379,7 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   for (std::size_t i = 1; i < parts.size(); ++i) {
     try {
       const PartSolution other =
-          solve_part(observations, parts[i], held_tags[i], candidates, options, parallel, log);
+          solve_part(observations, parts[i], held_tags[i], candidates, options, {}, parallel, log);
       report_quality(observations, other, options, findings);
       result.other_parts.push_back(
           to_map(observations, other, fmt::format("{}_part_{}", options.map_frame, i + 1)));

@@ -104,7 +104,8 @@ std::vector<RigCamera> rig_cameras(const CameraRig& rig, const std::set<std::str
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
     // One camera alone needs no extrinsics; those that are not used may lack them.
     const bool needs_extrinsics = used.size() > 1 && used.contains(rig.cameras[i].name);
-    cameras.push_back({rig.cameras[i].model, needs_extrinsics ? rig.T_camera_rig(i) : Pose::identity()});
+    cameras.push_back({rig.cameras[i].model, needs_extrinsics ? rig.T_camera_rig(i) : Pose::identity(), 0.0,
+                       rig.cameras[i].name});
   }
   return cameras;
 }

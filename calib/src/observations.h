@@ -24,6 +24,7 @@ struct RigCamera {
   Pose T_camera_rig;
   /// The detector's edges lie so far inside the true ones, along their normals.
   double edge_offset_px = 0.0;
+  std::string name = {};
 };
 
 /// What a calibration works on: every usable view, with small whole numbers in place of names.

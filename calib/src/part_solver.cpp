@@ -9,10 +9,12 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "camera_gravity.h"
 #include "corner_views.h"
 #include "culprit_search.h"
 #include "error_scale.h"
 #include "part_adjustment.h"
+#include "reduced_equations.h"
 #include "undecided_tags.h"
 
 namespace apriltrack {
@@ -160,8 +162,38 @@ AdjustedPart adjust_without_contradictions(const PartTask& task, const Part& par
   return std::move(*solved);
 }
 
-void measure_covariances(const Observations& observations, const CalibrationOptions& options,
+/// Each frame anew, the tags as they are.
+void let_frames_follow(const Observations& observations, const Part& part, MapState& state) {
+  constexpr int kMostSteps = 10;
+  constexpr double kStill = 1e-10;  // m or rad
+  for (int i = 0; i < kMostSteps; ++i) {
+    const auto steps = solve_steps(corner_views(observations, part.views, state), std::nullopt);
+    if (!steps) return;
+    double largest = 0.0;
+    for (const auto& [frame, step] : steps->frames) {
+      Pose& pose = state.T_map_rig[static_cast<std::size_t>(frame)];
+      pose = pose * Pose::exp(step);
+      largest = std::max(largest, step.cwiseAbs().maxCoeff());
+    }
+    if (largest < kStill) return;
+  }
+}
+
+/// joint: of the adjusted map.
+void keep_to_constraints(const Observations& observations, const JointCovariance& joint,
                          PartSolution& solution) {
+  ImageMap map{observations.tags, solution.part.tags, solution.held_tag, solution.state.T_map_tag, {}};
+  const Pose T_held_map = map.T_held_tag[static_cast<std::size_t>(solution.held_tag)].inverse();
+  for (Pose& pose : map.T_held_tag) pose = T_held_map * pose;
+  for (const TagCovariance& tag : solution.covariances) map.covariances.push_back(tag.by_noise + tag.by_bias);
+  solution.constrained = constrain_map(solution.constraints, map, joint);
+  solution.state.T_map_tag = solution.constrained->T_map_tag;
+  for (Pose& pose : solution.state.T_map_rig) pose = solution.constrained->T_map_held * T_held_map * pose;
+  let_frames_follow(observations, solution.part, solution.state);
+}
+
+void measure_covariances(const Observations& observations, const CalibrationOptions& options,
+                         const std::vector<MapConstraint>& constraints, PartSolution& solution) {
   if (solution.part.tags.size() > static_cast<std::size_t>(options.max_tags_with_covariance)) return;
   const std::vector<LinearView> views = corner_views(observations, solution.part.views, solution.state);
   const auto poses = PoseInformation::of(views, solution.part.tags, solution.held_tag);
@@ -171,16 +203,21 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
                     "with others");
   const double bias = options.corner_bias_px / options.corner_sigma_px;
   const ErrorScale scale = error_scale(views, *poses, bias * bias);
-  solution.covariances =
-      tag_covariances(*poses, solution.part.tags, shared_parameters(observations, solution, *poses));
+  const auto shared = shared_parameters(observations, solution, *poses);
+  solution.covariances = tag_covariances(*poses, solution.part.tags, shared);
   scale_by(scale, solution.covariances);
+  if (constraints.empty()) return;
+  solution.constraints = with_gravity_of_tags(constraints, observations, solution.part.views, views,
+                                              solution.state, scale.noise_variance);
+  keep_to_constraints(observations, JointCovariance(*poses, scale, shared), solution);
 }
 
 }  // namespace
 
 PartSolution solve_part(const Observations& observations, const Part& part, int held_tag,
                         const std::vector<ViewCandidates>& candidates, const CalibrationOptions& options,
-                        const ParallelFor& parallel, const LogSink& log) {
+                        const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
+                        const LogSink& log) {
   const PartTask task{observations, candidates, options};
   AdjustedPart solved = adjust_without_contradictions(task, part, held_tag, parallel, log);
   PartSolution solution;
@@ -192,8 +229,8 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   solution.undecided = solved.undecided;
   solution.part = std::move(solved.part);
   solution.state = std::move(solved.state);
+  measure_covariances(observations, options, constraints, solution);
   measure_residuals(observations, solution);
-  measure_covariances(observations, options, solution);
 
   solution.views_offered = part.views.size();
   solution.views_offered_by_tag.assign(observations.tags.size(), 0);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "camera_refinement.h"
+#include "constrained_map.h"
 #include "tag_covariance.h"
 #include "tag_examination.h"
 
@@ -15,8 +16,10 @@ struct PartSolution {
   int held_tag = 0;
   Part part;  ///< What was kept: outliers, and tags that hung on them alone, are gone.
   MapState state;
-  std::vector<TagCovariance> covariances;  ///< Of part.tags; empty when these are too many.
-  std::vector<double> residual_rms_px;     ///< Of part.tags, per axis.
+  std::vector<TagCovariance> covariances;     ///< Of part.tags; empty when these are too many.
+  std::vector<double> residual_rms_px;        ///< Of part.tags, per axis.
+  std::vector<MapConstraint> constraints;     ///< As given, cameras' gravity as that of tags.
+  std::optional<ConstrainedMap> constrained;  ///< What constraints made of it; `state` is that already.
   double total_rms_px = 0.0;
   std::size_t views_offered = 0;          ///< Before outliers were removed.
   std::vector<int> views_offered_by_tag;  ///< Indexed like observations.tags.
@@ -29,9 +32,11 @@ struct PartSolution {
 
 /// Start, robust adjustment, outliers removed, clean adjustment, mirrored tags turned, covariances; all of it
 /// again without the one tag that makes frames contradict each other, if there is one. Throws
-/// Error(kNoResult) when it does not converge, converges to nonsense, or contradictions stay.
+/// Error(kNoResult) when it does not converge, converges to nonsense, or contradictions stay, of views or of
+/// constraints. constraints: whose tags are named by family and id.
 PartSolution solve_part(const Observations& observations, const Part& part, int held_tag,
                         const std::vector<ViewCandidates>& candidates, const CalibrationOptions& options,
-                        const ParallelFor& parallel, const LogSink& log);
+                        const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
+                        const LogSink& log);
 
 }  // namespace apriltrack

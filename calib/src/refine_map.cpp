@@ -10,9 +10,9 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
+#include "constrained_map.h"
 #include "photometric_adjustment.h"
 #include "refinement_input.h"
-#include "tag_covariance.h"
 
 namespace apriltrack {
 namespace {
@@ -40,8 +40,9 @@ double disagreement(const std::vector<LinearView>& views) {
 
 class Refinement {
  public:
-  Refinement(const RefinementInput& input, int held_tag, ParallelFor parallel)
-      : input_(input), held_tag_(held_tag), parallel_(std::move(parallel)) {}
+  Refinement(const RefinementInput& input, int held_tag, const std::vector<MapConstraint>& constraints,
+             ParallelFor parallel)
+      : input_(input), held_tag_(held_tag), constraints_(constraints), parallel_(std::move(parallel)) {}
 
   /// What moments that are held out say of the calibration, and of a map refined without them. Both with the
   /// light and the lens of the latter, so that only places differ. False where the refinement fails.
@@ -67,12 +68,9 @@ class Refinement {
     PhotometricAdjustment all(input_.scene, trained_, parallel_);
     if (!all.run({.held_tag = held_tag_}, kMostSteps)) return false;
     const std::vector<LinearView> views = all.linear_views();
-    if (!take_covariances(views, options, result.map)) return false;
-    for (std::size_t i = 0; i < input_.map_index.size(); ++i) {
-      MapTag& tag = map_tag(i, result.map);
-      tag.T_map_tag = all.state().T_map_tag[i];
-      result.refined.push_back(tag.key);
-    }
+    if (!take_places(all.state().T_map_tag, views, options, result)) return false;
+    for (std::size_t i = 0; i < input_.map_index.size(); ++i)
+      result.refined.push_back(map_tag(i, result.map).key);
     result.views_used = static_cast<int>(views.size());
     result.moments_used = input_.num_moments;
     result.psf_sigma_px = all.state().psf_sigma_px;
@@ -84,20 +82,48 @@ class Refinement {
     return map.tags[static_cast<std::size_t>(input_.map_index[place])];
   }
 
-  /// Maps too large for covariances (CalibrationOptions::max_tags_with_covariance) stay without. False where
-  /// the views leave a pose undetermined.
-  bool take_covariances(const std::vector<LinearView>& views, const RefinementOptions& options,
-                        TagMap& map) const {
+  /// The tags' new poses with covariances, kept to the constraints. Maps too large for covariances
+  /// (CalibrationOptions::max_tags_with_covariance) stay without. False where the views leave a pose
+  /// undetermined.
+  bool take_places(const std::vector<Pose>& T_map_tag, const std::vector<LinearView>& views,
+                   const RefinementOptions& options, RefinementResult& result) const {
+    const bool has_covariances = map_tag(0, result.map).covariance.has_value();
+    for (std::size_t i = 0; i < T_map_tag.size(); ++i) map_tag(i, result.map).T_map_tag = T_map_tag[i];
+    if (!has_covariances) return true;
     std::vector<int> tags(input_.map_index.size());
     std::iota(tags.begin(), tags.end(), 0);
-    if (!map_tag(0, map).covariance) return true;
     const auto poses = PoseInformation::of(views, tags, held_tag_);
     if (!poses) return false;
     std::vector<TagCovariance> covariances = tag_covariances(*poses, tags);
-    scale_by(error_scale(views, *poses, options.picture_bias_px * options.picture_bias_px), covariances);
+    const ErrorScale scale = error_scale(views, *poses, options.picture_bias_px * options.picture_bias_px);
+    scale_by(scale, covariances);
     for (std::size_t i = 0; i < tags.size(); ++i)
-      map_tag(i, map).covariance = covariances[i].by_noise + covariances[i].by_bias;
+      map_tag(i, result.map).covariance = covariances[i].by_noise + covariances[i].by_bias;
+    if (!constraints_.empty()) keep_to_constraints(JointCovariance(*poses, scale), tags, result);
     return true;
+  }
+
+  void keep_to_constraints(const JointCovariance& joint, const std::vector<int>& tags,
+                           RefinementResult& result) const {
+    ImageMap map{{}, tags, held_tag_, {}, {}};
+    const Pose T_map_held = map_tag(static_cast<std::size_t>(held_tag_), result.map).T_map_tag;
+    for (std::size_t i = 0; i < tags.size(); ++i) {
+      const MapTag& tag = map_tag(i, result.map);
+      map.keys.push_back(tag.key);
+      map.T_held_tag.push_back(T_map_held.inverse() * tag.T_map_tag);
+      map.covariances.push_back(*tag.covariance);
+    }
+    ConstrainedMap constrained = constrain_map(constraints_, map, joint);
+    // Tags that were not refined move with the frame.
+    for (MapTag& tag : result.map.tags)
+      tag.T_map_tag = constrained.T_map_held * T_map_held.inverse() * tag.T_map_tag;
+    for (std::size_t i = 0; i < tags.size(); ++i) {
+      map_tag(i, result.map).T_map_tag = constrained.T_map_tag[i];
+      map_tag(i, result.map).covariance = constrained.covariances[i];
+    }
+    if (!constrained.gauge.empty()) result.gauge = constrained.gauge;
+    result.constraint_audits = std::move(constrained.audits);
+    result.warnings = std::move(constrained.warnings);
   }
 
   /// Moves the moments that were not adjusted with a tag that they show, from where it was before.
@@ -122,6 +148,7 @@ class Refinement {
 
   const RefinementInput& input_;
   int held_tag_;
+  const std::vector<MapConstraint>& constraints_;
   ParallelFor parallel_;
   PhotometricState trained_;
 };
@@ -129,6 +156,17 @@ class Refinement {
 std::optional<int> place_of(const TagKey& key, const TagMap& map, const RefinementInput& input) {
   for (std::size_t i = 0; i < input.map_index.size(); ++i) {
     if (map.tags[static_cast<std::size_t>(input.map_index[i])].key == key) return static_cast<int>(i);
+  }
+  return std::nullopt;
+}
+
+/// Constraints weigh against the pictures of all tags that they name.
+std::optional<TagKey> constrained_tag_without_picture(const CalibrationResult& calibration,
+                                                      const RefinementInput& input) {
+  for (const MapConstraint& constraint : calibration.constraints) {
+    for (const TagKey& key : tags_of(constraint)) {
+      if (!place_of(key, calibration.map, input)) return key;
+    }
   }
   return std::nullopt;
 }
@@ -149,6 +187,8 @@ RefinementResult refine_map(const CalibrationResult& calibration, std::span<cons
   options.check();
   RefinementResult result;
   result.map = calibration.map;
+  result.gauge = calibration.gauge;
+  result.constraint_audits = calibration.constraint_audits;
   const ParallelFor parallel = parallel_for(options.num_threads);
   const RefinementInput input = refinement_input(calibration, frames, rig, options.max_moments, parallel);
   const auto held_tag = place_of(calibration.held_tag, calibration.map, input);
@@ -159,7 +199,11 @@ RefinementResult refine_map(const CalibrationResult& calibration, std::span<cons
   }
   log(LogLevel::kInfo,
       fmt::format("refining {} tags on {} pictures", input.scene.tags.size(), input.scene.views.size()));
-  Refinement refinement(input, *held_tag, parallel);
+  if (const auto unseen = constrained_tag_without_picture(calibration, input)) {
+    result.reason = fmt::format("a constraint names {}, which too few pictures show", to_string(*unseen));
+    return result;
+  }
+  Refinement refinement(input, *held_tag, calibration.constraints, parallel);
   if (!refinement.judge(result)) {
     result.reason = "the refinement does not settle";
   } else if (!(result.held_out_after < result.held_out_before)) {

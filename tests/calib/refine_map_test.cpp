@@ -92,6 +92,39 @@ TEST(RefinedMap, IsNearerToTheTruthThanItsCornersAndClaimsNoMore) {
   EXPECT_TRUE(refined.map.find(held)->covariance->isZero());
 }
 
+TEST(RefinedMap, KeepsToConstraintsInTheMeasuredFrame) {
+  const Filmed& filmed = Filmed::once();
+  CalibrationOptions options;
+  for (const std::size_t i : {0U, 4U, 8U, 12U}) {
+    const MapTag& tag = filmed.scene.map.tags[i];
+    const Eigen::Vector3d p = tag.T_map_tag.translation();
+    options.constraints.push_back({.what = PositionConstraint{tag.key, {p.x(), p.y(), p.z()}, 1e-4}});
+  }
+  const TagSizes sizes(filmed.scene.map.tags.front().size_m);
+  const CalibrationResult by_corners = calibrate_map(filmed.frames, filmed.rig, sizes, options);
+  const RefinementResult refined = refine_map(by_corners, filmed.frames, filmed.rig, {});
+  ASSERT_TRUE(refined.is_accepted) << refined.reason;
+  EXPECT_EQ(refined.gauge, by_corners.gauge);
+  ASSERT_EQ(refined.constraint_audits.size(), 4U);
+  EXPECT_LT(*refined.constraint_audits[0].readings[0].sigma,
+            *by_corners.constraint_audits[0].readings[0].sigma)
+      << "the pictures predict better than the corners";
+  // In the world's frame, the held tag too.
+  double sum = 0.0;
+  for (const MapTag& tag : refined.map.tags) {
+    const Vector6d xi = (tag.T_map_tag.inverse() * filmed.scene.map.find(tag.key)->T_map_tag).log();
+    const double error = xi.dot(tag.covariance->ldlt().solve(xi)) / 6.0;
+    EXPECT_LT(error, 4.0) << to_string(tag.key);
+    sum += error;
+  }
+  EXPECT_LT(sum / static_cast<double>(refined.map.tags.size()), 1.5);
+  for (const std::size_t i : {0U, 4U, 8U, 12U}) {
+    const MapTag& truth = filmed.scene.map.tags[i];
+    EXPECT_LT((refined.map.find(truth.key)->T_map_tag.translation() - truth.T_map_tag.translation()).norm(),
+              3e-4);
+  }
+}
+
 TEST(RefinedMap, DoesNotDependOnTheNumberOfThreads) {
   const Filmed& filmed = Filmed::once();
   const RefinementResult one =

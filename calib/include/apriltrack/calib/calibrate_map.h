@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apriltrack/base/log.h"
+#include "apriltrack/calib/map_constraints.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/tags/tag_map.h"
@@ -22,6 +23,9 @@ enum class Intrinsics {
 struct CalibrationOptions {
   /// The tag that is held at the map's origin; by default the first (smallest key) tag of the largest part.
   std::optional<TagKey> held_tag = std::nullopt;
+  /// What is known beside the images: distances, measured coordinates, gravity, ... Those that refer to the
+  /// map's frame fix it; the held tag then lies where they put it, and keeps what they leave open.
+  std::vector<MapConstraint> constraints = {};
   /// Expected error normal to a tag's edge at one of its ends. For the covariance it counts as three
   /// residuals beside those of the fit: many views speak for themselves, few claim no more than this.
   double corner_sigma_px = 0.15;
@@ -71,8 +75,13 @@ struct CameraCorrection {
 struct CalibrationResult {
   TagMap map;  ///< The part with the held tag; tags in the order of their keys.
   std::vector<TagMap>
-      other_parts;  ///< Parts that no frame joins to it, each with a gauge of its own; largest first.
-  TagKey held_tag;  ///< At the origin of `map`.
+      other_parts;    ///< Parts that no frame joins to it, each with a gauge of its own; largest first.
+  TagKey held_tag;    ///< At the origin of `map`, unless constraints say where it is.
+  std::string gauge;  ///< How the map's frame was fixed, in words.
+  /// Those that `map` keeps to, their tags named by family and id; and each one of the options against all
+  /// else.
+  std::vector<MapConstraint> constraints;
+  std::vector<ConstraintAudit> constraint_audits;
   std::vector<std::string> warnings;
   std::vector<TagKey> left_out;  ///< Seen, but in no map: the warnings say why.
   // Of `map`:
@@ -98,9 +107,10 @@ struct CalibrationResult {
 /// repeat them) and on corner_bias_px. Errors that all tags share (a lens that is not the file's) are not in
 /// them.
 ///
-/// Throws Error(kNoResult) when no two tags connect, ids are not unique, or the adjustment does not converge,
-/// and says what to do; Error(kInvalidInput) when a size is missing, a camera is unknown, one of several
-/// cameras has two frames of one time, or the held tag was never seen.
+/// Throws Error(kNoResult) when no two tags connect, ids are not unique, the adjustment does not converge, or
+/// a constraint contradicts all else, and says what to do; Error(kInvalidInput) when a size is missing, a
+/// camera is unknown, one of several cameras has two frames of one time, or the held tag or one that a
+/// constraint names was never seen.
 CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const CameraRig& rig,
                                 const TagSizes& sizes, const CalibrationOptions& options,
                                 const LogSink& log = silent_log());

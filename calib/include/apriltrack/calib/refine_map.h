@@ -29,8 +29,11 @@ struct RefinementResult {
   /// their new covariances.
   TagMap map;
   bool is_accepted = false;
-  std::string reason;           ///< Why not.
-  std::vector<TagKey> refined;  ///< Sorted.
+  std::string reason;                              ///< Why not.
+  std::vector<TagKey> refined;                     ///< Sorted.
+  std::string gauge;                               ///< As CalibrationResult::gauge, of the refined map.
+  std::vector<ConstraintAudit> constraint_audits;  ///< The same of the constraints.
+  std::vector<std::string> warnings;               ///< Constraints in doubt.
   int moments_used = 0;
   int views_used = 0;  ///< Tags in images.
   /// How far the pictures of moments that the map was not made from disagree with it, in standard deviations
@@ -47,7 +50,8 @@ struct RefinementResult {
 /// refined map is accepted only where the pictures of every fourth moment agree better with a map refined
 /// from the other three.
 ///
-/// Throws Error(kInvalidInput) for an option out of range or a camera that the rig does not have.
+/// The refined map keeps to the calibration's constraints. Throws Error(kNoResult) where they contradict the
+/// pictures, Error(kInvalidInput) for an option out of range or a camera that the rig does not have.
 RefinementResult refine_map(const CalibrationResult& calibration, std::span<const FrameDetections> frames,
                             const CameraRig& rig, const RefinementOptions& options,
                             const LogSink& log = silent_log());

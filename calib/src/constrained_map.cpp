@@ -1,0 +1,211 @@
+#include "constrained_map.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "apriltrack/base/error.h"
+#include "map_frame_start.h"
+
+namespace apriltrack {
+namespace {
+
+using IndexedAudits = std::vector<std::pair<std::size_t, ConstraintAudit>>;
+
+ConstraintPrior prior_of(const std::vector<BoundConstraint>& constraints, const ImageMap& map,
+                         const JointCovariance& joint) {
+  ConstraintPrior prior;
+  prior.T_held_tag = map.T_held_tag;
+  std::set<int> tags;
+  for (const BoundConstraint& bound : constraints) tags.insert(bound.tags.begin(), bound.tags.end());
+  tags.erase(map.held_tag);
+  for (const int tag : tags) prior.offsets[tag] = 6 * static_cast<Eigen::Index>(prior.offsets.size());
+  const auto size = 6 * static_cast<Eigen::Index>(prior.offsets.size());
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(joint.size(), size);
+  for (const auto& [tag, offset] : prior.offsets)
+    columns.block<6, 6>(*joint.offset_of(tag), offset).setIdentity();
+  columns = joint.times(columns);
+  prior.covariance.resize(size, size);
+  for (const auto& [tag, offset] : prior.offsets)
+    prior.covariance.middleRows<6>(offset) = columns.middleRows<6>(*joint.offset_of(tag));
+  prior.covariance = (0.5 * (prior.covariance + prior.covariance.transpose())).eval();
+  return prior;
+}
+
+/// The covariance of all poses with the rows of the fit: cov A'.
+Eigen::MatrixXd covariance_with_rows(const ConstrainedFit& fit, const ConstraintPrior& prior,
+                                     const JointCovariance& joint) {
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(joint.size(), fit.by_tags.rows());
+  for (const auto& [tag, offset] : prior.offsets)
+    columns.middleRows<6>(*joint.offset_of(tag)) = fit.by_tags.middleCols<6>(offset).transpose();
+  return joint.times(columns);
+}
+
+/// Poses and covariances of all tags, those that no constraint names as well.
+void take_fit(const ConstrainedFit& fit, const ConstraintPrior& prior, const ImageMap& map,
+              const JointCovariance& joint, ConstrainedMap& result) {
+  const Eigen::MatrixXd with_rows = covariance_with_rows(fit, prior, joint);
+  for (std::size_t i = 0; i < map.tags.size(); ++i) {
+    const auto t = static_cast<std::size_t>(map.tags[i]);
+    Pose T_held_tag = map.T_held_tag[t];
+    Matrix6d covariance = map.covariances[i];
+    Matrix6d with_frame = Matrix6d::Zero();
+    if (const auto offset = joint.offset_of(map.tags[i])) {
+      const auto own = with_rows.middleRows<6>(*offset);
+      T_held_tag = T_held_tag * Pose::exp(Vector6d(-(own * fit.push)));
+      covariance -= own * fit.precision * own.transpose();
+      if (fit.has_frame) with_frame = -own * fit.frame_coupling;
+    }
+    if (fit.has_frame) {
+      const Matrix6d by_frame = T_held_tag.inverse().adjoint();
+      covariance += by_frame * fit.frame_covariance * by_frame.transpose() +
+                    by_frame * with_frame.transpose() + with_frame * by_frame.transpose();
+    }
+    result.T_map_tag[t] = fit.state.T_map_held * T_held_tag;
+    result.covariances.push_back(0.5 * (covariance + covariance.transpose()));
+  }
+  result.T_map_held = fit.state.T_map_held;
+}
+
+/// "heading, x, y": what no constraint determines, in the axes of the map.
+std::string open_in_words(const ConstrainedFit& fit) {
+  if (fit.open_directions.cols() == 0) return "";
+  const Eigen::MatrixXd open =
+      fit.state.T_map_held.adjoint() * fit.open_directions;  // about the map's origin
+  const Eigen::MatrixXd turns = open.bottomRows<3>();
+  const auto turn_rank = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(turns).setThreshold(1e-6).rank();
+  std::vector<std::string> words;
+  if (turn_rank == 1) {
+    Eigen::Index column = 0;
+    turns.colwise().norm().maxCoeff(&column);
+    const bool is_heading = std::abs(turns.col(column).normalized().z()) > 1.0 - 1e-6;
+    words.emplace_back(is_heading ? "heading" : "a turn about one axis");
+  } else if (turn_rank > 1) {
+    words.emplace_back("orientation");
+  }
+  // Shifts alone: what is open of the translation without a turn.
+  static constexpr const char* kAxes[] = {"x", "y", "z"};
+  const Eigen::MatrixXd orthonormal = fit.open_directions;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vector6d shift = Vector6d::Zero();
+    shift.head<3>() = fit.state.T_map_held.rotation_matrix().row(axis).transpose();
+    const Vector6d rest = shift - orthonormal * (orthonormal.transpose() * shift);
+    if (rest.norm() < 1e-3) words.emplace_back(kAxes[axis]);
+  }
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+std::string gauge_in_words(const ConstrainedFit& fit, const std::vector<BoundConstraint>& constraints,
+                           const TagKey& held) {
+  if (!fit.has_frame) return "";
+  std::vector<std::string> titles;
+  for (const BoundConstraint& bound : constraints) {
+    if (is_of_frame(*bound.constraint)) titles.push_back(title_of(*bound.constraint));
+  }
+  constexpr std::size_t kMost = 6;
+  const std::size_t more = titles.size() > kMost ? titles.size() - kMost : 0;
+  titles.resize(titles.size() - more);
+  std::string words = fmt::format("measured: {}{}", fmt::join(titles, ", "),
+                                  more > 0 ? fmt::format(" and {} more", more) : "");
+  if (const std::string open = open_in_words(fit); !open.empty())
+    words += fmt::format("; kept as with {} held at the origin: {}", to_string(held), open);
+  return words;
+}
+
+[[noreturn]] void fail_with_contradictory_constraints(const ConstraintJudgement& judgement,
+                                                      const std::string& hint) {
+  throw no_result(
+      "calibrate",
+      fmt::format("constraints contradict the images or each other: {}. {}{}Correct them, or take "
+                  "them out of the file; no map was made",
+                  fmt::join(judgement.contradictions, "; "), hint, hint.empty() ? "" : " "));
+}
+
+std::vector<ConstraintAudit> in_given_order(std::vector<ConstraintAudit> used,
+                                            const std::vector<BoundConstraint>& bound, IndexedAudits unused) {
+  for (std::size_t i = 0; i < used.size(); ++i) unused.emplace_back(bound[i].index, std::move(used[i]));
+  std::ranges::sort(unused, {}, [](const auto& one) { return one.first; });
+  std::vector<ConstraintAudit> audits;
+  for (auto& [index, audit] : unused) audits.push_back(std::move(audit));
+  return audits;
+}
+
+}  // namespace
+
+std::vector<BoundConstraint> bind_constraints(std::span<const MapConstraint> constraints, const ImageMap& map,
+                                              IndexedAudits& unused) {
+  std::vector<BoundConstraint> bound;
+  int planes = 0;
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    BoundConstraint one{&constraints[i], i, {}, -1};
+    std::vector<std::string> missing;
+    if (std::holds_alternative<CameraGravityConstraint>(constraints[i].what))
+      missing.emplace_back("a frame of that time");
+    for (const TagKey& key : tags_of(constraints[i])) {
+      const auto tag =
+          std::ranges::find_if(map.tags, [&](int t) { return map.keys[static_cast<std::size_t>(t)] == key; });
+      if (tag == map.tags.end()) {
+        missing.push_back(to_string(key));
+      } else {
+        one.tags.push_back(*tag);
+      }
+    }
+    if (missing.empty()) {
+      if (std::holds_alternative<CoplanarConstraint>(constraints[i].what)) one.plane = planes++;
+      bound.push_back(std::move(one));
+      continue;
+    }
+    ConstraintAudit audit;
+    audit.title = title_of(constraints[i]);
+    audit.type = type_of(constraints[i]);
+    audit.tags = tags_of(constraints[i]);
+    audit.reason = fmt::format("not in the map: {}", fmt::join(missing, ", "));
+    unused.emplace_back(i, std::move(audit));
+  }
+  return bound;
+}
+
+ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const ImageMap& map,
+                             const JointCovariance& joint) {
+  ConstrainedMap result;
+  result.T_map_tag = map.T_held_tag;
+  IndexedAudits unused;
+  const std::vector<BoundConstraint> bound = bind_constraints(constraints, map, unused);
+  for (const auto& [index, audit] : unused)
+    result.warnings.push_back(fmt::format("constraint '{}' is not used: {}", audit.title, audit.reason));
+  if (bound.empty()) {
+    result.covariances = map.covariances;
+    result.audits = in_given_order({}, {}, std::move(unused));
+    return result;
+  }
+  const ConstraintPrior prior = prior_of(bound, map, joint);
+  const MapFrameStart frame = find_map_frame(bound, prior);
+  ConstraintState start{map.T_held_tag, frame.T_map_held, {}};
+  for (const BoundConstraint& one : bound) {
+    if (one.plane >= 0) start.T_held_plane.push_back(plane_start(one, map.T_held_tag));
+  }
+  ConstraintJudgement judgement = judge_constraints(bound, prior, start);
+  const std::string hint = common_ratio_hint(bound, prior);
+  if (!judgement.contradictions.empty()) fail_with_contradictory_constraints(judgement, hint);
+  if (frame.is_ambiguous)
+    throw no_result(
+        "calibrate",
+        "two map frames that are turned against each other agree with the constraints equally well: "
+        "add one that tells them apart, such as gravity, upright, or a third coordinate");
+  if (!judgement.fit.has_settled)
+    throw no_result("calibrate", "the map does not settle with the constraints; take out the loosest ones");
+  take_fit(judgement.fit, prior, map, joint, result);
+  for (const std::string& doubt : judgement.doubts)
+    result.warnings.push_back("constraint in doubt: " + doubt);
+  if (!judgement.doubts.empty() && !hint.empty()) result.warnings.push_back(hint);
+  result.gauge = gauge_in_words(judgement.fit, bound, map.keys[static_cast<std::size_t>(map.held_tag)]);
+  result.audits = in_given_order(std::move(judgement.audits), bound, std::move(unused));
+  return result;
+}
+
+}  // namespace apriltrack

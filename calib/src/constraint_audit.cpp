@@ -1,0 +1,195 @@
+#include "constraint_audit.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace apriltrack {
+namespace {
+
+constexpr double kUnpredicted = 1e-9;  // of the precision: sigmas over 3e4 times those of what was measured
+constexpr double kAsLikely = 0.8;      // of the worst z: either may be wrong
+constexpr double kDegrees = 57.29577951308232;
+
+/// Wilson and Hilferty: chi squared of n degrees of freedom as sigmas.
+double equivalent_sigmas(double chi2, int n) {
+  if (n == 1) return std::sqrt(chi2);
+  const double spread = 2.0 / (9.0 * n);
+  return std::max(0.0, (std::cbrt(chi2 / n) - (1.0 - spread)) / std::sqrt(spread));
+}
+
+ConstraintAudit audit_of(const BoundConstraint& bound, const LinearConstraint& linear,
+                         const Prediction& prediction) {
+  ConstraintAudit audit;
+  audit.title = title_of(*bound.constraint);
+  audit.type = type_of(*bound.constraint);
+  audit.tags = tags_of(*bound.constraint);
+  audit.is_used = true;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+    const ConstraintRow& row = linear.rows[i];
+    const auto r = static_cast<Eigen::Index>(i);
+    ConstraintReading reading{row.name, row.unit, row.measured, std::nullopt, std::nullopt};
+    if (std::isfinite(prediction.sigma[r])) {
+      reading.predicted = row.measured + prediction.error[r] * row.sigma;
+      reading.sigma = prediction.sigma[r] * row.sigma;
+    }
+    audit.readings.push_back(std::move(reading));
+  }
+  if (prediction.is_predicted) audit.z = prediction.z;
+  return audit;
+}
+
+double share_of_sigma(const ConstraintReading& reading) {
+  return reading.sigma ? std::abs(*reading.predicted - reading.measured) / *reading.sigma : -1.0;
+}
+
+/// "distance: 0.512 m measured, all else says 0.4871 (sigma 0.6 mm)", of the number that is off most.
+std::string worst_reading(const ConstraintAudit& audit) {
+  const auto worst = std::ranges::max_element(audit.readings, {}, share_of_sigma);
+  if (worst == audit.readings.end() || !worst->sigma) return "";
+  if (worst->unit == "rad")
+    return fmt::format("{}: {:.2f} degrees off what all else says (sigma {:.2f})", worst->name,
+                       kDegrees * std::abs(*worst->predicted - worst->measured), kDegrees * *worst->sigma);
+  return fmt::format("{}: {:.4f} m measured, all else says {:.4f} m (sigma {:.1f} mm)", worst->name,
+                     worst->measured, *worst->predicted, 1e3 * *worst->sigma);
+}
+
+std::string audit_in_words(const BoundConstraint& bound, const ConstraintAudit& audit) {
+  return fmt::format("{}{}: {}: {:.1f} sigmas off",
+                     bound.constraint->where.empty() ? "" : bound.constraint->where + ": ", audit.title,
+                     worst_reading(audit), audit.z.value_or(0.0));
+}
+
+struct Worst {
+  std::size_t place = 0;
+  double z = 0.0;
+};
+
+Worst worst_of(const ConstrainedFit& fit) {
+  Worst worst;
+  for (std::size_t i = 0; i < fit.constraints.size(); ++i) {
+    const Prediction prediction = predict(fit, i);
+    if (prediction.is_predicted && !(prediction.z <= worst.z)) worst = {i, prediction.z};
+  }
+  return worst;
+}
+
+/// Titles of others that are about as far off.
+std::string rivals_of(const ConstrainedFit& fit, const std::vector<BoundConstraint>& constraints,
+                      const Worst& worst) {
+  std::string titles;
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    if (i == worst.place || predict(fit, i).z < kAsLikely * worst.z) continue;
+    titles += (titles.empty() ? "" : ", ") + title_of(*constraints[i].constraint);
+  }
+  return titles;
+}
+
+/// What the fit says of a constraint that is not in it.
+ConstraintAudit audit_from_outside(const BoundConstraint& bound, const ConstraintJudgement& judgement,
+                                   const ConstraintPrior& prior) {
+  std::vector<BoundConstraint> all = judgement.kept;
+  all.push_back(bound);
+  const ConstrainedFit with = look_at_constraints(all, prior, judgement.fit.state);
+  ConstraintAudit audit = audit_of(bound, with.constraints.back(), predict(with, all.size() - 1));
+  audit.is_used = false;
+  audit.reason = "contradicts all else";
+  return audit;
+}
+
+}  // namespace
+
+Prediction predict(const ConstrainedFit& fit, std::size_t place) {
+  const Eigen::Index first = fit.first_rows[place], rows = fit.constraints[place].residual.size();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(fit.precision.block(first, first, rows, rows));
+  const Eigen::VectorXd pushed = (fit.precision * fit.disagreement).segment(first, rows);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(rows, rows), range = covariance;
+  int rank = 0;
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    if (!(solver.eigenvalues()[i] > kUnpredicted)) continue;
+    const Eigen::VectorXd axis = solver.eigenvectors().col(i);
+    covariance += axis * axis.transpose() / solver.eigenvalues()[i];
+    range += axis * axis.transpose();
+    ++rank;
+  }
+  Prediction prediction;
+  prediction.error = covariance * pushed;
+  prediction.sigma = Eigen::VectorXd::Constant(rows, std::numeric_limits<double>::infinity());
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    if (range(i, i) > 1.0 - 1e-6) prediction.sigma[i] = std::sqrt(covariance(i, i));
+  }
+  prediction.is_predicted = rank > 0;
+  if (rank > 0) prediction.z = equivalent_sigmas(pushed.dot(prediction.error), rank);
+  return prediction;
+}
+
+ConstraintJudgement judge_constraints(const std::vector<BoundConstraint>& constraints,
+                                      const ConstraintPrior& prior, const ConstraintState& start) {
+  ConstraintJudgement judgement;
+  judgement.kept = constraints;
+  std::vector<std::pair<BoundConstraint, std::string>> gross;  // and what may be wrong in its place
+  while (true) {
+    judgement.fit = fit_constraints(judgement.kept, prior, start);
+    const Worst worst = worst_of(judgement.fit);
+    if (judgement.kept.empty() || worst.z <= kContradictory) break;
+    gross.emplace_back(judgement.kept[worst.place], rivals_of(judgement.fit, judgement.kept, worst));
+    judgement.kept.erase(judgement.kept.begin() + static_cast<std::ptrdiff_t>(worst.place));
+  }
+  std::vector<std::pair<std::size_t, ConstraintAudit>> audits;
+  for (std::size_t i = 0; i < judgement.kept.size(); ++i) {
+    const BoundConstraint& bound = judgement.kept[i];
+    audits.emplace_back(bound.index,
+                        audit_of(bound, judgement.fit.constraints[i], predict(judgement.fit, i)));
+    if (audits.back().second.z.value_or(0.0) > kDoubtful)
+      judgement.doubts.push_back(audit_in_words(bound, audits.back().second));
+  }
+  for (const auto& [bound, rivals] : gross) {
+    ConstraintAudit audit = audit_from_outside(bound, judgement, prior);
+    judgement.contradictions.push_back(audit_in_words(bound, audit) +
+                                       (rivals.empty() ? "" : " (or wrong in its place: " + rivals + ")"));
+    audits.emplace_back(bound.index, std::move(audit));
+  }
+  std::ranges::sort(audits, {}, [](const auto& one) { return one.first; });
+  for (auto& [index, audit] : audits) judgement.audits.push_back(std::move(audit));
+  return judgement;
+}
+
+std::string common_ratio_hint(const std::vector<BoundConstraint>& constraints, const ConstraintPrior& prior) {
+  struct Ratio {
+    double value = 0.0, weight = 0.0;  // measured over mapped; 1 / variance
+  };
+  std::vector<Ratio> ratios;
+  double sum = 0.0, weights = 0.0;
+  const ConstraintState state{prior.T_held_tag, {}, {}};
+  for (const BoundConstraint& bound : constraints) {
+    const auto* distance = std::get_if<DistanceConstraint>(&bound.constraint->what);
+    if (distance == nullptr) continue;
+    const LinearConstraint linear = linearise(bound, state);
+    const double mapped_m = distance->distance_m + linear.residual[0] * distance->sigma_m;
+    if (!(mapped_m > 0.0)) continue;
+    const double sigma_m = distance->sigma_m * std::sqrt(row_variances(bound, linear, prior)[0]);
+    const Ratio ratio{distance->distance_m / mapped_m, mapped_m * mapped_m / (sigma_m * sigma_m)};
+    ratios.push_back(ratio);
+    sum += ratio.weight * ratio.value;
+    weights += ratio.weight;
+  }
+  if (ratios.empty()) return "";
+  const double mean = sum / weights;
+  double squares = 0.0;
+  for (const Ratio& ratio : ratios) squares += ratio.weight * (ratio.value - mean) * (ratio.value - mean);
+  const int others = static_cast<int>(ratios.size()) - 1;
+  const bool is_common = others == 0 || equivalent_sigmas(squares, others) < kDoubtful;
+  if (!is_common || std::abs(mean - 1.0) * std::sqrt(weights) < kDoubtful) return "";
+  return fmt::format(
+      "{} {:.2f} % {} than in the map: a wrong tag size makes that of all of them; are the tags' edges "
+      "{:.4f} "
+      "times as long as stated?",
+      others == 0 ? "The distance is" : fmt::format("All {} distances are", ratios.size()),
+      100.0 * std::abs(mean - 1.0), mean > 1.0 ? "longer" : "shorter", mean);
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,168 @@
+#include "map_frame_start.h"
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace apriltrack {
+namespace {
+
+constexpr int kMostFrameSteps = 60;
+constexpr int kMostHalvings = 12;
+constexpr double kMostFrameTurn_rad = 0.5;  // of a step
+constexpr double kCauchy2 = 9.0;            // three sigmas, squared
+constexpr double kSame = 1e-3;              // of the cost
+constexpr double kAboutAsGood = 4.5;        // of the cost, half a sum of squares: three sigmas
+constexpr double kOtherTurn_rad = 0.1;
+
+/// A frame, and how well it agrees.
+struct FrameFit {
+  Pose T_map_held;
+  double cost = std::numeric_limits<double>::infinity();
+  Matrix6d information = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+};
+
+/// Cube rotations, least angle first.
+std::vector<Eigen::Matrix3d> cube_rotations() {
+  std::vector<Eigen::Matrix3d> rotations;
+  std::array<int, 3> axes = {0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      Eigen::Matrix3d R = Eigen::Matrix3d::Zero();
+      for (int row = 0; row < 3; ++row)
+        R(row, axes[static_cast<std::size_t>(row)]) = (signs >> row & 1) != 0 ? -1.0 : 1.0;
+      if (R.determinant() > 0.0) rotations.push_back(R);
+    }
+  } while (std::ranges::next_permutation(axes).found);
+  std::ranges::stable_sort(rotations, std::greater<>{}, [](const Eigen::Matrix3d& R) { return R.trace(); });
+  return rotations;
+}
+
+class FrameSearch {
+ public:
+  FrameSearch(std::span<const BoundConstraint> constraints, const ConstraintPrior& prior) : prior_(prior) {
+    for (const BoundConstraint& bound : constraints) {
+      if (is_of_frame(*bound.constraint)) constraints_.push_back(bound);
+    }
+    state_.T_held_tag = prior.T_held_tag;
+  }
+
+  bool is_empty() const { return constraints_.empty(); }
+
+  FrameFit from(const Eigen::Matrix3d& R_map_held) {
+    FrameFit fit = at(Pose(R_map_held, usual_shift(R_map_held)));
+    for (int i = 0; i < kMostFrameSteps; ++i) {
+      Vector6d step = -blockwise_inverse(fit.information) * fit.gradient;
+      const double turn = step.tail<3>().norm();
+      if (turn > kMostFrameTurn_rad) step *= kMostFrameTurn_rad / turn;
+      const double before = fit.cost;
+      if (!improve(fit, step) || before - fit.cost < 1e-12 * (1.0 + before)) break;
+    }
+    return fit;
+  }
+
+ private:
+  FrameFit at(const Pose& T_map_held) {
+    state_.T_map_held = T_map_held;
+    FrameFit fit{T_map_held, 0.0, Matrix6d::Zero(), Vector6d::Zero()};
+    for (const BoundConstraint& bound : constraints_) {
+      const LinearConstraint linear = linearise(bound, state_);
+      const Eigen::VectorXd variances = row_variances(bound, linear, prior_);
+      for (Eigen::Index row = 0; row < linear.residual.size(); ++row) {
+        const double square = linear.residual[row] * linear.residual[row] / variances[row];
+        const double weight = 1.0 / ((1.0 + square / kCauchy2) * variances[row]);
+        const Vector6d derivative = linear.by_frame.row(row).transpose();
+        fit.cost += 0.5 * kCauchy2 * std::log1p(square / kCauchy2);
+        fit.information += weight * derivative * derivative.transpose();
+        fit.gradient += weight * linear.residual[row] * derivative;
+      }
+    }
+    return fit;
+  }
+
+  bool improve(FrameFit& fit, Vector6d step) {
+    for (int i = 0; i < kMostHalvings; ++i, step *= 0.5) {
+      FrameFit next = at(fit.T_map_held * Pose::exp(step));
+      if (next.cost >= fit.cost) continue;
+      fit = next;
+      return true;
+    }
+    return false;
+  }
+
+  /// Along each axis the median shift that measured coordinates ask for.
+  Eigen::Vector3d usual_shift(const Eigen::Matrix3d& R_map_held) const {
+    std::array<std::vector<double>, 3> shifts;
+    for (const BoundConstraint& bound : constraints_) {
+      const Eigen::Vector3d centre =
+          R_map_held * prior_.T_held_tag[static_cast<std::size_t>(bound.tags.front())].translation();
+      if (const auto* position = std::get_if<PositionConstraint>(&bound.constraint->what)) {
+        for (int axis = 0; axis < 3; ++axis) {
+          const auto a = static_cast<std::size_t>(axis);
+          if (position->position_m[a]) shifts[a].push_back(*position->position_m[a] - centre[axis]);
+        }
+      } else if (std::holds_alternative<FloorConstraint>(bound.constraint->what)) {
+        shifts[2].push_back(-centre.z());
+      }
+    }
+    Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double>& of_axis = shifts[static_cast<std::size_t>(axis)];
+      if (of_axis.empty()) continue;
+      std::ranges::sort(of_axis);
+      shift[axis] = of_axis[of_axis.size() / 2];
+    }
+    return shift;
+  }
+
+  const ConstraintPrior& prior_;
+  std::vector<BoundConstraint> constraints_;
+  ConstraintState state_;
+};
+
+/// Whether `other` differs from `best` in what the constraints determine, and not only in what they leave
+/// open (which keeps some axis or point of the map where it is: a group of motions).
+bool is_another_frame(const FrameFit& best, const FrameFit& other) {
+  const Matrix6d lost = Matrix6d::Identity() - blockwise_inverse(best.information) * best.information;
+  const Matrix6d open = best.T_map_held.adjoint() * lost;
+  const Vector6d difference = (other.T_map_held * best.T_map_held.inverse()).log();
+  Eigen::ColPivHouseholderQR<Matrix6d> solver;
+  solver.setThreshold(1e-6);
+  solver.compute(open);
+  const Vector6d rest = difference - open * solver.solve(difference);
+  return rest.tail<3>().norm() > kOtherTurn_rad;
+}
+
+}  // namespace
+
+MapFrameStart find_map_frame(std::span<const BoundConstraint> constraints, const ConstraintPrior& prior) {
+  FrameSearch search(constraints, prior);
+  if (search.is_empty()) return {};
+  std::vector<FrameFit> fits;
+  for (const Eigen::Matrix3d& R : cube_rotations()) fits.push_back(search.from(R));
+  const FrameFit* best = &fits.front();
+  for (const FrameFit& fit : fits) {
+    if (fit.cost < best->cost - kSame) best = &fit;
+  }
+  const bool is_ambiguous = std::ranges::any_of(fits, [&](const FrameFit& fit) {
+    return fit.cost < best->cost + kAboutAsGood && is_another_frame(*best, fit);
+  });
+  return {best->T_map_held, is_ambiguous};
+}
+
+Pose plane_start(const BoundConstraint& group, const std::vector<Pose>& T_held_tag) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
+  for (const int tag : group.tags) {
+    const Pose& pose = T_held_tag[static_cast<std::size_t>(tag)];
+    centre += pose.translation() / static_cast<double>(group.tags.size());
+    normal += pose.rotation() * Eigen::Vector3d::UnitZ();
+  }
+  return {Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal), centre};
+}
+
+}  // namespace apriltrack
