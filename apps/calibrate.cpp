@@ -25,6 +25,9 @@ const CommandHelp kCalibrateHelp = {
     "apriltrack calibrate --detections detections.csv --camera camera.yaml --tag-sizes tag_sizes.yaml "
     "--output "
     "map.yaml\n"
+    "apriltrack calibrate video.mp4 --camera camera.yaml --tag-size 0.16 --constraints measured.yaml "
+    "--output "
+    "map.yaml\n"
     "apriltrack calibrate cam0=left cam1=right --camera rig.yaml --tag-size 0.088 --family tag36h11b2 "
     "--output "
     "map.yaml",
@@ -65,13 +68,17 @@ std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sig
   RefinementResult refinement =
       refine_map(result, sightings.frames, result.rig, a.refinement, a.console.log());
   if (!refinement.is_accepted) a.console.warning("not refined on the tags' pictures: " + refinement.reason);
+  for (const std::string& warning : refinement.warnings) a.console.warning(warning);
   result.map = refinement.map;
+  result.gauge = refinement.gauge;
+  result.constraint_audits = refinement.constraint_audits;
   return refinement;
 }
 
 void run(CLI::App& command, CalibrateOptions& a) {
   if (!a.config.empty()) apply_config_file(command, a.config);
   check(command, a);
+  if (!a.constraints.empty()) a.calibration.constraints = read_map_constraints(a.constraints);
   const std::filesystem::path camera = camera_file(a);
   const CameraRig rig = read_cameras(camera, a.console.log());
   const TagSizes sizes = tag_sizes(a);

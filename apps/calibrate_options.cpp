@@ -42,6 +42,9 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
   command.add_option(
       "--held-tag,--origin", a.held_tag,
       "Tag at the map's origin, ID or family/ID; by default the first one of the largest part");
+  command.add_option("--constraints", a.constraints,
+                     "YAML file of what is known beside the images: distances, measured coordinates, boards, "
+                     "planes, upright tags, floor, gravity; each with its sigma");
   command
       .add_option("--min-views", a.calibration.min_views,
                   "Leave out tags seen in fewer frames together with others")
@@ -142,7 +145,7 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
     check_input(inputs.back());
   }
   std::vector<std::string> read = camera_inputs(a.camera, inputs);
-  read.insert(read.end(), {a.tag_sizes, a.config});
+  read.insert(read.end(), {a.tag_sizes, a.constraints, a.config});
   read.insert(read.end(), inputs.begin(), inputs.end());
   std::vector<std::string> all_read = read;
   all_read.insert(all_read.end(), a.detections.begin(), a.detections.end());

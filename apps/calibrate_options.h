@@ -20,6 +20,7 @@ struct CalibrateOptions {
   std::optional<double> tag_size_m;
   std::string tag_sizes;
   std::string held_tag;
+  std::string constraints;
   std::string config;
   std::string output;
   std::string parts;

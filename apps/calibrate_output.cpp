@@ -13,6 +13,7 @@
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/io/staged_files.h"
+#include "constraint_table.h"
 
 namespace apriltrack::app {
 namespace {
@@ -20,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptions& a, const fs::path& camera,
-                                                            const TagKey& held,
+                                                            const std::string& gauge,
                                                             const fs::path& observations) {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
@@ -31,10 +32,11 @@ std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptio
           {"inputs", fmt::format("{}", fmt::join(inputs, ", "))},
           {"camera", camera.string() + (a.camera_name.empty() ? "" : " " + a.camera_name)},
           {"options",
-           fmt::format("family {}; tag size {}; sizes file {}; min views {}; step {}",
+           fmt::format("family {}; tag size {}; sizes file {}; constraints {}; min views {}; step {}",
                        fmt::join(a.detector.families, " "), a.tag_size_m ? format_exact(*a.tag_size_m) : "-",
-                       a.tag_sizes.empty() ? "-" : a.tag_sizes, a.calibration.min_views, a.source.step)},
-          {"gauge", to_string(held) + " held at the origin"},
+                       a.tag_sizes.empty() ? "-" : a.tag_sizes, a.constraints.empty() ? "-" : a.constraints,
+                       a.calibration.min_views, a.source.step)},
+          {"gauge", gauge},
           {"observations", observations.filename().string()}};
 }
 
@@ -141,10 +143,11 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
                                    CalibrationResult& result) {
   CalibrationFiles files;
   files.observations = observations_file(a);
-  result.map.provenance = provenance(a, camera, result.held_tag, files.observations);
+  result.map.provenance = provenance(a, camera, result.gauge, files.observations);
   if (refinement) result.map.provenance.emplace_back("refinement", outcome_of(*refinement));
   for (TagMap& part : result.other_parts)
-    part.provenance = provenance(a, camera, part.tags.front().key, files.observations);
+    part.provenance =
+        provenance(a, camera, to_string(part.tags.front().key) + " held at the origin", files.observations);
   const bool has_them = is_detections_input(a, files.observations);  // it may hold more than was used
   // A run that fails in between must not leave an old map beside new observations, nor any part replaced.
   StagedFiles outputs;
@@ -177,11 +180,13 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
                             {"left_out", names(result.left_out)},
                             {"other_parts", other_parts},
                             {"part_files", files.parts},
+                            {"gauge", result.gauge},
                             {"warnings", result.warnings},
                             {"corrections", told(result.corrections)},
                             {"interrupted", sightings.counts.is_interrupted},
                             {"output", a.output},
                             {"observations", files.observations.string()}};
+  if (!a.constraints.empty()) summary["constraints"] = told_constraints(result.constraint_audits);
   if (refinement) summary["refinement"] = told(*refinement);
   if (files.camera) summary["camera"] = files.camera->string();
   std::string text = fmt::format(
@@ -189,8 +194,9 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
       "per axis)\n"
       "origin: {}\nmap: {}\nobservations: {}",
       result.map.tags.size(), result.frames_used, sightings.counts.readable, sightings.counts.unreadable,
-      result.observations_used, result.observations_rejected, result.residual_rms_px,
-      to_string(result.held_tag), a.output, files.observations.string());
+      result.observations_used, result.observations_rejected, result.residual_rms_px, result.gauge, a.output,
+      files.observations.string());
+  text += constraint_table(result.constraint_audits);
   if (refinement && refinement->is_accepted) text += "\n" + words_of(*refinement);
   if (files.camera) text += "\nrefined camera: " + files.camera->string();
   for (const std::string& file : files.parts) text += "\npart: " + file;

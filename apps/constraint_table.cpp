@@ -1,0 +1,70 @@
+#include "constraint_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "degrees.h"
+
+namespace apriltrack::app {
+namespace {
+
+nlohmann::json or_null(const std::optional<double>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
+}
+
+nlohmann::json told_reading(const ConstraintReading& reading) {
+  return {{"name", reading.name},
+          {"unit", reading.unit},
+          {"measured", reading.measured},
+          {"predicted", or_null(reading.predicted)},
+          {"sigma", or_null(reading.sigma)}};
+}
+
+double sigmas_of(const ConstraintReading& reading) {
+  return reading.sigma ? std::abs(*reading.predicted - reading.measured) / *reading.sigma : -1.0;
+}
+
+/// Of the number that differs most.
+std::string difference_in_words(const ConstraintAudit& audit) {
+  if (!audit.is_used) return "not used: " + audit.reason;
+  const auto worst = std::ranges::max_element(audit.readings, {}, sigmas_of);
+  if (!audit.z || worst == audit.readings.end() || !worst->sigma) return "nothing else tells";
+  const double difference = worst->measured - *worst->predicted;
+  const std::string words =
+      worst->unit == "rad"
+          ? fmt::format("{:+.3f} deg (sigma {:.3f})", kDegPerRad * difference, kDegPerRad * *worst->sigma)
+          : fmt::format("{:+.2f} mm (sigma {:.2f})", 1e3 * difference, 1e3 * *worst->sigma);
+  return fmt::format("{} {}, {:.1f} sigmas", worst->name, words, *audit.z);
+}
+
+}  // namespace
+
+nlohmann::json told_constraints(const std::vector<ConstraintAudit>& audits) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const ConstraintAudit& audit : audits) {
+    nlohmann::json one = {
+        {"name", audit.title}, {"type", audit.type}, {"used", audit.is_used}, {"z", or_null(audit.z)}};
+    one["tags"] = nlohmann::json::array();
+    for (const TagKey& tag : audit.tags) one["tags"].push_back(to_string(tag));
+    one["readings"] = nlohmann::json::array();
+    for (const ConstraintReading& reading : audit.readings) one["readings"].push_back(told_reading(reading));
+    if (!audit.is_used) one["reason"] = audit.reason;
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+std::string constraint_table(const std::vector<ConstraintAudit>& audits) {
+  std::size_t width = 0;
+  for (const ConstraintAudit& audit : audits) width = std::max(width, audit.title.size());
+  std::string text;
+  for (const ConstraintAudit& audit : audits)
+    text += fmt::format("\n{}{:<{}}  {}",
+                        text.empty() ? "constraints, measured less what all else says:\n  " : "  ",
+                        audit.title, width, difference_in_words(audit));
+  return text;
+}
+
+}  // namespace apriltrack::app
