@@ -18,7 +18,7 @@ namespace {
 using IndexedAudits = std::vector<std::pair<std::size_t, ConstraintAudit>>;
 
 ConstraintPrior prior_of(const std::vector<BoundConstraint>& constraints, const ImageMap& map,
-                         const JointCovariance& joint) {
+                         const CovarianceOperator& joint) {
   ConstraintPrior prior;
   prior.T_held_tag = map.T_held_tag;
   std::set<int> tags;
@@ -39,7 +39,7 @@ ConstraintPrior prior_of(const std::vector<BoundConstraint>& constraints, const 
 
 /// The covariance of all poses with the rows of the fit: cov A'.
 Eigen::MatrixXd covariance_with_rows(const ConstrainedFit& fit, const ConstraintPrior& prior,
-                                     const JointCovariance& joint) {
+                                     const CovarianceOperator& joint) {
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(joint.size(), fit.by_tags.rows());
   for (const auto& [tag, offset] : prior.offsets)
     columns.middleRows<6>(*joint.offset_of(tag)) = fit.by_tags.middleCols<6>(offset).transpose();
@@ -48,7 +48,7 @@ Eigen::MatrixXd covariance_with_rows(const ConstrainedFit& fit, const Constraint
 
 /// Poses and covariances of all tags, those that no constraint names as well.
 void take_fit(const ConstrainedFit& fit, const ConstraintPrior& prior, const ImageMap& map,
-              const JointCovariance& joint, ConstrainedMap& result) {
+              const CovarianceOperator& joint, ConstrainedMap& result) {
   const Eigen::MatrixXd with_rows = covariance_with_rows(fit, prior, joint);
   for (std::size_t i = 0; i < map.tags.size(); ++i) {
     const auto t = static_cast<std::size_t>(map.tags[i]);
@@ -171,7 +171,7 @@ std::vector<BoundConstraint> bind_constraints(std::span<const MapConstraint> con
 }
 
 ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const ImageMap& map,
-                             const JointCovariance& joint) {
+                             const CovarianceOperator& joint) {
   ConstrainedMap result;
   result.T_map_tag = map.T_held_tag;
   IndexedAudits unused;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "constraint_audit.h"
-#include "joint_covariance.h"
+#include "covariance_operator.h"
 
 namespace apriltrack {
 
@@ -38,6 +38,6 @@ std::vector<BoundConstraint> bind_constraints(std::span<const MapConstraint> con
 /// constraints contradict each other or the images; and where two different frames agree with them. joint: of
 /// all tags of the map.
 ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const ImageMap& map,
-                             const JointCovariance& joint);
+                             const CovarianceOperator& joint);
 
 }  // namespace apriltrack

@@ -17,9 +17,8 @@ Table make_table() {
   Table table;
   for (int i = 0; i <= kNumSteps; ++i) {
     const double place = static_cast<double>(i) / kStepsPerUnit - kReach;
-    table[static_cast<std::size_t>(i)] = {
-        0.5 * std::erfc(-place / std::numbers::sqrt2),
-        std::exp(-0.5 * place * place) / std::sqrt(2.0 * std::numbers::pi)};
+    table[static_cast<std::size_t>(i)] = {0.5 * std::erfc(-place / std::numbers::sqrt2),
+                                          std::exp(-0.5 * place * place) / std::sqrt(2.0 * std::numbers::pi)};
   }
   return table;
 }

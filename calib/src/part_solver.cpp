@@ -180,7 +180,7 @@ void let_frames_follow(const Observations& observations, const Part& part, MapSt
 }
 
 /// joint: of the adjusted map.
-void keep_to_constraints(const Observations& observations, const JointCovariance& joint,
+void keep_to_constraints(const Observations& observations, const CovarianceOperator& joint,
                          PartSolution& solution) {
   ImageMap map{observations.tags, solution.part.tags, solution.held_tag, solution.state.T_map_tag, {}};
   const Pose T_held_map = map.T_held_tag[static_cast<std::size_t>(solution.held_tag)].inverse();
@@ -209,7 +209,7 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
   if (constraints.empty()) return;
   solution.constraints = with_gravity_of_tags(constraints, observations, solution.part.views, views,
                                               solution.state, scale.noise_variance);
-  keep_to_constraints(observations, JointCovariance(*poses, scale, shared), solution);
+  keep_to_constraints(observations, CovarianceOperator(*poses, scale, shared), solution);
 }
 
 }  // namespace

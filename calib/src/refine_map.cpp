@@ -99,11 +99,11 @@ class Refinement {
     scale_by(scale, covariances);
     for (std::size_t i = 0; i < tags.size(); ++i)
       map_tag(i, result.map).covariance = covariances[i].by_noise + covariances[i].by_bias;
-    if (!constraints_.empty()) keep_to_constraints(JointCovariance(*poses, scale), tags, result);
+    if (!constraints_.empty()) keep_to_constraints(CovarianceOperator(*poses, scale), tags, result);
     return true;
   }
 
-  void keep_to_constraints(const JointCovariance& joint, const std::vector<int>& tags,
+  void keep_to_constraints(const CovarianceOperator& joint, const std::vector<int>& tags,
                            RefinementResult& result) const {
     ImageMap map{{}, tags, held_tag_, {}, {}};
     const Pose T_map_held = map_tag(static_cast<std::size_t>(held_tag_), result.map).T_map_tag;

@@ -5,8 +5,6 @@
 #include <map>
 #include <utility>
 
-#include "joint_covariance.h"
-
 namespace apriltrack {
 namespace {
 
@@ -44,6 +42,16 @@ std::vector<TagCovariance> covariances_from(const PoseInformation& poses, const 
 }
 
 }  // namespace
+
+SharedErrors::SharedErrors(const SharedParameters& shared)
+    : poses_by_parameter(shared.information.poses_by_parameter),
+      covariance((shared.information.information + Eigen::MatrixXd(shared.prior_precision.asDiagonal()))
+                     .ldlt()
+                     .solve(Eigen::MatrixXd::Identity(shared.prior_precision.size(),
+                                                      shared.prior_precision.size()))) {
+  for (const auto& [tag, gradient] : shared.information.gradient_by_errors)
+    parameters_by_errors[tag] = -covariance * gradient;
+}
 
 std::vector<TagCovariance> tag_covariances(const PoseInformation& poses, const std::vector<int>& tags,
                                            const std::optional<SharedParameters>& parameters) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -22,6 +23,15 @@ struct TagCovariance {
 struct SharedParameters {
   ParameterInformation information;
   Eigen::VectorXd prior_precision;  ///< What was known of them before, in the units of the residuals.
+};
+
+/// What they add: the poses follow their errors.
+struct SharedErrors {
+  explicit SharedErrors(const SharedParameters& shared);
+
+  Eigen::MatrixXd poses_by_parameter;
+  Eigen::MatrixXd covariance;
+  std::map<int, Eigen::MatrixXd> parameters_by_errors;
 };
 
 /// In the order of `tags`: what ceres::Covariance gives, at a cost that a thousand frames do not raise. Only

@@ -71,11 +71,16 @@ std::vector<Hypothesis> hypotheses_about(const std::vector<ProbeView>& probes, c
 std::string describe(const Hypothesis& one, const std::vector<ProbeView>& probes,
                      const Observations& observations, const std::string& name) {
   switch (one.kind) {
-    case Kind::kSize: return words_of_size(one.fit, name);
-    case Kind::kNotFlat: return words_of_bend(one.fit, name);
-    case Kind::kMoved: return words_of_move(*one.places, probes, observations.frames.front(), name);
-    case Kind::kTwoPlaces: return words_of_copies(*one.places, name);
-    case Kind::kLoose: break;
+    case Kind::kSize:
+      return words_of_size(one.fit, name);
+    case Kind::kNotFlat:
+      return words_of_bend(one.fit, name);
+    case Kind::kMoved:
+      return words_of_move(*one.places, probes, observations.frames.front(), name);
+    case Kind::kTwoPlaces:
+      return words_of_copies(*one.places, name);
+    case Kind::kLoose:
+      break;
   }
   return words_of_loose(name);
 }

@@ -48,12 +48,11 @@ std::size_t best_change(const std::vector<ProbeView>& probes, const TagFit& firs
 }
 
 /// Both places fitted to the views that are said to show them.
-std::optional<TwoPlaces> fit_two(const std::vector<ProbeView>& probes,
-                                 std::vector<bool> at_second, double size_m) {
+std::optional<TwoPlaces> fit_two(const std::vector<ProbeView>& probes, std::vector<bool> at_second,
+                                 double size_m) {
   const auto first = where(probes, at_second, false), second = where(probes, at_second, true);
   if (first.size() < kLeastOfPlace || second.size() < kLeastOfPlace) return std::nullopt;
-  TwoPlaces result{0.0, fit_tag_anew(first, size_m), fit_tag_anew(second, size_m),
-                    std::move(at_second)};
+  TwoPlaces result{0.0, fit_tag_anew(first, size_m), fit_tag_anew(second, size_m), std::move(at_second)};
   result.cost = result.fit.cost + result.second.cost;
   return result;
 }

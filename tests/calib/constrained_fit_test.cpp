@@ -60,7 +60,7 @@ struct SmallRoom {
     }
   }
 
-  JointCovariance joint() const { return {*poses, {kNoiseVariance, kBiasVariance}}; }
+  CovarianceOperator joint() const { return {*poses, {kNoiseVariance, kBiasVariance}}; }
 
   /// By the normal equations of all tags and frames at once.
   Eigen::MatrixXd dense_covariance() const {
@@ -118,7 +118,7 @@ const SmallRoom& small_room() {
   return room;
 }
 
-TEST(JointCovariance, IsThatOfAllEquationsAtOnce) {
+TEST(CovarianceOperator, IsThatOfAllEquationsAtOnce) {
   const SmallRoom& room = small_room();
   const Eigen::MatrixXd covariance =
       room.joint().times(Eigen::MatrixXd::Identity(room.poses->size(), room.poses->size()));

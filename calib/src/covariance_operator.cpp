@@ -1,27 +1,16 @@
-#include "joint_covariance.h"
+#include "covariance_operator.h"
 
-#include <Eigen/Cholesky>
 #include <utility>
 
 namespace apriltrack {
 
-SharedErrors::SharedErrors(const SharedParameters& shared)
-    : poses_by_parameter(shared.information.poses_by_parameter),
-      covariance((shared.information.information + Eigen::MatrixXd(shared.prior_precision.asDiagonal()))
-                     .ldlt()
-                     .solve(Eigen::MatrixXd::Identity(shared.prior_precision.size(),
-                                                      shared.prior_precision.size()))) {
-  for (const auto& [tag, gradient] : shared.information.gradient_by_errors)
-    parameters_by_errors[tag] = -covariance * gradient;
-}
-
-JointCovariance::JointCovariance(const PoseInformation& poses, const ErrorScale& scale,
-                                 const std::optional<SharedParameters>& shared)
+CovarianceOperator::CovarianceOperator(const PoseInformation& poses, const ErrorScale& scale,
+                                       const std::optional<SharedParameters>& shared)
     : poses_(poses), scale_(scale) {
   if (shared) shared_.emplace(*shared);
 }
 
-Eigen::MatrixXd JointCovariance::times(const Eigen::MatrixXd& columns) const {
+Eigen::MatrixXd CovarianceOperator::times(const Eigen::MatrixXd& columns) const {
   const Eigen::MatrixXd solved = poses_.solve(columns);
   Eigen::MatrixXd result = scale_.noise_variance * solved;
   Eigen::MatrixXd by_parameter;  // of the columns
