@@ -7,16 +7,16 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kReach = 7.0;  // beyond, 1e-12 is left
+constexpr double kTableReach = 7.0;  // beyond, 1e-12 is left
 constexpr int kStepsPerUnit = 128;
-constexpr int kNumSteps = static_cast<int>(2.0 * kReach) * kStepsPerUnit;
+constexpr int kNumSteps = static_cast<int>(2.0 * kTableReach) * kStepsPerUnit;
 
 using Table = std::array<NormalValue, kNumSteps + 1>;
 
 Table make_table() {
   Table table;
   for (int i = 0; i <= kNumSteps; ++i) {
-    const double place = static_cast<double>(i) / kStepsPerUnit - kReach;
+    const double place = static_cast<double>(i) / kStepsPerUnit - kTableReach;
     table[static_cast<std::size_t>(i)] = {0.5 * std::erfc(-place / std::numbers::sqrt2),
                                           std::exp(-0.5 * place * place) / std::sqrt(2.0 * std::numbers::pi)};
   }
@@ -34,15 +34,15 @@ double between(double t, double left, double left_slope, double right, double ri
 
 NormalValue normal_at(double place) {
   static const Table table = make_table();
-  if (!(place > -kReach)) return {0.0, 0.0};
-  if (!(place < kReach)) return {1.0, 0.0};
-  const double steps = (place + kReach) * kStepsPerUnit;
+  if (!(place > -kTableReach)) return {0.0, 0.0};
+  if (!(place < kTableReach)) return {1.0, 0.0};
+  const double steps = (place + kTableReach) * kStepsPerUnit;
   const int step = static_cast<int>(steps);
   const double t = steps - step;
   const NormalValue& left = table[static_cast<std::size_t>(step)];
   const NormalValue& right = table[static_cast<std::size_t>(step + 1)];
   constexpr double kPerStep = 1.0 / kStepsPerUnit;
-  const double left_place = step * kPerStep - kReach;
+  const double left_place = step * kPerStep - kTableReach;
   return {between(t, left.below, kPerStep * left.density, right.below, kPerStep * right.density),
           between(t, left.density, -kPerStep * left_place * left.density, right.density,
                   -kPerStep * (left_place + kPerStep) * right.density)};

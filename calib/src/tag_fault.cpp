@@ -14,13 +14,13 @@ using Kind = TagFinding::Kind;
 constexpr std::size_t kLeastProbes = 4;
 // Clear: by so many standard deviations, so much of the tag's size, and so much of half the sum of squares.
 constexpr double kClearSigmas = 5.0;
+constexpr double kClearOfKept = 3.0;  // of the errors that a tag keeps
 constexpr double kClearScale = 0.012;
 constexpr double kClearBend = 0.006;
 constexpr double kTwistPerEdge = 2.0;  // a twist shows where the tag is seen from aside, and there by half
 constexpr double kClearGain = 20.0;
 constexpr double kClearShare = 0.25;  // of what is beyond the usual
 constexpr double kMostLeft = 2.5;     // of the usual
-constexpr double kPerNumber = 2.0;    // what a further unknown must gain to be preferred
 // Misfit of one place, below which no second one is asked for.
 constexpr double kMisfitOfTwo = 1.2;
 constexpr double kMisfitOfMoved = 2.5;  // lens errors look like small moves
@@ -35,8 +35,8 @@ struct Hypothesis {
 
 /// Beyond chance, and beyond what errors do that the tag keeps in all of its views, `kept`.
 bool is_clear(double value, double sigma, double kept, double least, double misfit) {
-  const double by_chance = sigma * std::sqrt(std::max(1.0, misfit));
-  return std::abs(value) > std::max(least, kClearSigmas * std::hypot(by_chance, kept));
+  const double by_chance = kClearSigmas * sigma * std::sqrt(std::max(1.0, misfit));
+  return std::abs(value) > std::max(least, std::hypot(by_chance, kClearOfKept * kept));
 }
 
 double mean_edge_of(const std::vector<ProbeView>& probes) {
@@ -58,7 +58,7 @@ std::vector<Hypothesis> hypotheses_about(const std::vector<ProbeView>& probes, c
   bent.is_twist_clear =
       is_clear(bent.shape.twist, bent.twist_sigma, kTwistPerEdge * kept, kClearBend, misfit);
   if (bent.is_aspect_clear || bent.is_twist_clear)
-    result.push_back({Kind::kNotFlat, bent.cost + 2.0 * kPerNumber, bent, {}});
+    result.push_back({Kind::kNotFlat, bent.cost + 2.0 * kFeeOfUnknown, bent, {}});
   if (misfit < kMisfitOfTwo) return result;
   if (misfit > kMisfitOfMoved) {
     if (auto moved = moved_once(probes, size_m)) result.push_back({Kind::kMoved, moved->cost, {}, moved});

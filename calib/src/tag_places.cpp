@@ -9,7 +9,6 @@ namespace apriltrack {
 namespace {
 
 constexpr std::size_t kLeastOfPlace = 3;  // views
-constexpr double kPerNumber = 2.0;        // what a further unknown must gain to be preferred
 // Apart: by so much, so clearly.
 constexpr double kClearSquares = 45.0;  // of six numbers: chance in a million
 constexpr double kClearMove = 0.02;     // of the tag's size; and at least
@@ -60,7 +59,7 @@ std::optional<TwoPlaces> fit_two(const std::vector<ProbeView>& probes, std::vect
 /// Two tags of one id need not be of one size.
 void allow_another_size(const std::vector<ProbeView>& probes, TagFit& fit) {
   TagFit scaled = fit_tag(probes, fit, ShapeFreedom::kSize);
-  scaled.cost += kPerNumber;
+  scaled.cost += kFeeOfUnknown;
   if (scaled.cost < fit.cost) fit = scaled;
 }
 
@@ -93,7 +92,7 @@ std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double
     if (trial && (!best || trial->cost < best->cost)) best = std::move(trial);
   }
   if (!best) return std::nullopt;
-  best->cost += 7.0 * kPerNumber;
+  best->cost += 7.0 * kFeeOfUnknown;
   const double turn_rad = rotation_angle_rad(best->change().rotation(), Eigen::Quaterniond::Identity());
   const double least_m = turn_rad > kClearTurn_rad ? 0.0 : std::max(kClearMove * size_m, kClearMove_m);
   return are_apart(*best, least_m) ? best : std::nullopt;
@@ -120,7 +119,7 @@ std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const 
   result->cost = result->fit.cost + result->second.cost;
   const auto minority = static_cast<double>(std::min(std::ranges::count(result->is_at_second, true),
                                                      std::ranges::count(result->is_at_second, false)));
-  result->cost += 6.0 * kPerNumber + minority;
+  result->cost += 6.0 * kFeeOfUnknown + minority;
   return result;
 }
 

@@ -7,6 +7,9 @@
 
 namespace apriltrack {
 
+/// What each further unknown must gain, of half the sum of squares, to be preferred.
+inline constexpr double kFeeOfUnknown = 2.0;
+
 /// One view of a tag, as the other tags of its frame foretell it: the frame's pose rests on them alone.
 struct ProbeView {
   const TagView* view = nullptr;
