@@ -11,6 +11,7 @@
 #include "apriltrack/base/parallel.h"
 #include "camera_gravity.h"
 #include "constraint_tags.h"
+#include "part_evidence.h"
 #include "part_solver.h"
 
 namespace apriltrack {
@@ -337,6 +338,8 @@ void CalibrationOptions::check() const {
   require(max_tags_with_covariance >= 0, "max_tags_with_covariance", std::to_string(max_tags_with_covariance),
           "0 or more");
   for (const MapConstraint& constraint : constraints) check_constraint(constraint);
+  require(max_tags_with_joint_covariance >= 0, "max_tags_with_joint_covariance",
+          std::to_string(max_tags_with_joint_covariance), "0 or more");
   require(min_views >= 1, "min_views", std::to_string(min_views), "1 or more");
   require(max_iterations >= 1, "max_iterations", std::to_string(max_iterations), "1 or more");
   require(num_threads >= 0, "num_threads", std::to_string(num_threads), "0 (all cores) or more");
@@ -375,6 +378,7 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   take_cameras(observations, rig, main, result, findings);
   result.observations_used = static_cast<int>(main.part.views.size());
   result.observations_rejected = static_cast<int>(main.views_offered - main.part.views.size());
+  result.evidence = part_evidence(observations, main, options);
 
   for (std::size_t i = 1; i < parts.size(); ++i) {
     try {
@@ -383,6 +387,7 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
       report_quality(observations, other, options, findings);
       result.other_parts.push_back(
           to_map(observations, other, fmt::format("{}_part_{}", options.map_frame, i + 1)));
+      result.evidence_of_other_parts.push_back(part_evidence(observations, other, options));
     } catch (const Error& error) {  // the main map stands without it
       leave_out(observations, parts[i].tags, error.what(), findings);
     }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -46,10 +47,18 @@ Eigen::MatrixXd covariance_with_rows(const ConstrainedFit& fit, const Constraint
   return joint.times(columns);
 }
 
+/// Of a symmetric positive semidefinite matrix.
+Eigen::MatrixXd square_root(const Eigen::MatrixXd& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
 /// Poses and covariances of all tags, those that no constraint names as well.
 void take_fit(const ConstrainedFit& fit, const ConstraintPrior& prior, const ImageMap& map,
               const CovarianceOperator& joint, ConstrainedMap& result) {
   const Eigen::MatrixXd with_rows = covariance_with_rows(fit, prior, joint);
+  const Eigen::MatrixXd gain = with_rows * square_root(fit.precision);
+  result.gain = Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(map.tags.size()), gain.cols());
   for (std::size_t i = 0; i < map.tags.size(); ++i) {
     const auto t = static_cast<std::size_t>(map.tags[i]);
     Pose T_held_tag = map.T_held_tag[t];
@@ -58,6 +67,7 @@ void take_fit(const ConstrainedFit& fit, const ConstraintPrior& prior, const Ima
     if (const auto offset = joint.offset_of(map.tags[i])) {
       const auto own = with_rows.middleRows<6>(*offset);
       T_held_tag = T_held_tag * Pose::exp(Vector6d(-(own * fit.push)));
+      result.gain.middleRows<6>(6 * static_cast<Eigen::Index>(i)) = gain.middleRows<6>(*offset);
       covariance -= own * fit.precision * own.transpose();
       if (fit.has_frame) with_frame = -own * fit.frame_coupling;
     }

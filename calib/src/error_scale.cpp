@@ -81,7 +81,8 @@ double bias_variance(const std::vector<LinearView>& views, const PoseInformation
 ErrorScale error_scale(const std::vector<LinearView>& views, const PoseInformation& poses,
                        double expected_bias_variance) {
   ErrorScale scale;
-  scale.noise_variance = residual_variance(views) * views_per_independent_view(views);
+  scale.views_per_independent_view = views_per_independent_view(views);
+  scale.noise_variance = residual_variance(views) * scale.views_per_independent_view;
   if (expected_bias_variance > 0.0)
     scale.bias_variance = bias_variance(views, poses, scale.noise_variance, expected_bias_variance);
   return scale;

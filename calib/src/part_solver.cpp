@@ -13,6 +13,7 @@
 #include "corner_views.h"
 #include "culprit_search.h"
 #include "error_scale.h"
+#include "joint_tag_covariance.h"
 #include "part_adjustment.h"
 #include "reduced_equations.h"
 #include "undecided_tags.h"
@@ -187,6 +188,7 @@ void keep_to_constraints(const Observations& observations, const CovarianceOpera
   for (Pose& pose : map.T_held_tag) pose = T_held_map * pose;
   for (const TagCovariance& tag : solution.covariances) map.covariances.push_back(tag.by_noise + tag.by_bias);
   solution.constrained = constrain_map(solution.constraints, map, joint);
+  take_off(solution.constrained->gain, solution.joint);
   solution.state.T_map_tag = solution.constrained->T_map_tag;
   for (Pose& pose : solution.state.T_map_rig) pose = solution.constrained->T_map_held * T_held_map * pose;
   let_frames_follow(observations, solution.part, solution.state);
@@ -202,14 +204,20 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
                     "the views leave the pose of a tag undetermined; film each tag from more sides, together "
                     "with others");
   const double bias = options.corner_bias_px / options.corner_sigma_px;
-  const ErrorScale scale = error_scale(views, *poses, bias * bias);
+  solution.scale = error_scale(views, *poses, bias * bias);
   const auto shared = shared_parameters(observations, solution, *poses);
   solution.covariances = tag_covariances(*poses, solution.part.tags, shared);
-  scale_by(scale, solution.covariances);
+  scale_by(solution.scale, solution.covariances);
+  if (solution.part.tags.size() <= static_cast<std::size_t>(options.max_tags_with_joint_covariance)) {
+    std::vector<TagKey> keys;
+    for (const int tag : solution.part.tags) keys.push_back(observations.tags[static_cast<std::size_t>(tag)]);
+    solution.joint =
+        joint_tag_covariance(*poses, solution.part.tags, std::move(keys), solution.scale, shared);
+  }
   if (constraints.empty()) return;
   solution.constraints = with_gravity_of_tags(constraints, observations, solution.part.views, views,
-                                              solution.state, scale.noise_variance);
-  keep_to_constraints(observations, CovarianceOperator(*poses, scale, shared), solution);
+                                              solution.state, solution.scale.noise_variance);
+  keep_to_constraints(observations, CovarianceOperator(*poses, solution.scale, shared), solution);
 }
 
 }  // namespace

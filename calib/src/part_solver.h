@@ -16,7 +16,9 @@ struct PartSolution {
   int held_tag = 0;
   Part part;  ///< What was kept: outliers, and tags that hung on them alone, are gone.
   MapState state;
-  std::vector<TagCovariance> covariances;     ///< Of part.tags; empty when these are too many.
+  std::vector<TagCovariance> covariances;  ///< Of part.tags; empty when these are too many.
+  ErrorScale scale;
+  JointCovariance joint;  ///< Of part.tags, relative to the held tag; empty when these are too many.
   std::vector<double> residual_rms_px;        ///< Of part.tags, per axis.
   std::vector<MapConstraint> constraints;     ///< As given, cameras' gravity as that of tags.
   std::optional<ConstrainedMap> constrained;  ///< What constraints made of it; `state` is that already.

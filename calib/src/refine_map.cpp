@@ -11,6 +11,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
 #include "constrained_map.h"
+#include "joint_tag_covariance.h"
 #include "photometric_adjustment.h"
 #include "refinement_input.h"
 
@@ -40,9 +41,13 @@ double disagreement(const std::vector<LinearView>& views) {
 
 class Refinement {
  public:
-  Refinement(const RefinementInput& input, int held_tag, const std::vector<MapConstraint>& constraints,
+  Refinement(const RefinementInput& input, int held_tag, const CalibrationResult& calibration,
              ParallelFor parallel)
-      : input_(input), held_tag_(held_tag), constraints_(constraints), parallel_(std::move(parallel)) {}
+      : input_(input),
+        held_tag_(held_tag),
+        constraints_(calibration.constraints),
+        has_joint_(!calibration.evidence.joint.is_empty()),
+        parallel_(std::move(parallel)) {}
 
   /// What moments that are held out say of the calibration, and of a map refined without them. Both with the
   /// light and the lens of the latter, so that only places differ. False where the refinement fails.
@@ -97,6 +102,11 @@ class Refinement {
     std::vector<TagCovariance> covariances = tag_covariances(*poses, tags);
     const ErrorScale scale = error_scale(views, *poses, options.picture_bias_px * options.picture_bias_px);
     scale_by(scale, covariances);
+    if (has_joint_) {
+      std::vector<TagKey> keys;
+      for (std::size_t i = 0; i < tags.size(); ++i) keys.push_back(map_tag(i, result.map).key);
+      result.joint = joint_tag_covariance(*poses, tags, std::move(keys), scale);
+    }
     for (std::size_t i = 0; i < tags.size(); ++i)
       map_tag(i, result.map).covariance = covariances[i].by_noise + covariances[i].by_bias;
     if (!constraints_.empty()) keep_to_constraints(CovarianceOperator(*poses, scale), tags, result);
@@ -114,6 +124,7 @@ class Refinement {
       map.covariances.push_back(*tag.covariance);
     }
     ConstrainedMap constrained = constrain_map(constraints_, map, joint);
+    take_off(constrained.gain, result.joint);
     // Tags that were not refined move with the frame.
     for (MapTag& tag : result.map.tags)
       tag.T_map_tag = constrained.T_map_held * T_map_held.inverse() * tag.T_map_tag;
@@ -149,6 +160,7 @@ class Refinement {
   const RefinementInput& input_;
   int held_tag_;
   const std::vector<MapConstraint>& constraints_;
+  bool has_joint_;
   ParallelFor parallel_;
   PhotometricState trained_;
 };
@@ -203,7 +215,7 @@ RefinementResult refine_map(const CalibrationResult& calibration, std::span<cons
     result.reason = fmt::format("a constraint names {}, which too few pictures show", to_string(*unseen));
     return result;
   }
-  Refinement refinement(input, *held_tag, calibration.constraints, parallel);
+  Refinement refinement(input, *held_tag, calibration, parallel);
   if (!refinement.judge(result)) {
     result.reason = "the refinement does not settle";
   } else if (!(result.held_out_after < result.held_out_before)) {

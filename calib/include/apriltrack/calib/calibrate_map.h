@@ -7,6 +7,7 @@
 
 #include "apriltrack/base/log.h"
 #include "apriltrack/calib/map_constraints.h"
+#include "apriltrack/calib/map_evidence.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/tags/tag_map.h"
@@ -48,6 +49,9 @@ struct CalibrationOptions {
   /// Larger maps go without covariances, with a warning: they take 0.3 kB times the square of the number of
   /// tags, and 0.4 kB for each two that are seen together (1000 tags: 0.3 to 0.7 GB).
   int max_tags_with_covariance = 1000;
+  /// Larger maps go without the covariances between their tags (joint_covariance.h): 0.7 kB times the square
+  /// of the number of tags.
+  int max_tags_with_joint_covariance = 100;
   int min_views = 2;  ///< Tags seen in fewer frames together with others are left out and named.
   int max_iterations = 100;
   int num_threads = 1;  ///< 0 = as many as the machine has cores. The result does not depend on it.
@@ -55,12 +59,6 @@ struct CalibrationOptions {
 
   /// Throws Error(kInvalidInput) that names the option, its value and its range.
   void check() const;
-};
-
-/// Where the rig was at one time.
-struct RigPose {
-  Timestamp timestamp;
-  Pose T_map_rig;
 };
 
 /// A number of a camera that was estimated with the map.
@@ -94,6 +92,8 @@ struct CalibrationResult {
   std::vector<CameraCorrection> corrections;  ///< None where the cameras are as given.
   /// At the moments that `map` rests on, in the order of time; of two with the same time, neither.
   std::vector<RigPose> rig_poses;
+  MapEvidence evidence;                              ///< What `map` rests on.
+  std::vector<MapEvidence> evidence_of_other_parts;  ///< The same, in the order of `other_parts`.
 };
 
 /// Builds a tag map by bundle adjustment: connectivity first, planar solutions resolved, spanning-tree start,

@@ -39,6 +39,7 @@ struct RefinementResult {
   /// How far the pictures of moments that the map was not made from disagree with it, in standard deviations
   /// (root mean square) of what noise would leave: before, and with a map refined from the others.
   double held_out_before = 0.0, held_out_after = 0.0;
+  JointCovariance joint;             ///< Of the refined tags, by their pictures; where it is accepted.
   std::vector<double> psf_sigma_px;  ///< Blur of each camera's lens, in the order of the rig.
 };
 

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "apriltrack/calib/joint_covariance.h"
+#include "tag_covariance.h"
+
+namespace apriltrack {
+
+/// The whole matrix of which tag_covariances() gives the blocks of each tag, in units of the residuals as
+/// `scale` has them. tags: numbers as `poses` has them; keys: their names, in the same order.
+JointCovariance joint_tag_covariance(const PoseInformation& poses, const std::vector<int>& tags,
+                                     std::vector<TagKey> keys, const ErrorScale& scale,
+                                     const std::optional<SharedParameters>& shared = std::nullopt);
+
+/// What constraints know: gain gain' less, by rows of all of the tags; empty: nothing. What is left is all
+/// noise.
+void take_off(const Eigen::MatrixXd& gain, JointCovariance& joint);
+
+}  // namespace apriltrack

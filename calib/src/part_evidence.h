@@ -1,0 +1,11 @@
+#pragma once
+
+#include "part_solver.h"
+
+namespace apriltrack {
+
+/// What the map of `solution` rests on, in the numbers of its map (to which part.tags give the order).
+MapEvidence part_evidence(const Observations& observations, const PartSolution& solution,
+                          const CalibrationOptions& options);
+
+}  // namespace apriltrack
