@@ -11,6 +11,7 @@
 #include "apriltrack/base/parallel.h"
 #include "camera_gravity.h"
 #include "constraint_tags.h"
+#include "halves.h"
 #include "part_evidence.h"
 #include "part_solver.h"
 
@@ -379,6 +380,7 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   result.observations_used = static_cast<int>(main.part.views.size());
   result.observations_rejected = static_cast<int>(main.views_offered - main.part.views.size());
   result.evidence = part_evidence(observations, main, options);
+  if (options.cross_validate) result.cross_validation = cross_validate(observations, main, options);
 
   for (std::size_t i = 1; i < parts.size(); ++i) {
     try {

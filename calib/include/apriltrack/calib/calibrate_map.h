@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apriltrack/base/log.h"
+#include "apriltrack/calib/cross_validation.h"
 #include "apriltrack/calib/map_constraints.h"
 #include "apriltrack/calib/map_evidence.h"
 #include "apriltrack/camera/camera.h"
@@ -52,6 +53,9 @@ struct CalibrationOptions {
   /// Larger maps go without the covariances between their tags (joint_covariance.h): 0.7 kB times the square
   /// of the number of tags.
   int max_tags_with_joint_covariance = 100;
+  /// Solve the map from each half of the recording, too, and tell how far the two differ
+  /// (CalibrationResult::cross_validation): two more adjustments.
+  bool cross_validate = false;
   int min_views = 2;  ///< Tags seen in fewer frames together with others are left out and named.
   int max_iterations = 100;
   int num_threads = 1;  ///< 0 = as many as the machine has cores. The result does not depend on it.
@@ -94,6 +98,7 @@ struct CalibrationResult {
   std::vector<RigPose> rig_poses;
   MapEvidence evidence;                              ///< What `map` rests on.
   std::vector<MapEvidence> evidence_of_other_parts;  ///< The same, in the order of `other_parts`.
+  std::optional<CrossValidation> cross_validation;   ///< Where it was asked for.
 };
 
 /// Builds a tag map by bundle adjustment: connectivity first, planar solutions resolved, spanning-tree start,
