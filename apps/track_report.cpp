@@ -22,7 +22,7 @@ void add_warnings(HtmlPage& page, const TrackRun& run) {
   const std::vector<std::string>& warnings = run.arguments.console.warnings();
   if (warnings.empty()) return;
   page.heading(warnings.size() == 1 ? "Warning" : "Warnings");
-  for (const std::string& warning : warnings) page.paragraph(warning);
+  page.warnings(warnings);
 }
 
 void add_why_not(HtmlPage& page, const TrackRun& run, const TrackFigures& figures) {

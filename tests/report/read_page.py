@@ -17,7 +17,7 @@ class Events:
         self.open, self.found = [], []
 
     def start(self, name, attributes):
-        entry = [name, dict(attributes), ""]
+        entry = [name, {key.lower(): value for key, value in dict(attributes).items()}, ""]  # HTML ignores case
         self.open.append(entry)
         self.found.append(entry)
 

@@ -15,10 +15,10 @@ namespace {
 
 constexpr std::string_view kStyle = R"(
 :root { color-scheme: light dark; --paper: #fff; --ink: #1e2228; --pale: #6b7480; --rule: #dde1e6;
-  --tint: #f5f7f9; --accent: #0072b2; }
+  --tint: #f5f7f9; --accent: #0072b2; --path: #56b4e9; --good: #009e73; --warning: #d55e00; --alarm: #fdf1e8; }
 @media (prefers-color-scheme: dark) {
   :root { --paper: #15181c; --ink: #e4e7eb; --pale: #9aa3ad; --rule: #333a42; --tint: #1d2126;
-    --accent: #56b4e9; }
+    --accent: #56b4e9; --path: #2b7fb0; --good: #1fbf93; --warning: #f08a3c; --alarm: #2c211a; }
 }
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--paper); color: var(--ink);
@@ -34,6 +34,12 @@ figure .wide { margin: 0; }
 figure img, figure video { display: block; width: 100%; height: auto; border: 1px solid var(--rule);
   border-radius: 8px; background: #fff; }
 figure video { background: #000; }
+figure svg { display: block; width: 100%; height: auto; }
+figure .pair { display: grid; gap: 1.25rem; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); }
+.alarm { max-width: 48rem; margin: 0 0 .6rem; padding: .6rem .9rem; background: var(--alarm);
+  border-left: 4px solid var(--warning); border-radius: 0 6px 6px 0; overflow-wrap: anywhere; }
+ul { max-width: 46rem; margin: 0 0 1rem; padding-left: 1.2rem; }
+li { margin: 0 0 .5rem; overflow-wrap: anywhere; }
 figcaption, caption { color: var(--pale); font-size: .9rem; overflow-wrap: anywhere; }
 figcaption { margin-top: .6rem; max-width: 44rem; }
 .wide { overflow-x: auto; margin: 1.5rem 0; }
@@ -43,6 +49,8 @@ th, td { padding: .45rem .75rem; text-align: left; vertical-align: top; border-b
 thead th { color: var(--pale); font-size: .85rem; font-weight: 600; vertical-align: bottom;
   border-bottom: 2px solid var(--rule); }
 tbody th { font-weight: 600; }
+.dense th, .dense td { padding: .35rem .5rem; font-size: .88rem; }
+.dense caption { max-width: 60rem; }
 th:first-child, td:first-child { padding-left: .25rem; }
 .number { text-align: right; white-space: nowrap; }
 thead .number { white-space: normal; }
@@ -56,10 +64,12 @@ pre { margin: 1.5rem 0; padding: .9rem 1.1rem; overflow-x: auto; background: var
   th, td { padding: .4rem .6rem; font-size: .9rem; }
 }
 @media print {
-  :root { --paper: #fff; --ink: #000; --pale: #444; --rule: #bbb; --tint: #fff; --accent: #000; }
+  :root { --paper: #fff; --ink: #000; --pale: #444; --rule: #bbb; --tint: #fff; --accent: #000; --path: #777; --good: #000;
+    --warning: #000; --alarm: #fff; }
   main { max-width: none; padding: 0; }
   figure, tr, pre { break-inside: avoid; }
   h2 { break-after: avoid; }
+  .alarm { border: 1px solid var(--rule); border-left-width: 4px; }
   .wide { overflow: visible; }
   .wide img { min-width: 0; }
   pre { white-space: pre-wrap; }
@@ -117,7 +127,10 @@ void HtmlPage::table(const HtmlTable& table) {
       line += cell_of(cells[i], i, is_header, i > 0 && is_column_of_numbers(table, i));
     return line + "</tr>\n";
   };
-  body_ += "<div class=\"wide\"><table>\n";
+  constexpr std::size_t kManyColumns =
+      10;  // more than the page is wide, if they stood as far apart as others
+  body_ += table.header.size() < kManyColumns ? "<div class=\"wide\"><table>\n"
+                                              : "<div class=\"wide\"><table class=\"dense\">\n";
   if (!table.caption.empty()) body_ += fmt::format("<caption>{}</caption>\n", escaped(table.caption));
   body_ += "<thead>\n" + row_of(table.header, true) + "</thead>\n<tbody>\n";
   for (const auto& row : table.rows) body_ += row_of(row, false);
@@ -148,6 +161,28 @@ void HtmlPage::video(const std::filesystem::path& mp4, const std::string& captio
                                  "playsinline=\"playsinline\" aria-label=\"{}\" src=\"{}\"></video>",
                                  escaped(caption), data_url("video/mp4", bytes)),
                      caption);
+}
+
+void HtmlPage::svg(const SvgPicture& picture, const std::string& caption) {
+  body_ += figure_of(picture.element(caption), caption);
+}
+
+void HtmlPage::svg(const std::vector<SvgPicture>& pictures, const std::string& caption) {
+  std::string all;
+  for (const SvgPicture& picture : pictures) all += picture.element(caption) + "\n";
+  body_ += fmt::format("<figure>\n<div class=\"pair\">{}</div>\n<figcaption>{}</figcaption>\n</figure>\n",
+                       all, escaped(caption));
+}
+
+void HtmlPage::warnings(const std::vector<std::string>& all) {
+  for (const std::string& words : all) body_ += fmt::format("<p class=\"alarm\">{}</p>\n", escaped(words));
+}
+
+void HtmlPage::list(const std::vector<std::string>& items) {
+  if (items.empty()) return;
+  body_ += "<ul>\n";
+  for (const std::string& item : items) body_ += fmt::format("<li>{}</li>\n", escaped(item));
+  body_ += "</ul>\n";
 }
 
 std::string HtmlPage::html() const {

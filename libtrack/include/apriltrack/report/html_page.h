@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "apriltrack/report/svg_picture.h"
+
 namespace apriltrack {
 
 /// The first cell of a row names the row. Columns of numbers, units behind them or not, are set flush right.
@@ -27,6 +29,14 @@ class HtmlPage {
   void table(const HtmlTable& table);
   /// bytes: a PNG file's. Throws Error(kInvalidInput) when they are not.
   void png(std::string_view bytes, const std::string& caption);
+  /// A drawing, in the colours of the page.
+  void svg(const SvgPicture& picture, const std::string& caption);
+  /// Several beside each other where there is room, below each other where there is not.
+  void svg(const std::vector<SvgPicture>& pictures, const std::string& caption);
+  /// Things to be heeded, each set off from the text.
+  void warnings(const std::vector<std::string>& all);
+  /// Sentences, one below the other.
+  void list(const std::vector<std::string>& items);
   /// Both read the file now. Throw Error(kIo), and Error(kInvalidInput) when it is no PNG, or no MP4.
   void picture(const std::filesystem::path& png, const std::string& caption);
   void video(const std::filesystem::path& mp4, const std::string& caption);
