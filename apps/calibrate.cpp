@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
@@ -11,7 +13,9 @@
 #include "calibrate_input.h"
 #include "calibrate_options.h"
 #include "calibrate_output.h"
+#include "calibrate_report.h"
 #include "command_help.h"
+#include "command_line.h"
 #include "commands.h"
 #include "config_file.h"
 #include "inputs.h"
@@ -75,9 +79,15 @@ std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sig
   return refinement;
 }
 
-void run(CLI::App& command, CalibrateOptions& a) {
-  if (!a.config.empty()) apply_config_file(command, a.config);
-  check(command, a);
+/// A joint covariance that was asked for has no limit but that of all covariances.
+void require_joint_covariance(const CalibrateOptions& a, const CalibrationFindings& findings) {
+  if (a.joint_covariance.empty() || !findings.joint->is_empty()) return;
+  throw no_result("--joint-covariance",
+                  fmt::format("the map has more tags than covariances are reckoned for ({}): leave it out",
+                              a.calibration.max_tags_with_covariance));
+}
+
+void make_map(CLI::App& command, CalibrateOptions& a) {
   if (!a.constraints.empty()) a.calibration.constraints = read_map_constraints(a.constraints);
   const std::filesystem::path camera = camera_file(a);
   const CameraRig rig = read_cameras(camera, a.console.log());
@@ -91,14 +101,32 @@ void run(CLI::App& command, CalibrateOptions& a) {
     throw no_result("calibrate", told_of_blank_images(sightings.counts.readable));
 
   a.calibration.num_threads = a.num_threads;
+  a.calibration.cross_validate = a.calibration.cross_validate || !a.report.empty();
+  if (!a.joint_covariance.empty())
+    a.calibration.max_tags_with_joint_covariance = a.calibration.max_tags_with_covariance;
   a.calibration.edge_offset_sigma_px =
       a.edge_offset_sigma_px.value_or(a.detections.empty() ? 0.0 : kForeignEdgeOffset_px);
   if (!a.held_tag.empty()) a.calibration.held_tag = parse_held_tag(a, sightings);
   CalibrationResult result = calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
   for (const std::string& warning : result.warnings) a.console.warning(warning);
   const std::optional<RefinementResult> refinement = refine(a, sightings, result);
-  const CalibrationFiles files = write_calibration(a, camera, sightings, refinement, result);
-  tell_calibration(a, sightings, result, refinement, files);
+  const CalibrationFindings findings = find(result, refinement, sightings.frames);
+  require_joint_covariance(a, findings);
+  const CalibrationFiles files =
+      write_calibration(a, camera, sightings, refinement, findings, command_line_of(command), result);
+  tell_calibration(a, sightings, result, refinement, findings, files);
+}
+
+void run(CLI::App& command, CalibrateOptions& a) {
+  if (!a.config.empty()) apply_config_file(command, a.config);
+  check(command, a);
+  try {
+    make_map(command, a);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::kNoResult && !a.report.empty())
+      write_failure_report(a.report, command_line_of(command), a, error.what());
+    throw;
+  }
 }
 
 }  // namespace

@@ -84,6 +84,13 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
                   "0 = not at all. 0.2 for --detections, 0 for images")
       ->check(number_between(0.0, 100.0));
   command.add_option("--parts", a.parts, "Folder for a map of each part: part_1.yaml is the map itself");
+  command.add_option("--report", a.report,
+                     "Web page: how far the map can be trusted, where not, and what would help; with "
+                     "--cross-validate");
+  command.add_flag("--cross-validate", a.calibration.cross_validate,
+                   "Make a map of each half of the recording, too, and say how far the two differ");
+  command.add_option("--joint-covariance", a.joint_covariance,
+                     "YAML file for the covariance of all tags together, from which follows that of any two");
   command.add_option("--config", a.config,
                      "YAML file of options, keys = their long names; the command line wins");
   command.add_option("--output", a.output,
@@ -149,7 +156,8 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
   read.insert(read.end(), inputs.begin(), inputs.end());
   std::vector<std::string> all_read = read;
   all_read.insert(all_read.end(), a.detections.begin(), a.detections.end());
-  check_output(a.output, "--output", all_read);
+  check_outputs({{a.output, "--output"}, {a.report, "--report"}, {a.joint_covariance, "--joint-covariance"}},
+                all_read);
   check_observations_file(a, read);
   check_parts(a);
 }

@@ -24,6 +24,8 @@ struct CalibrateOptions {
   std::string config;
   std::string output;
   std::string parts;
+  std::string report;
+  std::string joint_covariance;
   int num_threads = 0;
   DetectorOptions detector;
   SourceOptions source;

@@ -13,6 +13,7 @@
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/io/staged_files.h"
+#include "calibrate_report.h"
 #include "constraint_table.h"
 
 namespace apriltrack::app {
@@ -140,6 +141,7 @@ bool is_detections_input(const CalibrateOptions& a, const fs::path& path) {
 CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& camera,
                                    const Sightings& sightings,
                                    const std::optional<RefinementResult>& refinement,
+                                   const CalibrationFindings& findings, const std::string& command_line,
                                    CalibrationResult& result) {
   CalibrationFiles files;
   files.observations = observations_file(a);
@@ -160,13 +162,21 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
     outputs.write(*files.camera, [&](const fs::path& path) { write_cameras(path, result.rig); });
   }
   files.parts = write_parts(a, result, outputs);
+  if (!a.joint_covariance.empty())
+    outputs.write(a.joint_covariance,
+                  [&](const fs::path& path) { write_joint_covariance(path, result.map, *findings.joint); });
+  if (!a.report.empty()) {
+    const CalibrateRun run{command_line, a, camera, sightings, result, refinement, findings};
+    outputs.write(a.report, [&](const fs::path& path) { write_calibrate_report(path, run); });
+  }
   outputs.write(a.output, [&](const fs::path& path) { write_tag_map(path, result.map); });
   outputs.commit();
   return files;
 }
 
 void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, const CalibrationResult& result,
-                      const std::optional<RefinementResult>& refinement, const CalibrationFiles& files) {
+                      const std::optional<RefinementResult>& refinement, const CalibrationFindings& findings,
+                      const CalibrationFiles& files) {
   nlohmann::json other_parts = nlohmann::json::array();
   for (const TagMap& part : result.other_parts) other_parts.push_back(names(part));
   nlohmann::json summary = {{"tags", names(result.map)},
@@ -187,6 +197,9 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
                             {"output", a.output},
                             {"observations", files.observations.string()}};
   if (!a.constraints.empty()) summary["constraints"] = told_constraints(result.constraint_audits);
+  tell_machines(findings, result, summary);
+  if (!a.report.empty()) summary["report"] = a.report;
+  if (!a.joint_covariance.empty()) summary["joint_covariance"] = a.joint_covariance;
   if (refinement) summary["refinement"] = told(*refinement);
   if (files.camera) summary["camera"] = files.camera->string();
   std::string text = fmt::format(
@@ -200,6 +213,9 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
   if (refinement && refinement->is_accepted) text += "\n" + words_of(*refinement);
   if (files.camera) text += "\nrefined camera: " + files.camera->string();
   for (const std::string& file : files.parts) text += "\npart: " + file;
+  text += tell_people(findings, result);
+  if (!a.joint_covariance.empty()) text += "\njoint covariance: " + a.joint_covariance;
+  if (!a.report.empty()) text += "\nreport: " + a.report;
   a.console.finish(summary, text);
 }
 

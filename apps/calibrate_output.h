@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apriltrack/calib/calibrate_map.h"
+#include "calibrate_findings.h"
 #include "calibrate_input.h"
 #include "calibrate_options.h"
 
@@ -24,15 +25,17 @@ std::filesystem::path observations_file(const CalibrateOptions& options);
 bool is_detections_input(const CalibrateOptions& options, const std::filesystem::path& path);
 
 /// Notes in all maps of `result` where they come from, and writes them with the observations they rest on.
-/// camera: the file that was read.
+/// camera: the file that was read. The page and the joint covariance are among them where they were asked
+/// for.
 CalibrationFiles write_calibration(const CalibrateOptions& options, const std::filesystem::path& camera,
                                    const Sightings& sightings,
                                    const std::optional<RefinementResult>& refinement,
+                                   const CalibrationFindings& findings, const std::string& command_line,
                                    CalibrationResult& result);
 
 /// The answer on stdout. refinement: none where it was not asked for.
 void tell_calibration(const CalibrateOptions& options, const Sightings& sightings,
                       const CalibrationResult& result, const std::optional<RefinementResult>& refinement,
-                      const CalibrationFiles& files);
+                      const CalibrationFindings& findings, const CalibrationFiles& files);
 
 }  // namespace apriltrack::app

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "apriltrack/calib/map_evidence.h"
+#include "apriltrack/tags/tag_map.h"
+
+namespace apriltrack::app {
+
+/// How a map is laid on paper: what is to the right there and what is up, as directions in the map's frame.
+struct Elevation {
+  std::string name;  ///< "From above".
+  Eigen::Vector3d right, up;
+
+  Eigen::Vector2d of(const Eigen::Vector3d& point) const { return {right.dot(point), up.dot(point)}; }
+  Eigen::Matrix2d of(const Eigen::Matrix3d& covariance) const;
+};
+
+/// From above and from two sides. What is up in the world is told by how the camera was held: a map knows of
+/// no gravity. Walls that most tags hang on lie along the paper's edges.
+struct Elevations {
+  Elevation above, front, side;
+};
+Elevations elevations_of(const TagMap& map, const MapEvidence& evidence);
+
+/// Metres of an elevation to the units of a picture, the same along both.
+class PaperScale {
+ public:
+  /// Holds all points, with a margin, in a picture as wide as `width` or, where it would be higher than
+  /// `max_height`, less wide. Requires points.
+  PaperScale(const std::vector<Eigen::Vector2d>& points, double width, double max_height, double margin);
+
+  double width() const { return width_; }
+  double height() const { return height_; }
+  double units_per_m() const { return units_per_m_; }
+  Eigen::Vector2d at(const Eigen::Vector2d& point_m) const {
+    return {origin_.x() + units_per_m_ * point_m.x(), origin_.y() - units_per_m_ * point_m.y()};
+  }
+  /// Lowest and highest of what the picture holds, in metres.
+  Eigen::Vector2d low_m() const;
+  Eigen::Vector2d high_m() const;
+
+ private:
+  double width_, height_, units_per_m_ = 1.0;
+  Eigen::Vector2d origin_;
+};
+
+/// 1, 2 or 5 times a power of ten, not above `value`.
+double round_number_below(double value);
+
+}  // namespace apriltrack::app
