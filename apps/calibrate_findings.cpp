@@ -18,7 +18,7 @@ nlohmann::json told(const WeakDirection& one) {
   return {{"tag", to_string(one.tag)},
           {"relative_to", to_string(one.neighbour)},
           {"kind", one.is_rotation ? "rotation" : "position"},
-          {"axis_right_up_out", {one.axis.x(), one.axis.y(), one.axis.z()}},
+          {"axis", {one.axis.x(), one.axis.y(), one.axis.z()}},
           {one.is_rotation ? "sigma_rad" : "sigma_m", one.sigma},
           {"text", one.words}};
 }

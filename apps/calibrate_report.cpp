@@ -4,6 +4,7 @@
 
 #include "apriltrack/report/html_page.h"
 #include "calibrate_report_tables.h"
+#include "constraint_table.h"
 #include "map_drawings.h"
 #include "residual_drawings.h"
 
@@ -92,6 +93,13 @@ void add_refinement(HtmlPage& page, const CalibrateRun& run) {
   page.paragraph(words_of_refinement(*run.refinement));
 }
 
+void add_constraints(HtmlPage& page, const CalibrateRun& run) {
+  if (run.result.constraint_audits.empty()) return;
+  page.heading("What was measured beside the images");
+  page.paragraph("The map's frame: " + run.result.gauge + ".");
+  page.table(constraints_table(run.result.constraint_audits));
+}
+
 void add_halves(HtmlPage& page, const CalibrateRun& run) {
   if (!run.result.cross_validation) return;
   const CrossValidation& halves = *run.result.cross_validation;
@@ -131,6 +139,7 @@ void write_calibrate_report(const std::filesystem::path& path, const CalibrateRu
   page.table(tags_table(run.result.map, *run.findings.joint, run.result.evidence, run.findings.of_map));
   page.heading("How the tags hang together");
   add_drawing(page, draw_links(drawn));
+  add_constraints(page, run);
   add_halves(page, run);
   add_residuals(page, run);
   add_cameras(page, run);

@@ -122,7 +122,7 @@ HtmlTable tags_table(const TagMap& map, const JointCovariance& joint, const MapE
       {},
       "Sigma: root mean square length of the error that the covariance expects; first relative to "
       "the held tag, which gathers the errors of all tags between, then relative to the tag that "
-      "is seen with it and knows it best. x is right, y up, z out of the tag."};
+      "is seen with it and knows it best. x points right, y down, z into the tag."};
   for (std::size_t i = 0; i < map.tags.size(); ++i) {
     const MapTag& tag = map.tags[i];
     std::optional<double> own_mm, own_deg, relative_mm, relative_deg;
@@ -217,6 +217,7 @@ HtmlTable calibrate_settings_table(const CalibrateRun& run) {
   add("map", a.output);
   if (a.tag_size_m) add("tag size", fmt::format("{:g} m", *a.tag_size_m));
   if (!a.tag_sizes.empty()) add("sizes by id", a.tag_sizes);
+  if (!a.constraints.empty()) add("constraints", a.constraints);
   if (a.detections.empty()) add("families", fmt::format("{}", fmt::join(a.detector.families, ", ")));
   add("least frames together with others", fmt::format("{}", a.calibration.min_views));
   add("intrinsics", name_of_intrinsics(a.calibration.intrinsics));

@@ -67,4 +67,27 @@ std::string constraint_table(const std::vector<ConstraintAudit>& audits) {
   return text;
 }
 
+HtmlTable constraints_table(const std::vector<ConstraintAudit>& audits) {
+  HtmlTable table{{"constraint", "what", "measured", "without it", "sigma", "sigmas off"},
+                  {},
+                  "What was measured, and what the images and the other constraints say without it. Sigma is "
+                  "that of the difference."};
+  for (const ConstraintAudit& audit : audits) {
+    if (!audit.is_used) {
+      table.rows.push_back({audit.title, "not used: " + audit.reason, "-", "-", "-", "-"});
+      continue;
+    }
+    for (const ConstraintReading& reading : audit.readings) {
+      const auto number = [&](const std::optional<double>& value) {
+        return value ? fmt::format("{:.5g} {}", *value, reading.unit) : std::string("-");
+      };
+      table.rows.push_back(
+          {audit.title, reading.name, number(reading.measured), number(reading.predicted),
+           number(reading.sigma),
+           reading.sigma ? fmt::format("{:.1f}", sigmas_of(reading)) : "nothing else tells"});
+    }
+  }
+  return table;
+}
+
 }  // namespace apriltrack::app

@@ -24,8 +24,8 @@ struct ConstrainedMap {
   Pose T_map_held;              ///< Where the held tag was measured to be; identity where nothing tells.
   std::vector<Pose> T_map_tag;  ///< By number; of tags outside the map untouched.
   std::vector<Matrix6d> covariances;  ///< Of ImageMap::tags, in the map's frame.
-  /// Six rows for each of ImageMap::tags: the covariance of all of them together, relative to the held tag, is
-  /// less by gain gain'. Empty where no constraint is used.
+  /// Six rows for each of ImageMap::tags: the covariance of all of them together, relative to the held tag,
+  /// is less by gain gain'. Empty where no constraint is used.
   Eigen::MatrixXd gain;
   std::vector<ConstraintAudit> audits;
   std::string gauge;  ///< How the frame was fixed, in words; empty: by the held tag.

@@ -17,7 +17,7 @@ constexpr double kClearlyWeaker = 5.0;  // than the median tag
 constexpr double kWorthTelling = 0.1;   // of what is weak
 constexpr double kAlike = 0.8;          // of two sigmas
 
-/// The widest axis of a 3 x 3 covariance in a tag's frame, turned to x right, y up, z out of the tag.
+/// The widest axis of a 3 x 3 covariance.
 struct WidestAxis {
   double sigma = 0.0;
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
@@ -28,7 +28,7 @@ WidestAxis widest_axis(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   WidestAxis widest;
   widest.sigma = std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
-  widest.axis = solver.eigenvectors().col(2).cwiseProduct(Eigen::Vector3d(1.0, -1.0, -1.0));
+  widest.axis = solver.eigenvectors().col(2);
   Eigen::Index largest = 0;
   widest.axis.cwiseAbs().maxCoeff(&largest);
   if (widest.axis[largest] < 0.0) widest.axis = -widest.axis;
@@ -41,17 +41,17 @@ std::string axis_in_words(const WidestAxis& widest) {
   constexpr double kAlong = 0.94, kInPlane = 0.34;  // 20 degrees, both
   if (widest.is_any_in_plane) return "any axis in its plane";
   const Eigen::Vector3d& axis = widest.axis;
-  constexpr const char* kNames[] = {"its x axis (which points right)", "its y axis (which points up)",
-                                    "its z axis (which points out of it)"};
+  constexpr const char* kNames[] = {"its x axis (which points right)", "its y axis (which points down)",
+                                    "its z axis (which points into it)"};
   for (Eigen::Index i = 0; i < 3; ++i) {
     if (std::abs(axis[i]) > kAlong) return kNames[i];
   }
   if (std::abs(axis.z()) < kInPlane) {
     const double angle = std::atan2(axis.y(), axis.x()) * 180.0 / std::numbers::pi;
-    return fmt::format("the axis in its plane that is {:.0f} degrees from right towards up",
+    return fmt::format("the axis in its plane that is {:.0f} degrees from right towards down",
                        angle < 0.0 ? angle + 180.0 : angle);
   }
-  return fmt::format("the axis ({:.1f} right, {:.1f} up, {:.1f} out of it)", axis.x(), axis.y(), axis.z());
+  return fmt::format("the axis ({:.1f} right, {:.1f} down, {:.1f} into it)", axis.x(), axis.y(), axis.z());
 }
 
 std::string words_of(const WeakDirection& one) {

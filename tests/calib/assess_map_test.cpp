@@ -116,12 +116,10 @@ struct TwoTags {
 };
 
 TEST(WeakDirections, AreInTheTagsOwnAxes) {
-  constexpr const char* kWords[] = {"position along its x axis (which points right)",
-                                    "position along its y axis (which points up)",
-                                    "position along its z axis (which points out of it)",
-                                    "rotation about its x axis (which points right)",
-                                    "rotation about its y axis (which points up)",
-                                    "rotation about its z axis (which points out of it)"};
+  constexpr const char* kWords[] = {
+      "position along its x axis (which points right)",   "position along its y axis (which points down)",
+      "position along its z axis (which points into it)", "rotation about its x axis (which points right)",
+      "rotation about its y axis (which points down)",    "rotation about its z axis (which points into it)"};
   for (int i = 0; i < 6; ++i) {
     Vector6d variances;
     variances << Vector6d::Constant(1e-8);
@@ -143,11 +141,10 @@ TEST(WeakDirections, LieBetweenAxesAndAreAnyInAPlane) {
   EXPECT_EQ(TwoTags(variances).of_second().direction, "rotation about any axis in its plane");
 
   TwoTags between(Vector6d::Constant(1e-8));
-  const Eigen::Vector3d axis =
-      Eigen::Vector3d(1.0, -std::sqrt(3.0), 0.0).normalized();  // y down: up on the right
+  const Eigen::Vector3d axis = Eigen::Vector3d(1.0, std::sqrt(3.0), 0.0).normalized();
   between.joint.by_noise.block<3, 3>(9, 9) += 0.03 * 0.03 * axis * axis.transpose();
   EXPECT_EQ(between.of_second().direction,
-            "rotation about the axis in its plane that is 60 degrees from right towards up");
+            "rotation about the axis in its plane that is 60 degrees from right towards down");
 }
 
 TEST(JointUpdate, IsWhatAllEquationsWithThePictureSay) {

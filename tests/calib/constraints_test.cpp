@@ -129,6 +129,26 @@ TEST(Constraints, DistancesAndBoardsKeepTheHeldTagAtTheOrigin) {
   EXPECT_EQ(with.observations_used, without.observations_used) << "a constraint makes no view an outlier";
 }
 
+/// Of the distance between two tags, by what the result says of how they lie to each other.
+double distance_variance_m2(const CalibrationResult& result, int a, int b) {
+  const auto covariance =
+      relative_covariance(result.map, result.evidence.joint, tag36h11(a), tag36h11(b)).value();
+  const Pose T_a_b =
+      result.map.find(tag36h11(a))->T_map_tag.inverse() * result.map.find(tag36h11(b))->T_map_tag;
+  const Eigen::Vector3d along = T_a_b.rotation().conjugate() * T_a_b.translation().normalized();
+  return along.dot(covariance.topLeftCorner<3, 3>() * along);
+}
+
+TEST(Constraints, LessenWhatIsOpenBetweenTheTagsThatTheyName) {
+  constexpr double kSigma_m = 0.0003;
+  const auto frames = noisy_frames(0);
+  const double before = distance_variance_m2(calibrate(walls(), frames), 5, 19);
+  const CalibrationOptions options{.constraints = {distance(5, 19, 0.0, kSigma_m)}};
+  const double after = distance_variance_m2(calibrate(walls(), frames, options), 5, 19);
+  EXPECT_GT(before, 2.0 * kSigma_m * kSigma_m) << "or there is nothing to lessen";
+  EXPECT_NEAR(1.0 / after, 1.0 / before + 1.0 / (kSigma_m * kSigma_m), 0.01 / after);
+}
+
 TEST(Constraints, FloorAndUprightTagsLevelTheMap) {
   SyntheticWorld world;
   world.rig.cameras.push_back(test::perspective_camera());

@@ -80,6 +80,16 @@ TEST_F(CalibrateWithConstraints, TellsEachOfThemAgainstAllElse) {
                              HasSubstr("kept as with tag36h11/0 held at the origin: heading, x, y, z")));
 }
 
+TEST_F(CalibrateWithConstraints, ShowsThemOnThePage) {
+  std::vector<std::string> with_page =
+      words("  - {type: distance, name: wall <a>, tags: [1, 2], distance_m: 0.501, sigma_m: 0.001}\n");
+  with_page.insert(with_page.end(), {"--report", path("page.html")});
+  ASSERT_EQ(run_program(with_page).status, 0);
+  EXPECT_THAT(read_text(path("page.html")),
+              AllOf(HasSubstr("What was measured beside the images"), HasSubstr("wall &lt;a&gt;"),
+                    HasSubstr("0.501 m"), Not(HasSubstr("wall <a>"))));
+}
+
 TEST_F(CalibrateWithConstraints, WritesNoMapWhereOneContradictsTheRest) {
   const ProgramRun run = calibrate(
       "  - {type: distance, tags: [0, 1], distance_m: 0.4, sigma_m: 0.001}\n"

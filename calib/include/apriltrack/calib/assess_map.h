@@ -16,7 +16,7 @@ struct WeakDirection {
   TagKey tag;
   TagKey neighbour;
   bool is_rotation = false;
-  /// Of unit length, in the tag's own axes as one stands before it: x right, y up, z out of it.
+  /// Of unit length, in the tag's frame (x right, y down, z into it).
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
   double sigma = 0.0;  ///< rad, or m.
   /// sigma over 0.02 rad, or over a tenth of the tag's size: above 1 it is weak.
