@@ -14,10 +14,10 @@ struct ErrorScale {
   /// Of the residuals' noise, times how much neighbouring frames repeat it: what the inverse of the normal
   /// equations is to be multiplied by.
   double noise_variance = 1.0;
-  /// How much that is: views per view whose errors are its own (noise_correlation.h).
-  double views_per_independent_view = 1.0;
   /// Of the errors that each tag keeps in all of its views (LinearView::by_error).
   double bias_variance = 0.0;
+  /// How much neighbouring frames repeat it: views per view whose errors are its own (noise_correlation.h).
+  double views_per_independent_view = 1.0;
 };
 
 /// From the residuals that are left, with what was expected: a scaled inverse chi-squared prior at 1 for the

@@ -156,7 +156,7 @@ TEST(JointUpdate, IsWhatAllEquationsWithThePictureSay) {
   SyntheticWorld more = world;
   for (int i = 0; i < kPictures; ++i) more.T_world_rig.push_back(T_world_camera);
 
-  const ErrorScale scale{.noise_variance = 1.4, .views_per_independent_view = 1.0, .bias_variance = 0.1};
+  const ErrorScale scale{.noise_variance = 1.4, .bias_variance = 0.1, .views_per_independent_view = 1.0};
   const auto joint_of = [&](const SyntheticWorld& seen) {
     Findings findings;
     const Observations observations =

@@ -60,7 +60,9 @@ struct SmallRoom {
     }
   }
 
-  CovarianceOperator joint() const { return {*poses, {kNoiseVariance, kBiasVariance}}; }
+  CovarianceOperator joint() const {
+    return {*poses, {.noise_variance = kNoiseVariance, .bias_variance = kBiasVariance}};
+  }
 
   /// By the normal equations of all tags and frames at once.
   Eigen::MatrixXd dense_covariance() const {

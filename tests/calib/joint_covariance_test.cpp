@@ -44,7 +44,7 @@ struct LinearWorld {
   std::vector<LinearView> views;
 };
 
-constexpr ErrorScale kScale{.noise_variance = 2.5, .views_per_independent_view = 1.25, .bias_variance = 0.09};
+constexpr ErrorScale kScale{.noise_variance = 2.5, .bias_variance = 0.09, .views_per_independent_view = 1.25};
 
 /// The Jacobian of log(T_a_b^-1 T_a_b') by the perturbations of both poses, by central differences.
 Eigen::Matrix<double, 6, 12> relative_by_both(const Pose& T_map_a, const Pose& T_map_b) {
