@@ -36,7 +36,7 @@ std::string claims(const TagMap& map) {
   }
   if (position_mm.empty()) return "";
   return fmt::format(
-      " Relative to the held tag, their places are known to {:.2f} mm and {:.3f} degrees (median sigma; at "
+      " In the map's frame, their places are known to {:.2f} mm and {:.3f} degrees (median sigma; at "
       "worst {:.2f} mm and {:.3f} degrees).",
       median_of_all(position_mm), median_of_all(rotation_deg), *std::ranges::max_element(position_mm),
       *std::ranges::max_element(rotation_deg));
@@ -121,7 +121,7 @@ HtmlTable tags_table(const TagMap& map, const JointCovariance& joint, const MapE
        "sigma, mm", "sigma, \xC2\xB0", "weakest direction", "flags"},
       {},
       "Sigma: root mean square length of the error that the covariance expects; first relative to "
-      "the held tag, which gathers the errors of all tags between, then relative to the tag that "
+      "the map's frame, which gathers the errors of all tags between, then relative to the tag that "
       "is seen with it and knows it best. x points right, y down, z into the tag."};
   for (std::size_t i = 0; i < map.tags.size(); ++i) {
     const MapTag& tag = map.tags[i];

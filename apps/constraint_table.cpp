@@ -30,7 +30,9 @@ double sigmas_of(const ConstraintReading& reading) {
 std::string difference_in_words(const ConstraintAudit& audit) {
   if (!audit.is_used) return "not used: " + audit.reason;
   const auto worst = std::ranges::max_element(audit.readings, {}, sigmas_of);
-  if (!audit.z || worst == audit.readings.end() || !worst->sigma) return "nothing else tells";
+  if (!audit.z) return "nothing else tells";
+  if (worst == audit.readings.end() || !worst->sigma)
+    return fmt::format("all its numbers together, {:.1f} sigmas", *audit.z);
   const double difference = worst->measured - *worst->predicted;
   const std::string words =
       worst->unit == "rad"
@@ -81,10 +83,11 @@ HtmlTable constraints_table(const std::vector<ConstraintAudit>& audits) {
       const auto number = [&](const std::optional<double>& value) {
         return value ? fmt::format("{:.5g} {}", *value, reading.unit) : std::string("-");
       };
-      table.rows.push_back(
-          {audit.title, reading.name, number(reading.measured), number(reading.predicted),
-           number(reading.sigma),
-           reading.sigma ? fmt::format("{:.1f}", sigmas_of(reading)) : "nothing else tells"});
+      table.rows.push_back({audit.title, reading.name, number(reading.measured), number(reading.predicted),
+                            number(reading.sigma),
+                            reading.sigma ? fmt::format("{:.1f}", sigmas_of(reading))
+                            : audit.z     ? fmt::format("together {:.1f}", *audit.z)
+                                          : "nothing else tells"});
     }
   }
   return table;

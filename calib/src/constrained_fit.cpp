@@ -110,7 +110,9 @@ class ConstraintSystem {
   /// Takes the step; the largest number of it, m or rad.
   double advance(Eigen::VectorXd& moved) {
     const Eigen::VectorXd next = -(prior_.covariance * (fit_.by_tags.transpose() * fit_.push));
-    const double turn = columns_.has_frame ? step_.tail<3>().norm() : 0.0;
+    double turn = columns_.has_frame ? step_.tail<3>().norm() : 0.0;
+    for (const auto& [plane, column] : columns_.planes)
+      turn = std::max(turn, step_.segment<2>(column + 1).norm());
     const double share = turn > kMostTurn_rad ? kMostTurn_rad / turn : 1.0;
     const double largest = std::max(next.size() > 0 ? (next - moved).cwiseAbs().maxCoeff() : 0.0,
                                     step_.size() > 0 ? step_.cwiseAbs().maxCoeff() : 0.0);

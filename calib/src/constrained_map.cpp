@@ -57,8 +57,12 @@ Eigen::MatrixXd square_root(const Eigen::MatrixXd& matrix) {
 void take_fit(const ConstrainedFit& fit, const ConstraintPrior& prior, const ImageMap& map,
               const CovarianceOperator& joint, ConstrainedMap& result) {
   const Eigen::MatrixXd with_rows = covariance_with_rows(fit, prior, joint);
-  const Eigen::MatrixXd gain = with_rows * square_root(fit.precision);
-  result.gain = Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(map.tags.size()), gain.cols());
+  const Eigen::MatrixXd lost_root = with_rows * square_root(fit.precision);
+  const Eigen::Index num_rows = 6 * static_cast<Eigen::Index>(map.tags.size());
+  JointChange& change = result.change;
+  change.lost_root = Eigen::MatrixXd::Zero(num_rows, lost_root.cols());
+  change.by_frame = change.with_frame = Eigen::MatrixXd::Zero(num_rows, 6);
+  change.frame_covariance = fit.frame_covariance;
   for (std::size_t i = 0; i < map.tags.size(); ++i) {
     const auto t = static_cast<std::size_t>(map.tags[i]);
     Pose T_held_tag = map.T_held_tag[t];
@@ -67,7 +71,7 @@ void take_fit(const ConstrainedFit& fit, const ConstraintPrior& prior, const Ima
     if (const auto offset = joint.offset_of(map.tags[i])) {
       const auto own = with_rows.middleRows<6>(*offset);
       T_held_tag = T_held_tag * Pose::exp(Vector6d(-(own * fit.push)));
-      result.gain.middleRows<6>(6 * static_cast<Eigen::Index>(i)) = gain.middleRows<6>(*offset);
+      change.lost_root.middleRows<6>(6 * static_cast<Eigen::Index>(i)) = lost_root.middleRows<6>(*offset);
       covariance -= own * fit.precision * own.transpose();
       if (fit.has_frame) with_frame = -own * fit.frame_coupling;
     }
@@ -75,6 +79,8 @@ void take_fit(const ConstrainedFit& fit, const ConstraintPrior& prior, const Ima
       const Matrix6d by_frame = T_held_tag.inverse().adjoint();
       covariance += by_frame * fit.frame_covariance * by_frame.transpose() +
                     by_frame * with_frame.transpose() + with_frame * by_frame.transpose();
+      change.by_frame.middleRows<6>(6 * static_cast<Eigen::Index>(i)) = by_frame;
+      change.with_frame.middleRows<6>(6 * static_cast<Eigen::Index>(i)) = with_frame;
     }
     result.T_map_tag[t] = fit.state.T_map_held * T_held_tag;
     result.covariances.push_back(0.5 * (covariance + covariance.transpose()));
@@ -147,6 +153,13 @@ std::vector<ConstraintAudit> in_given_order(std::vector<ConstraintAudit> used,
 
 }  // namespace
 
+void JointChange::apply(Eigen::MatrixXd& covariance) const {
+  if (lost_root.size() == 0) return;
+  covariance -= lost_root * lost_root.transpose();
+  covariance += by_frame * frame_covariance * by_frame.transpose() + by_frame * with_frame.transpose() +
+                with_frame * by_frame.transpose();
+}
+
 std::vector<BoundConstraint> bind_constraints(std::span<const MapConstraint> constraints, const ImageMap& map,
                                               IndexedAudits& unused) {
   std::vector<BoundConstraint> bound;
@@ -165,8 +178,11 @@ std::vector<BoundConstraint> bind_constraints(std::span<const MapConstraint> con
         one.tags.push_back(*tag);
       }
     }
-    if (missing.empty()) {
-      if (std::holds_alternative<CoplanarConstraint>(constraints[i].what)) one.plane = planes++;
+    const auto* coplanar = std::get_if<CoplanarConstraint>(&constraints[i].what);
+    const bool has_no_plane = missing.empty() && coplanar != nullptr && !coplanar->sigma_rad &&
+                              centres_of(one.tags, map.T_held_tag).are_in_line;
+    if (missing.empty() && !has_no_plane) {
+      if (coplanar != nullptr) one.plane = planes++;
       bound.push_back(std::move(one));
       continue;
     }
@@ -174,7 +190,8 @@ std::vector<BoundConstraint> bind_constraints(std::span<const MapConstraint> con
     audit.title = title_of(constraints[i]);
     audit.type = type_of(constraints[i]);
     audit.tags = tags_of(constraints[i]);
-    audit.reason = fmt::format("not in the map: {}", fmt::join(missing, ", "));
+    audit.reason = has_no_plane ? "its tags lie in a line, through which many planes go: give sigma_rad"
+                                : fmt::format("not in the map: {}", fmt::join(missing, ", "));
     unused.emplace_back(i, std::move(audit));
   }
   return bound;
@@ -188,6 +205,13 @@ ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const I
   const std::vector<BoundConstraint> bound = bind_constraints(constraints, map, unused);
   for (const auto& [index, audit] : unused)
     result.warnings.push_back(fmt::format("constraint '{}' is not used: {}", audit.title, audit.reason));
+  const auto tells_frame = [](const BoundConstraint& one) { return is_of_frame(*one.constraint); };
+  if (std::ranges::any_of(constraints, is_of_frame) && std::ranges::none_of(bound, tells_frame))
+    result.warnings.insert(
+        result.warnings.begin(),
+        fmt::format("the map is NOT in the measured frame, for none of the constraints that tell it is used: "
+                    "{} is at the origin",
+                    to_string(map.keys[static_cast<std::size_t>(map.held_tag)])));
   if (bound.empty()) {
     result.covariances = map.covariances;
     result.audits = in_given_order({}, {}, std::move(unused));

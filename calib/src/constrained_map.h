@@ -19,14 +19,25 @@ struct ImageMap {
   std::vector<Matrix6d> covariances;  ///< Of `tags`, relative to the held tag.
 };
 
+/// What constraints change of the covariance of all tags together. Six rows for each of ImageMap::tags;
+/// empty where no constraint is used.
+struct JointChange {
+  Eigen::MatrixXd lost_root;  ///< Relative to the held tag, it is less by this times its transpose.
+  // Where the map's frame was measured, its errors come on top:
+  Eigen::MatrixXd by_frame;    ///< Right perturbations of the tags by that of T_map_held.
+  Eigen::MatrixXd with_frame;  ///< Covariance of the tags with the frame.
+  Matrix6d frame_covariance = Matrix6d::Zero();
+
+  /// covariance: of T_held_tag; becomes that of T_map_tag.
+  void apply(Eigen::MatrixXd& covariance) const;
+};
+
 /// The same with constraints.
 struct ConstrainedMap {
   Pose T_map_held;              ///< Where the held tag was measured to be; identity where nothing tells.
   std::vector<Pose> T_map_tag;  ///< By number; of tags outside the map untouched.
   std::vector<Matrix6d> covariances;  ///< Of ImageMap::tags, in the map's frame.
-  /// Six rows for each of ImageMap::tags: the covariance of all of them together, relative to the held tag,
-  /// is less by gain gain'. Empty where no constraint is used.
-  Eigen::MatrixXd gain;
+  JointChange change;
   std::vector<ConstraintAudit> audits;
   std::string gauge;  ///< How the frame was fixed, in words; empty: by the held tag.
   std::vector<std::string> warnings;

@@ -59,9 +59,10 @@ std::string worst_reading(const ConstraintAudit& audit) {
 }
 
 std::string audit_in_words(const BoundConstraint& bound, const ConstraintAudit& audit) {
+  const std::string worst = worst_reading(audit);
   return fmt::format("{}{}: {}: {:.1f} sigmas off",
                      bound.constraint->where.empty() ? "" : bound.constraint->where + ": ", audit.title,
-                     worst_reading(audit), audit.z.value_or(0.0));
+                     worst.empty() ? "its numbers together" : worst, audit.z.value_or(0.0));
 }
 
 struct Worst {

@@ -48,10 +48,11 @@ JointCovariance joint_tag_covariance(const PoseInformation& poses, const std::ve
   return joint;
 }
 
-void take_off(const Eigen::MatrixXd& gain, JointCovariance& joint) {
-  if (joint.is_empty() || gain.size() == 0) return;
-  joint.by_noise = joint.matrix() - gain * gain.transpose();
+void keep_to(const JointChange& change, JointCovariance& joint) {
+  if (joint.is_empty() || change.lost_root.size() == 0) return;
+  joint.by_noise = joint.matrix();
   joint.by_errors.setZero();
+  change.apply(joint.by_noise);
 }
 
 }  // namespace apriltrack

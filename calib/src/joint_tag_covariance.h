@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "apriltrack/calib/joint_covariance.h"
+#include "constrained_map.h"
 #include "tag_covariance.h"
 
 namespace apriltrack {
@@ -13,8 +14,8 @@ JointCovariance joint_tag_covariance(const PoseInformation& poses, const std::ve
                                      std::vector<TagKey> keys, const ErrorScale& scale,
                                      const std::optional<SharedParameters>& shared = std::nullopt);
 
-/// What constraints know: gain gain' less, by rows of all of the tags; empty: nothing. What is left is all
-/// noise.
-void take_off(const Eigen::MatrixXd& gain, JointCovariance& joint);
+/// What constraints know taken off, and the errors of a measured frame added. All that is left is then told
+/// as noise.
+void keep_to(const JointChange& change, JointCovariance& joint);
 
 }  // namespace apriltrack

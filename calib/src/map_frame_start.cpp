@@ -1,5 +1,6 @@
 #include "map_frame_start.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
@@ -18,6 +19,7 @@ constexpr double kCauchy2 = 9.0;            // three sigmas, squared
 constexpr double kSame = 1e-3;              // of the cost
 constexpr double kAboutAsGood = 4.5;        // of the cost, half a sum of squares: three sigmas
 constexpr double kOtherTurn_rad = 0.1;
+constexpr double kInLine = 0.01;  // centres off their line, of their spread along it
 
 /// A frame, and how well it agrees.
 struct FrameFit {
@@ -155,14 +157,32 @@ MapFrameStart find_map_frame(std::span<const BoundConstraint> constraints, const
   return {best->T_map_held, is_ambiguous};
 }
 
-Pose plane_start(const BoundConstraint& group, const std::vector<Pose>& T_held_tag) {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
-  for (const int tag : group.tags) {
-    const Pose& pose = T_held_tag[static_cast<std::size_t>(tag)];
-    centre += pose.translation() / static_cast<double>(group.tags.size());
-    normal += pose.rotation() * Eigen::Vector3d::UnitZ();
+CentresOfTags centres_of(std::span<const int> tags, const std::vector<Pose>& T_held_tag) {
+  CentresOfTags centres;
+  for (const int tag : tags)
+    centres.mean +=
+        T_held_tag[static_cast<std::size_t>(tag)].translation() / static_cast<double>(tags.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const int tag : tags) {
+    const Eigen::Vector3d off = T_held_tag[static_cast<std::size_t>(tag)].translation() - centres.mean;
+    spread += off * off.transpose();
   }
-  return {Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal), centre};
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  centres.line = axes.eigenvectors().col(2);
+  centres.normal = axes.eigenvectors().col(0);
+  centres.are_in_line = axes.eigenvalues()[1] < kInLine * kInLine * axes.eigenvalues()[2];
+  return centres;
+}
+
+Pose plane_start(const BoundConstraint& group, const std::vector<Pose>& T_held_tag) {
+  const CentresOfTags centres = centres_of(group.tags, T_held_tag);
+  Eigen::Vector3d of_tags = Eigen::Vector3d::Zero();
+  for (const int tag : group.tags)
+    of_tags += T_held_tag[static_cast<std::size_t>(tag)].rotation() * Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d normal = centres.normal.dot(of_tags) < 0.0 ? -centres.normal : centres.normal;
+  if (centres.are_in_line) normal = of_tags - centres.line.dot(of_tags) * centres.line;
+  if (!(normal.norm() > 1e-6)) normal = centres.line.unitOrthogonal();  // back to back
+  return {Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).normalized(), centres.mean};
 }
 
 }  // namespace apriltrack

@@ -1,5 +1,6 @@
 #include "normal_distribution.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -37,7 +38,7 @@ NormalValue normal_at(double place) {
   if (!(place > -kTableReach)) return {0.0, 0.0};
   if (!(place < kTableReach)) return {1.0, 0.0};
   const double steps = (place + kTableReach) * kStepsPerUnit;
-  const int step = static_cast<int>(steps);
+  const int step = std::min(static_cast<int>(steps), kNumSteps - 1);  // just under 7 the sum rounds up
   const double t = steps - step;
   const NormalValue& left = table[static_cast<std::size_t>(step)];
   const NormalValue& right = table[static_cast<std::size_t>(step + 1)];

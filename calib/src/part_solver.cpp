@@ -57,7 +57,9 @@ std::optional<SharedParameters> shared_parameters(const Observations& observatio
   SharedParameters shared{
       poses.eliminate_poses(camera_columns(observations, solution.part.views, solution.state, parameters)),
       {}};
-  shared.prior_precision = Eigen::VectorXd::Ones(shared.information.gradient.size());
+  // One, in the units of the residuals, whose variance this is.
+  shared.prior_precision =
+      Eigen::VectorXd::Constant(shared.information.gradient.size(), solution.scale.noise_variance);
   return shared;
 }
 
@@ -188,7 +190,7 @@ void keep_to_constraints(const Observations& observations, const CovarianceOpera
   for (Pose& pose : map.T_held_tag) pose = T_held_map * pose;
   for (const TagCovariance& tag : solution.covariances) map.covariances.push_back(tag.by_noise + tag.by_bias);
   solution.constrained = constrain_map(solution.constraints, map, joint);
-  take_off(solution.constrained->gain, solution.joint);
+  keep_to(solution.constrained->change, solution.joint);
   solution.state.T_map_tag = solution.constrained->T_map_tag;
   for (Pose& pose : solution.state.T_map_rig) pose = solution.constrained->T_map_held * T_held_map * pose;
   let_frames_follow(observations, solution.part, solution.state);

@@ -18,7 +18,7 @@ struct PartSolution {
   MapState state;
   std::vector<TagCovariance> covariances;  ///< Of part.tags; empty when these are too many.
   ErrorScale scale;
-  JointCovariance joint;  ///< Of part.tags, relative to the held tag; empty when these are too many.
+  JointCovariance joint;                      ///< Of part.tags; empty when these are too many.
   std::vector<double> residual_rms_px;        ///< Of part.tags, per axis.
   std::vector<MapConstraint> constraints;     ///< As given, cameras' gravity as that of tags.
   std::optional<ConstrainedMap> constrained;  ///< What constraints made of it; `state` is that already.

@@ -73,7 +73,12 @@ class Refinement {
     PhotometricAdjustment all(input_.scene, trained_, parallel_);
     if (!all.run({.held_tag = held_tag_}, kMostSteps)) return false;
     const std::vector<LinearView> views = all.linear_views();
-    if (!take_places(all.state().T_map_tag, views, options, result)) return false;
+    const TagMap before = result.map;
+    if (!take_places(all.state().T_map_tag, views, options, result)) {
+      result.map = before;
+      result.joint = {};
+      return false;
+    }
     for (std::size_t i = 0; i < input_.map_index.size(); ++i)
       result.refined.push_back(map_tag(i, result.map).key);
     result.views_used = static_cast<int>(views.size());
@@ -89,7 +94,7 @@ class Refinement {
 
   /// The tags' new poses with covariances, kept to the constraints. Maps too large for covariances
   /// (CalibrationOptions::max_tags_with_covariance) stay without. False where the views leave a pose
-  /// undetermined.
+  /// undetermined, or contradict the constraints: result.reason.
   bool take_places(const std::vector<Pose>& T_map_tag, const std::vector<LinearView>& views,
                    const RefinementOptions& options, RefinementResult& result) const {
     const bool has_covariances = map_tag(0, result.map).covariance.has_value();
@@ -109,8 +114,14 @@ class Refinement {
     }
     for (std::size_t i = 0; i < tags.size(); ++i)
       map_tag(i, result.map).covariance = covariances[i].by_noise + covariances[i].by_bias;
-    if (!constraints_.empty()) keep_to_constraints(CovarianceOperator(*poses, scale), tags, result);
-    return true;
+    if (constraints_.empty()) return true;
+    try {
+      keep_to_constraints(CovarianceOperator(*poses, scale), tags, result);
+      return true;
+    } catch (const Error& error) {  // the pictures claim more than the corners do; the corners' map stands
+      result.reason = error.what();
+      return false;
+    }
   }
 
   void keep_to_constraints(const CovarianceOperator& joint, const std::vector<int>& tags,
@@ -124,7 +135,7 @@ class Refinement {
       map.covariances.push_back(*tag.covariance);
     }
     ConstrainedMap constrained = constrain_map(constraints_, map, joint);
-    take_off(constrained.gain, result.joint);
+    keep_to(constrained.change, result.joint);
     // Tags that were not refined move with the frame.
     for (MapTag& tag : result.map.tags)
       tag.T_map_tag = constrained.T_map_held * T_map_held.inverse() * tag.T_map_tag;
@@ -223,7 +234,7 @@ RefinementResult refine_map(const CalibrationResult& calibration, std::span<cons
         "pictures that were held out agree no better with it ({:.2f} sigmas before, {:.2f} after)",
         result.held_out_before, result.held_out_after);
   } else if (!refinement.refine(options, result)) {
-    result.reason = "the refinement of all pictures does not settle";
+    if (result.reason.empty()) result.reason = "the refinement of all pictures does not settle";
   } else {
     result.is_accepted = true;
   }

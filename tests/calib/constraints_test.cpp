@@ -7,6 +7,7 @@
 
 #include "apriltrack/geometry/rotation.h"
 #include "calibrating.h"
+#include "map_frame_start.h"
 
 // Maps that keep to what was measured, from the corners of worlds that are known.
 
@@ -233,6 +234,64 @@ TEST(Constraints, TagsOfOnePlaneAreFlat) {
   EXPECT_LT(angle_to_plane_rad(with.map, ids), 2e-4);
   ASSERT_EQ(with.constraint_audits.size(), 1u);
   EXPECT_LT(*with.constraint_audits[0].z, 3.0);
+}
+
+/// Tags all round the room that a laser level put at one height: a plane across all of their normals.
+TEST(Constraints, ALevelLineRoundTheRoomIsAPlane) {
+  SyntheticWorld world = walls();
+  std::vector<TagKey> all;
+  for (MapTag& tag : world.map.tags) {
+    Eigen::Vector3d place = tag.T_map_tag.translation();
+    place.z() = 1.5;
+    tag.T_map_tag = Pose(tag.T_map_tag.rotation(), place);
+    all.push_back(tag.key);
+  }
+  auto frames = test::exact_detections(world);
+  RandomStream random(13);
+  test::add_edge_noise(frames, 0.15, -0.45, random);
+  CalibrationOptions options{.constraints = {{.what = CoplanarConstraint{all, 1e-4, std::nullopt}}}};
+  const CalibrationResult result = calibrate(world, frames, options);
+  ASSERT_EQ(result.constraint_audits.size(), 1u);
+  EXPECT_LT(*result.constraint_audits[0].z, 3.0);
+  const Eigen::Vector3d up =
+      world.map.find(result.held_tag)->T_map_tag.rotation().conjugate() * Eigen::Vector3d::UnitZ();
+  for (const MapTag& tag : result.map.tags)
+    EXPECT_NEAR(up.dot(tag.T_map_tag.translation()), 0.0, 0.02) << to_string(tag.key);
+
+  // One of them 0.3 m higher: the words have a number though no single one is told by the others.
+  for (MapTag& tag : world.map.tags) {
+    if (tag.key == tag36h11(11))
+      tag.T_map_tag =
+          Pose(tag.T_map_tag.rotation(), tag.T_map_tag.translation() + Eigen::Vector3d(0.0, 0.0, 0.3));
+  }
+  frames = test::exact_detections(world);
+  test::add_edge_noise(frames, 0.15, -0.45, random);
+  EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { calibrate(world, frames, options); }),
+              AllOf(HasSubstr("coplanar"), HasSubstr("sigmas off"), Not(HasSubstr(": :"))));
+}
+
+TEST(Constraints, ARowOfTagsTellsAPlaneByItsNormalsOnly) {
+  std::vector<Pose> row, corner;
+  for (const double x : {0.0, 1.0, 2.0, 3.0}) {
+    row.emplace_back(Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, 0.002 * x * x, 0.001 * x));
+    corner.emplace_back(Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, 0.2 * x * x, 0.1 * x));
+  }
+  const std::vector<int> all = {0, 1, 2, 3};
+  EXPECT_TRUE(centres_of(all, row).are_in_line);
+  EXPECT_FALSE(centres_of(all, corner).are_in_line);
+}
+
+TEST(Constraints, TheCovarianceOfAllTagsIsInTheMeasuredFrameToo) {
+  const CalibrationOptions options{.constraints = {position(5, kNoError, 0.002), position(9, kNoError, 0.002),
+                                                   position(15, kNoError, 0.002),
+                                                   position(19, kNoError, 0.002)}};
+  const CalibrationResult result = calibrate(walls(), noisy_frames(7), options);
+  const JointCovariance& joint = result.evidence.joint;
+  for (const MapTag& tag : result.map.tags) {
+    const Eigen::Index row = *joint.row_of(tag.key);
+    EXPECT_LT((joint.block(row, row) - *tag.covariance).norm(), 1e-6 * tag.covariance->norm())
+        << to_string(tag.key);
+  }
 }
 
 TEST(Constraints, ADistanceThatContradictsTheImagesIsNamedAndThereIsNoMap) {

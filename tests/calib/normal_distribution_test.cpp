@@ -20,6 +20,7 @@ TEST(NormalDistribution, AgreesWithTheErrorFunctionEverywhere) {
 
 TEST(NormalDistribution, EndsWhereNothingIsLeft) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
+  EXPECT_NEAR(normal_at(std::nextafter(7.0, 0.0)).below, 1.0, 1e-10);
   EXPECT_EQ(normal_at(-kFar).below, 0.0);
   EXPECT_EQ(normal_at(kFar).below, 1.0);
   EXPECT_EQ(normal_at(kFar).density, 0.0);

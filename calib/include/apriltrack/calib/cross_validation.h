@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,11 @@ struct CrossValidation {
   double normalised_error_squared = 0.0;
   std::string words;
 
-  bool is_in_doubt() const { return normalised_error_squared > 2.0; }
+  /// Above 2, and by more than three standard deviations of chance above 1 (few tags scatter).
+  bool is_in_doubt() const {
+    const double unknowns = 6.0 * static_cast<double>(tags.size());
+    return normalised_error_squared > 2.0 && normalised_error_squared > 1.0 + 3.0 * std::sqrt(2.0 / unknowns);
+  }
 };
 
 }  // namespace apriltrack
