@@ -1,6 +1,7 @@
 #include "apriltrack/calib/calibrate_map.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -14,6 +15,7 @@
 #include "halves.h"
 #include "part_evidence.h"
 #include "part_solver.h"
+#include "repeated_frames.h"
 
 namespace apriltrack {
 namespace {
@@ -85,14 +87,17 @@ std::vector<Part> solvable_parts(const Observations& observations, const Calibra
   return connectivity.parts;
 }
 
-void require_connection(const Observations& observations, const std::vector<Part>& parts) {
+/// What was found before may be why.
+void require_connection(const Observations& observations, const std::vector<Part>& parts,
+                        const Findings& findings) {
   if (!parts.empty()) return;
   const std::string way_out =
       observations.tags.size() < 2
           ? "a map needs at least two tags: bring more of them into view"
           : "move so that every tag shares some frames with another, in a chain that reaches all of them";
   throw no_result("calibrate",
-                  fmt::format("no two tags connect (seen: {}): {}", list_tags(observations.tags), way_out));
+                  fmt::format("no two tags connect (seen: {}): {}{}{}", list_tags(observations.tags), way_out,
+                              findings.warnings.empty() ? "" : ". ", fmt::join(findings.warnings, ". ")));
 }
 
 /// The part with the held tag first, and the tag to hold in each.
@@ -352,13 +357,18 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   options.check();
   const ParallelFor parallel = parallel_for(options.num_threads);
   Findings findings;
-  const Observations observations = collect_observations(frames, rig, sizes, options, findings);
+  Observations observations = collect_observations(frames, rig, sizes, options, findings);
+  if (const int repeated = drop_repeated_frames(observations); repeated > 0)
+    findings.warnings.push_back(
+        fmt::format("{} frames show exactly the corners of an earlier one, and are not counted: a film that "
+                    "stands still, or frames that were copied, say no more than one picture",
+                    repeated));
   const std::vector<MapConstraint> constraints =
       with_families(options.constraints, observations.tags, findings.left_out);
   require_camera_frames(constraints, observations);
   std::vector<ViewCandidates> candidates;
   std::vector<Part> parts = solvable_parts(observations, options, parallel, candidates, findings);
-  require_connection(observations, parts);
+  require_connection(observations, parts, findings);
   std::vector<int> held_tags;
   choose_gauge(observations, options, findings, parts, held_tags);
   report_other_parts(observations, parts, findings);

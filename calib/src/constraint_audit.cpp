@@ -102,6 +102,42 @@ ConstraintAudit audit_from_outside(const BoundConstraint& bound, const Constrain
   return audit;
 }
 
+/// Constraints that foretell each other are no test of the images: all of them together are one.
+double sigmas_together(const ConstrainedFit& fit) {
+  const auto frame = fit.has_frame ? 6 - fit.open_directions.cols() : 0;
+  const auto planes = kPlaneUnknowns * static_cast<Eigen::Index>(fit.state.T_held_plane.size());
+  const Eigen::Index freedom = fit.disagreement.size() - frame - planes;
+  if (freedom <= 0) return 0.0;
+  return equivalent_sigmas(fit.disagreement.dot(fit.precision * fit.disagreement), static_cast<int>(freedom));
+}
+
+/// Of all of them the one that the fit pays most for.
+std::string costliest(const ConstrainedFit& fit, const std::vector<BoundConstraint>& constraints) {
+  const Eigen::VectorXd costs = fit.disagreement.cwiseProduct(fit.precision * fit.disagreement);
+  std::size_t worst = 0;
+  double most = 0.0;
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    const double cost = costs.segment(fit.first_rows[i], fit.constraints[i].residual.size()).sum();
+    if (cost <= most) continue;
+    most = cost;
+    worst = i;
+  }
+  const MapConstraint& constraint = *constraints[worst].constraint;
+  return (constraint.where.empty() ? "" : constraint.where + ": ") + title_of(constraint);
+}
+
+void judge_together(const std::vector<BoundConstraint>& kept, ConstraintJudgement& judgement) {
+  const double sigmas = kept.empty() ? 0.0 : sigmas_together(judgement.fit);
+  if (sigmas <= kDoubtful) return;
+  const std::string words = fmt::format(
+      "the constraints agree with each other, but all together they are {:.1f} sigmas off what the images "
+      "say, most of all {}: look for an error that all of them share, a wrong tag size, or a camera file "
+      "that "
+      "does not fit",
+      sigmas, costliest(judgement.fit, kept));
+  (sigmas > kContradictory ? judgement.contradictions : judgement.doubts).push_back(words);
+}
+
 }  // namespace
 
 Prediction predict(const ConstrainedFit& fit, std::size_t place) {
@@ -140,6 +176,7 @@ ConstraintJudgement judge_constraints(const std::vector<BoundConstraint>& constr
     gross.emplace_back(judgement.kept[worst.place], rivals_of(judgement.fit, judgement.kept, worst));
     judgement.kept.erase(judgement.kept.begin() + static_cast<std::ptrdiff_t>(worst.place));
   }
+  if (gross.empty()) judge_together(judgement.kept, judgement);
   std::vector<std::pair<std::size_t, ConstraintAudit>> audits;
   for (std::size_t i = 0; i < judgement.kept.size(); ++i) {
     const BoundConstraint& bound = judgement.kept[i];

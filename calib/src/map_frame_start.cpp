@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string_view>
 
 namespace apriltrack {
 namespace {
@@ -74,7 +75,7 @@ class FrameSearch {
     FrameFit fit{T_map_held, 0.0, Matrix6d::Zero(), Vector6d::Zero()};
     for (const BoundConstraint& bound : constraints_) {
       const LinearConstraint linear = linearise(bound, state_);
-      const Eigen::VectorXd variances = row_variances(bound, linear, prior_);
+      const Eigen::VectorXd variances = variances_of(bound, linear);
       for (Eigen::Index row = 0; row < linear.residual.size(); ++row) {
         const double square = linear.residual[row] * linear.residual[row] / variances[row];
         const double weight = 1.0 / ((1.0 + square / kCauchy2) * variances[row]);
@@ -85,6 +86,24 @@ class FrameSearch {
       }
     }
     return fit;
+  }
+
+  /// A direction that points the wrong way turns about with the least error of its tag: to first order that
+  /// variance has no bound, but no turn of the tag changes the angle by more than itself.
+  Eigen::VectorXd variances_of(const BoundConstraint& bound, const LinearConstraint& linear) const {
+    Eigen::VectorXd variances = row_variances(bound, linear, prior_);
+    const auto offset = prior_.offsets.find(bound.tags.front());
+    const double turn_variance =
+        offset == prior_.offsets.end()
+            ? 0.0
+            : prior_.covariance.block<3, 3>(offset->second + 3, offset->second + 3).trace();
+    for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+      const ConstraintRow& row = linear.rows[i];
+      double& variance = variances[static_cast<Eigen::Index>(i)];
+      if (row.unit == std::string_view("rad"))
+        variance = std::min(variance, 1.0 + turn_variance / (row.sigma * row.sigma));
+    }
+    return variances;
   }
 
   bool improve(FrameFit& fit, Vector6d step) {

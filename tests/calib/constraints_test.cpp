@@ -313,6 +313,34 @@ TEST(Constraints, TwoDistancesOfTheSameTagsCannotBothBeRight) {
   EXPECT_THAT(message, AllOf(HasSubstr("laser: distance"), Not(HasSubstr("tape: distance"))));
 }
 
+TEST(Constraints, ThoseThatAgreeOnWhatIsWrongAreFoundTogether) {
+  const CalibrationOptions twice{.constraints = {distance(5, 13, 0.05, 1e-5), distance(5, 13, 0.05, 1e-5)}};
+  EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(3), twice); }),
+              AllOf(HasSubstr("all together"), HasSubstr("distance 5-13")));
+  CalibrationOptions board;  // 2 % too large, but well in itself
+  for (const int a : {3, 5, 7}) {
+    for (const int b : {5, 7, 9}) {
+      if (a >= b) continue;
+      const Pose T_a_b = true_tag(a).T_map_tag.inverse() * true_tag(b).T_map_tag;
+      board.constraints.push_back(
+          {.what = RelativePoseConstraint{
+               {"", a}, {"", b}, 1.02 * T_a_b.translation(), T_a_b.rotation(), 1e-4, 1e-3}});
+    }
+  }
+  EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(3), board); }),
+              HasSubstr("contradict"));
+}
+
+TEST(Constraints, GravityOfAnyTagIsNeverAmbiguous) {
+  for (const MapTag& held : walls().map.tags) {
+    for (const int id : {3, 9, 17}) {
+      CalibrationOptions options{.held_tag = held.key, .constraints = {gravity(id, 0.01)}};
+      const CalibrationResult result = calibrate(walls(), noisy_frames(9), options);
+      EXPECT_THAT(result.gauge, HasSubstr("measured: gravity")) << to_string(held.key) << ' ' << id;
+    }
+  }
+}
+
 TEST(Constraints, OneWrongCoordinateAmongManyIsTheOneThatIsNamed) {
   CalibrationOptions options;
   for (const int id : {3, 7, 11, 17, 21}) options.constraints.push_back(position(id, kNoError, 0.002));
