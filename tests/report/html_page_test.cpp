@@ -13,34 +13,18 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
 #include "html_text.h"
+#include "page_elements.h"
 #include "support/shared_data.h"
 
 namespace apriltrack {
 namespace {
 
+using test::elements_of;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsSupersetOf;
 
 const std::string kNasty = "a < b & c > \"d\" 'e' </p><script>&amp;";
-
-/// A line for each element, `name|attributes|text`.
-std::vector<std::string> elements_of(const HtmlPage& page, const std::filesystem::path& folder) {
-  write_html_page(folder / "page.html", page);
-  const auto listing = folder / "elements.txt";
-  const std::string command =
-      fmt::format("python3 '{}' '{}' '{}' > '{}'", test::source_path("tests/report/read_page.py").string(),
-                  (folder / "page.html").string(), folder.string(), listing.string());
-  EXPECT_EQ(std::system(command.c_str()), 0) << command;
-  std::vector<std::string> lines;
-  std::istringstream text(read_file(listing));
-  for (std::string line; std::getline(text, line);) lines.push_back(line);
-  return lines;
-}
-
-std::vector<std::string> elements_of(const HtmlPage& page) {
-  return elements_of(page, test::temporary_folder());
-}
 
 std::string all_bytes() {
   std::string bytes;

@@ -15,6 +15,7 @@
 #include "apriltrack/base/check.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/report/html_page.h"
+#include "page_elements.h"
 #include "support/shared_data.h"
 
 namespace apriltrack {
@@ -23,21 +24,6 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
-
-/// A line for each element, `name|attributes|text`.
-std::vector<std::string> read_elements(const HtmlPage& page) {
-  const auto folder = test::temporary_folder();
-  write_html_page(folder / "page.html", page);
-  const auto listing = folder / "elements.txt";
-  const std::string command =
-      fmt::format("python3 '{}' '{}' '{}' > '{}'", test::source_path("tests/report/read_page.py").string(),
-                  (folder / "page.html").string(), folder.string(), listing.string());
-  EXPECT_EQ(std::system(command.c_str()), 0) << command;
-  std::vector<std::string> lines;
-  std::istringstream text(read_file(listing));
-  for (std::string line; std::getline(text, line);) lines.push_back(line);
-  return lines;
-}
 
 TEST(SvgPicture, StandsInThePageWithItsWordsEscaped) {
   SvgPicture picture(200.0, 100.0);
@@ -48,7 +34,7 @@ TEST(SvgPicture, StandsInThePageWithItsWordsEscaped) {
   page.svg(std::vector<SvgPicture>{picture, picture}, "both");
   page.warnings({"beware <of> it"});
   page.list({"one & two"});
-  const auto lines = read_elements(page);
+  const auto lines = test::elements_of(page);
   EXPECT_THAT(lines, Contains(HasSubstr("viewbox=0 0 200 100 role=img aria-label=what <it> shows")));
   EXPECT_THAT(lines,
               Contains(testing::AllOf(testing::StartsWith("text|"), testing::EndsWith("|a < b & \"c\""))));
