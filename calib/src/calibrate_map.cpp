@@ -10,6 +10,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
+#include "calibration_words.h"
 #include "camera_gravity.h"
 #include "constraint_tags.h"
 #include "halves.h"
@@ -20,30 +21,10 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kHighResidual_px = 1.0;
-constexpr double kRejectedOfOneTag = 0.25;
 constexpr double kManyRejected = 0.1;
 constexpr int kFewViews = 5;
 constexpr double kLooseRotation_rad = 0.02;
 constexpr double kLoosePosition = 0.1;  // of the tag's size
-
-TagKey key_of(const Observations& observations, int tag) {
-  return observations.tags[static_cast<std::size_t>(tag)];
-}
-
-std::vector<TagKey> keys_of(const Observations& observations, const std::vector<int>& tags) {
-  std::vector<TagKey> keys;
-  for (const int tag : tags) keys.push_back(key_of(observations, tag));
-  return keys;
-}
-
-void leave_out(const Observations& observations, const std::vector<int>& tags, const std::string& reason,
-               Findings& findings) {
-  if (tags.empty()) return;
-  const std::vector<TagKey> keys = keys_of(observations, tags);
-  findings.warnings.push_back(fmt::format("left out: {}: {}", list_tags(keys), reason));
-  findings.left_out.insert(findings.left_out.end(), keys.begin(), keys.end());
-}
 
 void require_sizes(const Observations& observations, const std::vector<Part>& parts) {
   std::vector<TagKey> missing;
@@ -197,100 +178,24 @@ std::vector<RigPose> rig_poses(const Observations& observations, const PartSolut
   return poses;
 }
 
-void warn_of_rejected_tags(const Observations& observations, const PartSolution& solution,
-                           Findings& findings) {
-  std::map<int, int> kept;
-  for (const std::size_t v : solution.part.views) ++kept[observations.views[v].tag];
-  std::string names;
-  for (const auto& [tag, views] : kept) {
-    const int offered = solution.views_offered_by_tag[static_cast<std::size_t>(tag)];
-    if (offered - views > kRejectedOfOneTag * offered)
-      names += fmt::format("{}{} ({} of {})", names.empty() ? "" : ", ", to_string(key_of(observations, tag)),
-                           offered - views, offered);
-  }
-  if (!names.empty())
-    findings.warnings.push_back(
-        "many views were rejected of " + names +
-        ": trust their places less; a wrong size, a bend, or a tag that moved may be the cause");
-}
-
-/// Faults of tags that have a name; and of a culprit whose fault has none.
-void report_findings(const Observations& observations, const PartSolution& solution, Findings& findings) {
-  bool is_culprit_named = false;
-  for (const TagFinding& finding : solution.findings) {
-    findings.warnings.push_back(finding.words);
-    if (finding.is_left_out) findings.left_out.push_back(key_of(observations, finding.tag));
-    is_culprit_named = is_culprit_named || finding.tag == solution.culprit;
-  }
-  if (solution.culprit && !is_culprit_named)
-    leave_out(observations, {*solution.culprit},
-              "its views contradict those of the other tags (a wrong size? moved while filming? an id that "
-              "hangs in two places?)",
-              findings);
-}
-
-void report_quality(const Observations& observations, const PartSolution& solution,
-                    const CalibrationOptions& options, Findings& findings) {
-  if (solution.covariances.empty())
-    findings.warnings.push_back(
-        fmt::format("no covariances, and no check that the views determine every pose: the map has {} tags, "
-                    "and the matrix to invert grows with the square of their number (at most {} tags)",
-                    solution.part.tags.size(), options.max_tags_with_covariance));
-  report_findings(observations, solution, findings);
-  leave_out(observations, solution.undecided,
-            "its views agree with two poses about equally well: film it from further aside, and nearer",
-            findings);
-  leave_out(observations, solution.lost_tags,
-            solution.culprit ? "tied to the others by that tag, or by frames that contradict them"
-                             : "tied to the others by frames that contradict them",
-            findings);
-  warn_of_rejected_tags(observations, solution, findings);
-  const double rejected =
-      1.0 - static_cast<double>(solution.part.views.size()) / static_cast<double>(solution.views_offered);
-  if (rejected > kManyRejected)
-    findings.warnings.push_back(
-        fmt::format("{:.0f} % of the observations were rejected as outliers: a tag of wrong size, a "
-                    "moved tag or strong blur may be the cause",
-                    100.0 * rejected));
-  if (solution.total_rms_px > kHighResidual_px)
-    findings.warnings.push_back(
-        fmt::format("the residuals are high ({:.2f} px; 0.1 to 0.4 is usual): check the camera file "
-                    "and the tag sizes",
-                    solution.total_rms_px));
-}
-
-std::string in_words(const CameraCorrection& one) {
-  if (one.parameter == "focal length" || one.parameter == "fy / fx")
-    return fmt::format("{} {:+.2f} % (sigma {:.2f})", one.parameter, 100.0 * one.value, 100.0 * one.sigma);
-  return fmt::format("{} {:+.4g} {}(sigma {:.2g})", one.parameter, one.value,
-                     one.unit == "1" ? "" : one.unit + " ", one.sigma);
-}
-
 /// The cameras as the part was solved with them, and what was corrected.
 void take_cameras(const Observations& observations, const CameraRig& rig, const PartSolution& solution,
                   CalibrationResult& result, Findings& findings) {
   result.rig = rig;
   if (!solution.cameras.is_accepted) return;
   bool is_lens_refined = false;
-  std::string words;
   for (const EstimatedParameter& one : solution.cameras.estimates) {
     const auto camera = static_cast<std::size_t>(one.parameter.camera);
     result.corrections.push_back({rig.cameras[camera].name,
                                   name_of(one.parameter, observations.cameras[camera]),
                                   unit_of(one.parameter), one.value, one.sigma});
     is_lens_refined = is_lens_refined || one.parameter.kind != CameraParameter::Kind::kEdgeOffset;
-    words += fmt::format("{}{}: {}", words.empty() ? "" : "; ", result.corrections.back().camera,
-                         in_words(result.corrections.back()));
   }
   std::vector<CameraParameter> parameters;
   for (const EstimatedParameter& one : solution.cameras.estimates) parameters.push_back(one.parameter);
   result.rig = with_corrections(rig, solution.state.cameras, parameters);
   if (!is_lens_refined) return;
-  findings.warnings.push_back(fmt::format(
-      "the camera file does not fit: with other intrinsics, frames that were held out agree better ({:.2f} "
-      "sigmas before, {:.2f} after). The map rests on these: {}. Track with the refined camera, or calibrate "
-      "it anew; --intrinsics keep takes the file as it is",
-      solution.cameras.held_out_before, solution.cameras.held_out_after, words));
+  findings.warnings.push_back(corrections_in_words(solution.cameras, result.corrections));
 }
 
 /// Constraints weigh against the covariance of all tags.
@@ -318,38 +223,7 @@ void take_constraints(const PartSolution& solution, CalibrationResult& result, F
                            solution.constrained->warnings.end());
 }
 
-void report_other_parts(const Observations& observations, const std::vector<Part>& parts,
-                        Findings& findings) {
-  for (std::size_t i = 1; i < parts.size(); ++i)
-    findings.warnings.push_back(fmt::format(
-        "a part of its own, not in the map: {}: no frame shows one of these together with a tag of the map",
-        list_tags(keys_of(observations, parts[i].tags))));
-}
-
 }  // namespace
-
-void CalibrationOptions::check() const {
-  const auto require = [](bool is_right, std::string_view name, const std::string& value,
-                          std::string_view range) {
-    if (!is_right) throw invalid_input(name, fmt::format("must be {} (is {})", range, value));
-  };
-  require(corner_sigma_px > 0.0 && corner_sigma_px <= 100.0, "corner_sigma_px",
-          fmt::format("{}", corner_sigma_px), "in (0, 100]");
-  require(edge_end_correlation > -1.0 && edge_end_correlation < 1.0, "edge_end_correlation",
-          fmt::format("{}", edge_end_correlation), "in (-1, 1)");
-  require(corner_bias_px >= 0.0 && corner_bias_px <= 100.0, "corner_bias_px",
-          fmt::format("{}", corner_bias_px), "in [0, 100]");
-  require(edge_offset_sigma_px >= 0.0 && edge_offset_sigma_px <= 100.0, "edge_offset_sigma_px",
-          fmt::format("{}", edge_offset_sigma_px), "in [0, 100]");
-  require(max_tags_with_covariance >= 0, "max_tags_with_covariance", std::to_string(max_tags_with_covariance),
-          "0 or more");
-  for (const MapConstraint& constraint : constraints) check_constraint(constraint);
-  require(max_tags_with_joint_covariance >= 0, "max_tags_with_joint_covariance",
-          std::to_string(max_tags_with_joint_covariance), "0 or more");
-  require(min_views >= 1, "min_views", std::to_string(min_views), "1 or more");
-  require(max_iterations >= 1, "max_iterations", std::to_string(max_iterations), "1 or more");
-  require(num_threads >= 0, "num_threads", std::to_string(num_threads), "0 (all cores) or more");
-}
 
 CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const CameraRig& rig,
                                 const TagSizes& sizes, const CalibrationOptions& options,
@@ -360,9 +234,10 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   Observations observations = collect_observations(frames, rig, sizes, options, findings);
   if (const int repeated = drop_repeated_frames(observations); repeated > 0)
     findings.warnings.push_back(
-        fmt::format("{} frames show exactly the corners of an earlier one, and are not counted: a film that "
-                    "stands still, or frames that were copied, say no more than one picture",
-                    repeated));
+        fmt::format("{} exactly the corners of an earlier one, and {} not counted: a film that stands "
+                    "still, or frames that were copied, say no more than one picture",
+                    repeated == 1 ? "1 frame shows" : fmt::format("{} frames show", repeated),
+                    repeated == 1 ? "is" : "are"));
   const std::vector<MapConstraint> constraints =
       with_families(options.constraints, observations.tags, findings.left_out);
   require_camera_frames(constraints, observations);

@@ -1,0 +1,123 @@
+#include "calibration_words.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+namespace apriltrack {
+namespace {
+
+constexpr double kHighResidual_px = 1.0;
+constexpr double kRejectedOfOneTag = 0.25;
+constexpr double kManyOfAllRejected = 0.1;
+
+std::string in_words(const CameraCorrection& one) {
+  if (one.parameter == "focal length" || one.parameter == "fy / fx")
+    return fmt::format("{} {:+.2f} % (sigma {:.2f})", one.parameter, 100.0 * one.value, 100.0 * one.sigma);
+  return fmt::format("{} {:+.4g} {}(sigma {:.2g})", one.parameter, one.value,
+                     one.unit == "1" ? "" : one.unit + " ", one.sigma);
+}
+
+void warn_of_rejected_tags(const Observations& observations, const PartSolution& solution,
+                           Findings& findings) {
+  std::map<int, int> kept;
+  for (const std::size_t v : solution.part.views) ++kept[observations.views[v].tag];
+  std::string names;
+  for (const auto& [tag, views] : kept) {
+    const int offered = solution.views_offered_by_tag[static_cast<std::size_t>(tag)];
+    if (offered - views > kRejectedOfOneTag * offered)
+      names += fmt::format("{}{} ({} of {})", names.empty() ? "" : ", ", to_string(key_of(observations, tag)),
+                           offered - views, offered);
+  }
+  if (!names.empty())
+    findings.warnings.push_back(
+        "many views were rejected of " + names +
+        ": trust their places less; a wrong size, a bend, or a tag that moved may be the cause");
+}
+
+/// Faults of tags that have a name; and of a culprit whose fault has none.
+void report_findings(const Observations& observations, const PartSolution& solution, Findings& findings) {
+  bool is_culprit_named = false;
+  for (const TagFinding& finding : solution.findings) {
+    findings.warnings.push_back(finding.words);
+    if (finding.is_left_out) findings.left_out.push_back(key_of(observations, finding.tag));
+    is_culprit_named = is_culprit_named || finding.tag == solution.culprit;
+  }
+  if (solution.culprit && !is_culprit_named)
+    leave_out(observations, {*solution.culprit},
+              "its views contradict those of the other tags (a wrong size? moved while filming? an id that "
+              "hangs in two places?)",
+              findings);
+}
+
+}  // namespace
+
+TagKey key_of(const Observations& observations, int tag) {
+  return observations.tags[static_cast<std::size_t>(tag)];
+}
+
+std::vector<TagKey> keys_of(const Observations& observations, const std::vector<int>& tags) {
+  std::vector<TagKey> keys;
+  for (const int tag : tags) keys.push_back(key_of(observations, tag));
+  return keys;
+}
+
+void leave_out(const Observations& observations, const std::vector<int>& tags, const std::string& reason,
+               Findings& findings) {
+  if (tags.empty()) return;
+  const std::vector<TagKey> keys = keys_of(observations, tags);
+  findings.warnings.push_back(fmt::format("left out: {}: {}", list_tags(keys), reason));
+  findings.left_out.insert(findings.left_out.end(), keys.begin(), keys.end());
+}
+
+void report_quality(const Observations& observations, const PartSolution& solution,
+                    const CalibrationOptions& options, Findings& findings) {
+  if (solution.covariances.empty())
+    findings.warnings.push_back(
+        fmt::format("no covariances, and no check that the views determine every pose: the map has {} tags, "
+                    "and the matrix to invert grows with the square of their number (at most {} tags)",
+                    solution.part.tags.size(), options.max_tags_with_covariance));
+  report_findings(observations, solution, findings);
+  leave_out(observations, solution.undecided,
+            "its views agree with two poses about equally well: film it from further aside, and nearer",
+            findings);
+  leave_out(observations, solution.lost_tags,
+            solution.culprit ? "tied to the others by that tag, or by frames that contradict them"
+                             : "tied to the others by frames that contradict them",
+            findings);
+  warn_of_rejected_tags(observations, solution, findings);
+  const double rejected =
+      1.0 - static_cast<double>(solution.part.views.size()) / static_cast<double>(solution.views_offered);
+  if (rejected > kManyOfAllRejected)
+    findings.warnings.push_back(
+        fmt::format("{:.0f} % of the observations were rejected as outliers: a tag of wrong size, a "
+                    "moved tag or strong blur may be the cause",
+                    100.0 * rejected));
+  if (solution.total_rms_px > kHighResidual_px)
+    findings.warnings.push_back(
+        fmt::format("the residuals are high ({:.2f} px; 0.1 to 0.4 is usual): check the camera file "
+                    "and the tag sizes",
+                    solution.total_rms_px));
+}
+
+void report_other_parts(const Observations& observations, const std::vector<Part>& parts,
+                        Findings& findings) {
+  for (std::size_t i = 1; i < parts.size(); ++i)
+    findings.warnings.push_back(fmt::format(
+        "a part of its own, not in the map: {}: no frame shows one of these together with a tag of the map",
+        list_tags(keys_of(observations, parts[i].tags))));
+}
+
+std::string corrections_in_words(const CameraRefinement& cameras,
+                                 const std::vector<CameraCorrection>& corrections) {
+  std::string words;
+  for (const CameraCorrection& one : corrections)
+    words += fmt::format("{}{}: {}", words.empty() ? "" : "; ", one.camera, in_words(one));
+  return fmt::format(
+      "the camera file does not fit: with other intrinsics, frames that were held out agree better ({:.2f} "
+      "sigmas before, {:.2f} after). The map rests on these: {}. Track with the refined camera, or calibrate "
+      "it anew; --intrinsics keep takes the file as it is",
+      cameras.held_out_before, cameras.held_out_after, words);
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "part_solver.h"
+
+namespace apriltrack {
+
+// What a calibration says of what it found.
+
+TagKey key_of(const Observations& observations, int tag);
+std::vector<TagKey> keys_of(const Observations& observations, const std::vector<int>& tags);
+
+/// Names the tags as left out, with the reason; nothing where there are none.
+void leave_out(const Observations& observations, const std::vector<int>& tags, const std::string& reason,
+               Findings& findings);
+
+/// What to know of a part that was solved: faults of tags, what went, residuals.
+void report_quality(const Observations& observations, const PartSolution& solution,
+                    const CalibrationOptions& options, Findings& findings);
+
+/// parts: all but the first are not in the map.
+void report_other_parts(const Observations& observations, const std::vector<Part>& parts, Findings& findings);
+
+std::string corrections_in_words(const CameraRefinement& cameras,
+                                 const std::vector<CameraCorrection>& corrections);
+
+}  // namespace apriltrack
