@@ -1,13 +1,11 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "apriltrack/geometry/rotation.h"
-#include "calibrating.h"
 #include "map_frame_start.h"
+#include "measured_walls.h"
 
 // Maps that keep to what was measured, from the corners of worlds that are known.
 
@@ -15,51 +13,19 @@ namespace apriltrack {
 namespace {
 
 using test::calibrate;
+using test::distance;
 using test::error_of;
+using test::kNoError;
+using test::noisy_frames;
+using test::position;
 using test::SyntheticWorld;
 using test::tag36h11;
+using test::true_tag;
+using test::walls;
 using ::testing::AllOf;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-
-/// Ten tags on the walls of a room (ids 3, 5, ... 21), z up.
-const SyntheticWorld& walls() {
-  static const SyntheticWorld world = test::make_room(10, 24, test::equidistant_camera());
-  return world;
-}
-
-std::vector<FrameDetections> noisy_frames(std::uint64_t trial) {
-  auto frames = test::exact_detections(walls());
-  RandomStream random(503, trial);
-  test::add_edge_noise(frames, 0.15, -0.45, random);
-  return frames;
-}
-
-const MapTag& true_tag(int id) {
-  return *walls().map.find(tag36h11(id));
-}
-
-double true_distance_m(int a, int b) {
-  return (true_tag(a).T_map_tag.translation() - true_tag(b).T_map_tag.translation()).norm();
-}
-
-const Eigen::Vector3d kNoError = Eigen::Vector3d::Zero();
-
-MapConstraint position(int id, const Eigen::Vector3d& error_m, double sigma_m) {
-  const Eigen::Vector3d p = true_tag(id).T_map_tag.translation() + error_m;
-  return {.what = PositionConstraint{{"", id}, {p.x(), p.y(), p.z()}, sigma_m}};
-}
-
-MapConstraint distance(int a, int b, double error_m, double sigma_m) {
-  return {.what = DistanceConstraint{{"", a}, {"", b}, true_distance_m(a, b) + error_m, sigma_m}};
-}
-
-MapConstraint gravity(int id, double sigma_rad) {
-  const Eigen::Vector3d down = true_tag(id).T_map_tag.rotation().conjugate() * -Eigen::Vector3d::UnitZ();
-  return {.what = GravityConstraint{{"", id}, down, sigma_rad}};
-}
 
 TEST(Constraints, MeasuredCoordinatesPutTheMapWhereTheyWereMeasured) {
   const CalibrationOptions options{.constraints = {position(5, kNoError, 0.002), position(9, kNoError, 0.002),
@@ -150,34 +116,6 @@ TEST(Constraints, LessenWhatIsOpenBetweenTheTagsThatTheyName) {
   EXPECT_NEAR(1.0 / after, 1.0 / before + 1.0 / (kSigma_m * kSigma_m), 0.01 / after);
 }
 
-TEST(Constraints, FloorAndUprightTagsLevelTheMap) {
-  SyntheticWorld world;
-  world.rig.cameras.push_back(test::perspective_camera());
-  test::add_tag(world, 0.2, test::looking_along({0.0, 0.0, 0.0}, {0.0, 0.0, -1.0}, 0.4));
-  test::add_tag(world, 0.2, test::looking_along({0.6, 0.1, 0.0}, {0.0, 0.0, -1.0}, 1.4));
-  test::add_tag(world, 0.2, test::looking_along({0.2, 0.8, 0.4}, {0.1, 1.0, 0.0}));
-  test::add_tag(world, 0.2, test::looking_along({0.7, 0.8, 0.5}, {0.0, 1.0, 0.0}));
-  for (int k = 0; k < 16; ++k)
-    world.T_world_rig.push_back(
-        test::looking_along({0.3 + 0.7 * std::cos(0.8 * k), -0.9 + 0.2 * std::sin(k), 1.0},
-                            {-0.4 * std::cos(0.8 * k), 1.0, -0.75}));
-  const CalibrationOptions options{
-      .constraints = {{.what = FloorConstraint{tag36h11(0), 0.001, 0.01}},
-                      {.what = FloorConstraint{tag36h11(1), 0.001, std::nullopt}},
-                      {.what = UprightConstraint{tag36h11(2), 0.005}},
-                      {.what = UprightConstraint{tag36h11(3), 0.005}}}};
-  const CalibrationResult result = calibrate(world, test::exact_detections(world), options);
-  ASSERT_EQ(result.map.tags.size(), 4u);
-  for (int id = 0; id < 4; ++id) {
-    const Pose& T_map_tag = result.map.find(tag36h11(id))->T_map_tag;
-    const Pose& truth = world.map.find(tag36h11(id))->T_map_tag;
-    EXPECT_NEAR(T_map_tag.translation().z(), truth.translation().z(), 1e-6);
-    EXPECT_NEAR((T_map_tag.rotation() * Eigen::Vector3d::UnitZ()).z(),
-                (truth.rotation() * Eigen::Vector3d::UnitZ()).z(), 1e-6);
-  }
-  EXPECT_THAT(result.gauge, HasSubstr("kept as with tag36h11/0 held at the origin: heading, x, y"));
-}
-
 /// Between the plane of three tags' centres and the normal of the first.
 double angle_to_plane_rad(const TagMap& map, const std::array<int, 3>& ids) {
   std::array<Eigen::Vector3d, 3> centres;
@@ -185,36 +123,6 @@ double angle_to_plane_rad(const TagMap& map, const std::array<int, 3>& ids) {
   const Eigen::Vector3d across = (centres[1] - centres[0]).cross(centres[2] - centres[0]);
   const Eigen::Vector3d normal = map.find(tag36h11(ids[0]))->T_map_tag.rotation() * Eigen::Vector3d::UnitZ();
   return std::atan2(across.cross(normal).norm(), std::abs(across.dot(normal)));
-}
-
-TEST(Constraints, GravityInTheFrameOfACameraLevelsTheMap) {
-  SyntheticWorld world = walls();
-  Camera second = test::perspective_camera("cam1");
-  second.T_this_previous = Pose(rotation_exp({0.3, -0.4, 0.1}), Eigen::Vector3d(0.2, 0.1, -0.3));
-  world.rig.cameras.push_back(second);
-  const Pose T_camera_world = world.rig.T_camera_rig(1) * world.T_world_rig[4].inverse();
-  CalibrationOptions options{
-      .constraints = {
-          {.what = CameraGravityConstraint{
-               "cam1", {200'000'000}, T_camera_world.rotation() * -Eigen::Vector3d::UnitZ(), 0.002}}}};
-  const auto frames = test::exact_detections(world);
-  const CalibrationResult result = calibrate(world, frames, options);
-  for (const MapTag& tag : result.map.tags) {
-    const Eigen::Vector3d up(0.0, 0.0, 1.0);
-    const Pose& truth = world.map.find(tag.key)->T_map_tag;
-    EXPECT_LT((tag.T_map_tag.rotation().conjugate() * up - truth.rotation().conjugate() * up).norm(), 1e-6);
-  }
-  EXPECT_THAT(result.gauge, HasSubstr("measured: gravity cam1 at 200000000; kept"));
-  ASSERT_EQ(result.constraints.size(), 1u);
-  EXPECT_GT(std::get<GravityConstraint>(result.constraints[0].what).sigma_rad, 0.002);
-  EXPECT_LT(std::get<GravityConstraint>(result.constraints[0].what).sigma_rad, 0.01);
-
-  std::get<CameraGravityConstraint>(options.constraints[0].what).camera = "cam2";
-  EXPECT_THAT(error_of(ErrorKind::kInvalidInput, [&] { calibrate(world, frames, options); }),
-              HasSubstr("camera 'cam2' is not in the camera file; it has cam0, cam1"));
-  options.constraints[0].what = CameraGravityConstraint{"cam1", {200'000'001}, {0.0, 1.0, 0.0}, 0.002};
-  EXPECT_THAT(error_of(ErrorKind::kInvalidInput, [&] { calibrate(world, frames, options); }),
-              HasSubstr("timestamp_ns: cam1 shows no tag at that time; frames with tags run from 0 to "));
 }
 
 TEST(Constraints, TagsOfOnePlaneAreFlat) {
@@ -292,131 +200,6 @@ TEST(Constraints, TheCovarianceOfAllTagsIsInTheMeasuredFrameToo) {
     EXPECT_LT((joint.block(row, row) - *tag.covariance).norm(), 1e-6 * tag.covariance->norm())
         << to_string(tag.key);
   }
-}
-
-TEST(Constraints, ADistanceThatContradictsTheImagesIsNamedAndThereIsNoMap) {
-  CalibrationOptions options{
-      .constraints = {distance(3, 7, 0.0, 0.001), distance(5, 13, 0.05, 0.001), distance(9, 19, 0.0, 0.001)}};
-  options.constraints[1].where = "measured.yaml:7";
-  const std::string message =
-      error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(2), options); });
-  EXPECT_THAT(message, AllOf(HasSubstr("measured.yaml:7: distance 5-13: distance: "), HasSubstr("sigmas off"),
-                             Not(HasSubstr("distance 3-7")), HasSubstr("no map was made")));
-}
-
-TEST(Constraints, TwoDistancesOfTheSameTagsCannotBothBeRight) {
-  CalibrationOptions options{.constraints = {distance(5, 13, 0.0, 0.001), distance(5, 13, 0.03, 0.001)}};
-  options.constraints[0].name = "tape";
-  options.constraints[1].name = "laser";
-  const std::string message =
-      error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(3), options); });
-  EXPECT_THAT(message, AllOf(HasSubstr("laser: distance"), Not(HasSubstr("tape: distance"))));
-}
-
-TEST(Constraints, ThoseThatAgreeOnWhatIsWrongAreFoundTogether) {
-  const CalibrationOptions twice{.constraints = {distance(5, 13, 0.05, 1e-5), distance(5, 13, 0.05, 1e-5)}};
-  EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(3), twice); }),
-              AllOf(HasSubstr("all together"), HasSubstr("distance 5-13")));
-  CalibrationOptions board;  // 2 % too large, but well in itself
-  for (const int a : {3, 5, 7}) {
-    for (const int b : {5, 7, 9}) {
-      if (a >= b) continue;
-      const Pose T_a_b = true_tag(a).T_map_tag.inverse() * true_tag(b).T_map_tag;
-      board.constraints.push_back(
-          {.what = RelativePoseConstraint{
-               {"", a}, {"", b}, 1.02 * T_a_b.translation(), T_a_b.rotation(), 1e-4, 1e-3}});
-    }
-  }
-  EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(3), board); }),
-              HasSubstr("contradict"));
-}
-
-TEST(Constraints, GravityOfAnyTagIsNeverAmbiguous) {
-  for (const MapTag& held : walls().map.tags) {
-    for (const int id : {3, 9, 17}) {
-      CalibrationOptions options{.held_tag = held.key, .constraints = {gravity(id, 0.01)}};
-      const CalibrationResult result = calibrate(walls(), noisy_frames(9), options);
-      EXPECT_THAT(result.gauge, HasSubstr("measured: gravity")) << to_string(held.key) << ' ' << id;
-    }
-  }
-}
-
-TEST(Constraints, OneWrongCoordinateAmongManyIsTheOneThatIsNamed) {
-  CalibrationOptions options;
-  for (const int id : {3, 7, 11, 17, 21}) options.constraints.push_back(position(id, kNoError, 0.002));
-  options.constraints[2] = position(11, {0.0, 0.1, 0.0}, 0.002);
-  const std::string message =
-      error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(4), options); });
-  EXPECT_THAT(message, AllOf(HasSubstr("position 11: y: "), Not(HasSubstr("position 7:"))));
-}
-
-TEST(Constraints, AnUprightTagThatHangsUpsideDownIsNamed) {
-  CalibrationOptions options{.constraints = {gravity(5, 0.01), gravity(9, 0.01), gravity(13, 0.01)}};
-  std::get<GravityConstraint>(options.constraints[1].what).direction_tag *= -1.0;
-  const std::string message =
-      error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(4), options); });
-  EXPECT_THAT(message, AllOf(HasSubstr("gravity 9: tilt: "), Not(HasSubstr("gravity 5:"))));
-}
-
-TEST(Constraints, DistancesThatAreAllTooLongHintAtTheTagSize) {
-  CalibrationOptions options;
-  for (const auto& [a, b] : {std::pair(3, 11), {5, 15}, {7, 19}})
-    options.constraints.push_back(distance(a, b, 0.02 * true_distance_m(a, b), 0.001));
-  const std::string message =
-      error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(5), options); });
-  EXPECT_THAT(message, HasSubstr("All 3 distances are "));
-  EXPECT_THAT(message, HasSubstr("longer than in the map: a wrong tag size"));
-}
-
-TEST(Constraints, ADoubtfulOneIsAWarning) {
-  const CalibrationResult fair =
-      calibrate(walls(), noisy_frames(6), {.constraints = {distance(5, 13, 0.0, 0.001)}});
-  const ConstraintReading& reading = fair.constraint_audits[0].readings[0];
-  const double error_m = *reading.predicted + 4.0 * *reading.sigma - true_distance_m(5, 13);
-  const CalibrationResult result =
-      calibrate(walls(), noisy_frames(6), {.constraints = {distance(5, 13, error_m, 0.001)}});
-  EXPECT_NEAR(*result.constraint_audits[0].z, 4.0, 0.01);
-  EXPECT_THAT(result.warnings, Contains(HasSubstr("constraint in doubt: distance 5-13: distance: ")));
-}
-
-TEST(Constraints, AnUnknownTagIsAnErrorThatSaysWhatWasSeen) {
-  CalibrationOptions options{
-      .constraints = {{.what = DistanceConstraint{{"", 3}, {"", 4}, 1.0, 0.1}, .where = "measured.yaml:3"}}};
-  const auto frames = test::exact_detections(walls());
-  EXPECT_THAT(
-      error_of(ErrorKind::kInvalidInput, [&] { calibrate(walls(), frames, options); }),
-      HasSubstr("measured.yaml:3: distance 3-4: tag 4 was never seen; seen were: tag36h11/3, tag36h11/5"));
-  options.constraints[0].what = DistanceConstraint{{"", 3}, {"tag25h9", 5}, 1.0, 0.1};
-  EXPECT_THAT(error_of(ErrorKind::kInvalidInput, [&] { calibrate(walls(), frames, options); }),
-              HasSubstr("tag25h9/5 was never seen"));
-  options.constraints[0].what = DistanceConstraint{{"", 3}, {"", 5}, -1.0, 0.1};
-  EXPECT_THAT(error_of(ErrorKind::kInvalidInput, [&] { calibrate(walls(), frames, options); }),
-              HasSubstr("distance_m: must be in (0, 1e7] m (is -1)"));
-}
-
-TEST(Constraints, AreNotUsedWhereATagIsNotInTheMap) {
-  auto frames = test::exact_detections(walls());
-  for (FrameDetections& frame : frames) {  // seen alone, so in no map
-    const bool shows_it =
-        std::ranges::any_of(frame.detections, [](const auto& one) { return one.tag.id == 9; });
-    if (shows_it) std::erase_if(frame.detections, [](const auto& one) { return one.tag.id != 9; });
-  }
-  const CalibrationResult result =
-      calibrate(walls(), frames, {.constraints = {distance(3, 9, 0.5, 0.001), distance(3, 5, 0.0, 0.001)}});
-  EXPECT_EQ(result.map.find(tag36h11(9)), nullptr);
-  EXPECT_THAT(result.warnings,
-              Contains(HasSubstr("constraint 'distance 3-9' is not used: not in the map: tag36h11/9")));
-  ASSERT_EQ(result.constraint_audits.size(), 2u);
-  EXPECT_FALSE(result.constraint_audits[0].is_used);
-  EXPECT_TRUE(result.constraint_audits[1].is_used);
-  EXPECT_EQ(result.constraints.size(), 1u);
-}
-
-TEST(Constraints, NeedCovariances) {
-  const CalibrationOptions options{.constraints = {distance(3, 5, 0.0, 0.001)},
-                                   .max_tags_with_covariance = 9};
-  EXPECT_THAT(error_of(ErrorKind::kInvalidInput, [&] { calibrate(walls(), noisy_frames(7), options); }),
-              HasSubstr("constraints: need the covariance of all tags"));
 }
 
 }  // namespace

@@ -1,0 +1,94 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "apriltrack/geometry/rotation.h"
+#include "measured_walls.h"
+
+// Where the map's frame lies by what was measured.
+
+namespace apriltrack {
+namespace {
+
+using test::calibrate;
+using test::error_of;
+using test::gravity;
+using test::noisy_frames;
+using test::position;
+using test::SyntheticWorld;
+using test::tag36h11;
+using test::true_tag;
+using test::walls;
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+
+TEST(Constraints, FloorAndUprightTagsLevelTheMap) {
+  SyntheticWorld world;
+  world.rig.cameras.push_back(test::perspective_camera());
+  test::add_tag(world, 0.2, test::looking_along({0.0, 0.0, 0.0}, {0.0, 0.0, -1.0}, 0.4));
+  test::add_tag(world, 0.2, test::looking_along({0.6, 0.1, 0.0}, {0.0, 0.0, -1.0}, 1.4));
+  test::add_tag(world, 0.2, test::looking_along({0.2, 0.8, 0.4}, {0.1, 1.0, 0.0}));
+  test::add_tag(world, 0.2, test::looking_along({0.7, 0.8, 0.5}, {0.0, 1.0, 0.0}));
+  for (int k = 0; k < 16; ++k)
+    world.T_world_rig.push_back(
+        test::looking_along({0.3 + 0.7 * std::cos(0.8 * k), -0.9 + 0.2 * std::sin(k), 1.0},
+                            {-0.4 * std::cos(0.8 * k), 1.0, -0.75}));
+  const CalibrationOptions options{
+      .constraints = {{.what = FloorConstraint{tag36h11(0), 0.001, 0.01}},
+                      {.what = FloorConstraint{tag36h11(1), 0.001, std::nullopt}},
+                      {.what = UprightConstraint{tag36h11(2), 0.005}},
+                      {.what = UprightConstraint{tag36h11(3), 0.005}}}};
+  const CalibrationResult result = calibrate(world, test::exact_detections(world), options);
+  ASSERT_EQ(result.map.tags.size(), 4u);
+  for (int id = 0; id < 4; ++id) {
+    const Pose& T_map_tag = result.map.find(tag36h11(id))->T_map_tag;
+    const Pose& truth = world.map.find(tag36h11(id))->T_map_tag;
+    EXPECT_NEAR(T_map_tag.translation().z(), truth.translation().z(), 1e-6);
+    EXPECT_NEAR((T_map_tag.rotation() * Eigen::Vector3d::UnitZ()).z(),
+                (truth.rotation() * Eigen::Vector3d::UnitZ()).z(), 1e-6);
+  }
+  EXPECT_THAT(result.gauge, HasSubstr("kept as with tag36h11/0 held at the origin: heading, x, y"));
+}
+
+TEST(Constraints, GravityInTheFrameOfACameraLevelsTheMap) {
+  SyntheticWorld world = walls();
+  Camera second = test::perspective_camera("cam1");
+  second.T_this_previous = Pose(rotation_exp({0.3, -0.4, 0.1}), Eigen::Vector3d(0.2, 0.1, -0.3));
+  world.rig.cameras.push_back(second);
+  const Pose T_camera_world = world.rig.T_camera_rig(1) * world.T_world_rig[4].inverse();
+  CalibrationOptions options{
+      .constraints = {
+          {.what = CameraGravityConstraint{
+               "cam1", {200'000'000}, T_camera_world.rotation() * -Eigen::Vector3d::UnitZ(), 0.002}}}};
+  const auto frames = test::exact_detections(world);
+  const CalibrationResult result = calibrate(world, frames, options);
+  for (const MapTag& tag : result.map.tags) {
+    const Eigen::Vector3d up(0.0, 0.0, 1.0);
+    const Pose& truth = world.map.find(tag.key)->T_map_tag;
+    EXPECT_LT((tag.T_map_tag.rotation().conjugate() * up - truth.rotation().conjugate() * up).norm(), 1e-6);
+  }
+  EXPECT_THAT(result.gauge, HasSubstr("measured: gravity cam1 at 200000000; kept"));
+  ASSERT_EQ(result.constraints.size(), 1u);
+  EXPECT_GT(std::get<GravityConstraint>(result.constraints[0].what).sigma_rad, 0.002);
+  EXPECT_LT(std::get<GravityConstraint>(result.constraints[0].what).sigma_rad, 0.01);
+
+  std::get<CameraGravityConstraint>(options.constraints[0].what).camera = "cam2";
+  EXPECT_THAT(error_of(ErrorKind::kInvalidInput, [&] { calibrate(world, frames, options); }),
+              HasSubstr("camera 'cam2' is not in the camera file; it has cam0, cam1"));
+  options.constraints[0].what = CameraGravityConstraint{"cam1", {200'000'001}, {0.0, 1.0, 0.0}, 0.002};
+  EXPECT_THAT(error_of(ErrorKind::kInvalidInput, [&] { calibrate(world, frames, options); }),
+              HasSubstr("timestamp_ns: cam1 shows no tag at that time; frames with tags run from 0 to "));
+}
+
+TEST(Constraints, GravityOfAnyTagIsNeverAmbiguous) {
+  for (const MapTag& held : walls().map.tags) {
+    for (const int id : {3, 9, 17}) {
+      CalibrationOptions options{.held_tag = held.key, .constraints = {gravity(id, 0.01)}};
+      const CalibrationResult result = calibrate(walls(), noisy_frames(9), options);
+      EXPECT_THAT(result.gauge, HasSubstr("measured: gravity")) << to_string(held.key) << ' ' << id;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace apriltrack

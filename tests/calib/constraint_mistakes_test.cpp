@@ -1,0 +1,147 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "measured_walls.h"
+
+// What is said of constraints that are wrong, and what then comes of the map.
+
+namespace apriltrack {
+namespace {
+
+using test::calibrate;
+using test::distance;
+using test::error_of;
+using test::gravity;
+using test::kNoError;
+using test::noisy_frames;
+using test::position;
+using test::SyntheticWorld;
+using test::tag36h11;
+using test::true_distance_m;
+using test::true_tag;
+using test::walls;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(Constraints, ADistanceThatContradictsTheImagesIsNamedAndThereIsNoMap) {
+  CalibrationOptions options{
+      .constraints = {distance(3, 7, 0.0, 0.001), distance(5, 13, 0.05, 0.001), distance(9, 19, 0.0, 0.001)}};
+  options.constraints[1].where = "measured.yaml:7";
+  const std::string message =
+      error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(2), options); });
+  EXPECT_THAT(message, AllOf(HasSubstr("measured.yaml:7: distance 5-13: distance: "), HasSubstr("sigmas off"),
+                             Not(HasSubstr("distance 3-7")), HasSubstr("no map was made")));
+}
+
+TEST(Constraints, TwoDistancesOfTheSameTagsCannotBothBeRight) {
+  CalibrationOptions options{.constraints = {distance(5, 13, 0.0, 0.001), distance(5, 13, 0.03, 0.001)}};
+  options.constraints[0].name = "tape";
+  options.constraints[1].name = "laser";
+  const std::string message =
+      error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(3), options); });
+  EXPECT_THAT(message, AllOf(HasSubstr("laser: distance"), Not(HasSubstr("tape: distance"))));
+}
+
+TEST(Constraints, ThoseThatAgreeOnWhatIsWrongAreFoundTogether) {
+  const CalibrationOptions twice{.constraints = {distance(5, 13, 0.05, 1e-5), distance(5, 13, 0.05, 1e-5)}};
+  EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(3), twice); }),
+              AllOf(HasSubstr("all together"), HasSubstr("distance 5-13")));
+  CalibrationOptions board;  // 2 % too large, but well in itself
+  for (const int a : {3, 5, 7}) {
+    for (const int b : {5, 7, 9}) {
+      if (a >= b) continue;
+      const Pose T_a_b = true_tag(a).T_map_tag.inverse() * true_tag(b).T_map_tag;
+      board.constraints.push_back(
+          {.what = RelativePoseConstraint{
+               {"", a}, {"", b}, 1.02 * T_a_b.translation(), T_a_b.rotation(), 1e-4, 1e-3}});
+    }
+  }
+  EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(3), board); }),
+              HasSubstr("contradict"));
+}
+
+TEST(Constraints, OneWrongCoordinateAmongManyIsTheOneThatIsNamed) {
+  CalibrationOptions options;
+  for (const int id : {3, 7, 11, 17, 21}) options.constraints.push_back(position(id, kNoError, 0.002));
+  options.constraints[2] = position(11, {0.0, 0.1, 0.0}, 0.002);
+  const std::string message =
+      error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(4), options); });
+  EXPECT_THAT(message, AllOf(HasSubstr("position 11: y: "), Not(HasSubstr("position 7:"))));
+}
+
+TEST(Constraints, AnUprightTagThatHangsUpsideDownIsNamed) {
+  CalibrationOptions options{.constraints = {gravity(5, 0.01), gravity(9, 0.01), gravity(13, 0.01)}};
+  std::get<GravityConstraint>(options.constraints[1].what).direction_tag *= -1.0;
+  const std::string message =
+      error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(4), options); });
+  EXPECT_THAT(message, AllOf(HasSubstr("gravity 9: tilt: "), Not(HasSubstr("gravity 5:"))));
+}
+
+TEST(Constraints, DistancesThatAreAllTooLongHintAtTheTagSize) {
+  CalibrationOptions options;
+  for (const auto& [a, b] : {std::pair(3, 11), {5, 15}, {7, 19}})
+    options.constraints.push_back(distance(a, b, 0.02 * true_distance_m(a, b), 0.001));
+  const std::string message =
+      error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(5), options); });
+  EXPECT_THAT(message, HasSubstr("All 3 distances are "));
+  EXPECT_THAT(message, HasSubstr("longer than in the map: a wrong tag size"));
+}
+
+TEST(Constraints, ADoubtfulOneIsAWarning) {
+  const CalibrationResult fair =
+      calibrate(walls(), noisy_frames(6), {.constraints = {distance(5, 13, 0.0, 0.001)}});
+  const ConstraintReading& reading = fair.constraint_audits[0].readings[0];
+  const double error_m = *reading.predicted + 4.0 * *reading.sigma - true_distance_m(5, 13);
+  const CalibrationResult result =
+      calibrate(walls(), noisy_frames(6), {.constraints = {distance(5, 13, error_m, 0.001)}});
+  EXPECT_NEAR(*result.constraint_audits[0].z, 4.0, 0.01);
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("constraint in doubt: distance 5-13: distance: ")));
+}
+
+TEST(Constraints, AnUnknownTagIsAnErrorThatSaysWhatWasSeen) {
+  CalibrationOptions options{
+      .constraints = {{.what = DistanceConstraint{{"", 3}, {"", 4}, 1.0, 0.1}, .where = "measured.yaml:3"}}};
+  const auto frames = test::exact_detections(walls());
+  EXPECT_THAT(
+      error_of(ErrorKind::kInvalidInput, [&] { calibrate(walls(), frames, options); }),
+      HasSubstr("measured.yaml:3: distance 3-4: tag 4 was never seen; seen were: tag36h11/3, tag36h11/5"));
+  options.constraints[0].what = DistanceConstraint{{"", 3}, {"tag25h9", 5}, 1.0, 0.1};
+  EXPECT_THAT(error_of(ErrorKind::kInvalidInput, [&] { calibrate(walls(), frames, options); }),
+              HasSubstr("tag25h9/5 was never seen"));
+  options.constraints[0].what = DistanceConstraint{{"", 3}, {"", 5}, -1.0, 0.1};
+  EXPECT_THAT(error_of(ErrorKind::kInvalidInput, [&] { calibrate(walls(), frames, options); }),
+              HasSubstr("distance_m: must be in (0, 1e7] m (is -1)"));
+}
+
+TEST(Constraints, AreNotUsedWhereATagIsNotInTheMap) {
+  auto frames = test::exact_detections(walls());
+  for (FrameDetections& frame : frames) {  // seen alone, so in no map
+    const bool shows_it =
+        std::ranges::any_of(frame.detections, [](const auto& one) { return one.tag.id == 9; });
+    if (shows_it) std::erase_if(frame.detections, [](const auto& one) { return one.tag.id != 9; });
+  }
+  const CalibrationResult result =
+      calibrate(walls(), frames, {.constraints = {distance(3, 9, 0.5, 0.001), distance(3, 5, 0.0, 0.001)}});
+  EXPECT_EQ(result.map.find(tag36h11(9)), nullptr);
+  EXPECT_THAT(result.warnings,
+              Contains(HasSubstr("constraint 'distance 3-9' is not used: not in the map: tag36h11/9")));
+  ASSERT_EQ(result.constraint_audits.size(), 2u);
+  EXPECT_FALSE(result.constraint_audits[0].is_used);
+  EXPECT_TRUE(result.constraint_audits[1].is_used);
+  EXPECT_EQ(result.constraints.size(), 1u);
+}
+
+TEST(Constraints, NeedCovariances) {
+  const CalibrationOptions options{.constraints = {distance(3, 5, 0.0, 0.001)},
+                                   .max_tags_with_covariance = 9};
+  EXPECT_THAT(error_of(ErrorKind::kInvalidInput, [&] { calibrate(walls(), noisy_frames(7), options); }),
+              HasSubstr("constraints: need the covariance of all tags"));
+}
+
+}  // namespace
+}  // namespace apriltrack
