@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "degrees.h"
+#include "apriltrack/base/degrees.h"
 
 namespace apriltrack::app {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "degrees.h"
+#include "apriltrack/base/degrees.h"
 
 namespace apriltrack::app {
 namespace {

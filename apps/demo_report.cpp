@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "apriltrack/base/degrees.h"
 #include "apriltrack/eval/compare_maps.h"
 #include "apriltrack/report/html_page.h"
-#include "degrees.h"
 #include "demo_charts.h"
 #include "demo_paper.h"
 #include "demo_picture.h"

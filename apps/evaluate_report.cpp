@@ -5,8 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apriltrack/base/degrees.h"
 #include "apriltrack/eval/statistics.h"
-#include "degrees.h"
 
 namespace apriltrack::app {
 namespace {

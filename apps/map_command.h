@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "apriltrack/base/degrees.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/tags/tag_map.h"
 #include "command_help.h"
 #include "console.h"
-#include "degrees.h"
 
 namespace apriltrack::app {
 

@@ -9,7 +9,7 @@
 #include <optional>
 #include <set>
 
-#include "degrees.h"
+#include "apriltrack/base/degrees.h"
 #include "label_places.h"
 #include "map_projection.h"
 

@@ -9,9 +9,9 @@
 #include <limits>
 #include <numbers>
 
+#include "apriltrack/base/degrees.h"
 #include "apriltrack/report/chart.h"
 #include "apriltrack/report/event_lanes.h"
-#include "degrees.h"
 #include "status_colours.h"
 #include "track_extent.h"
 

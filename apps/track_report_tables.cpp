@@ -7,8 +7,8 @@
 #include <functional>
 #include <set>
 
+#include "apriltrack/base/degrees.h"
 #include "apriltrack/eval/statistics.h"
-#include "degrees.h"
 
 namespace apriltrack::app {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "degrees.h"
+#include "apriltrack/base/degrees.h"
 #include "error_chart.h"
 #include "track_extent.h"
 

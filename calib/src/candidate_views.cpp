@@ -3,13 +3,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
+
+#include "apriltrack/base/degrees.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kBeyond_m = 0.5;  // of where the camera has been
 
 using Box = Eigen::AlignedBox3d;

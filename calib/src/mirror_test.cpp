@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <set>
 
+#include "apriltrack/base/degrees.h"
 #include "group_motion.h"
 #include "tag_groups.h"
 #include "tag_links.h"
@@ -20,10 +20,10 @@ constexpr std::size_t kMaxAnchors = 2;  // on either side of a hinge
 // only if it is likelier than the other pose by e^10.
 constexpr double kBetter = 2.0;
 constexpr double kDecisive = 10.0;
-constexpr double kSamePose_rad = 3.0 * std::numbers::pi / 180.0;
+constexpr double kSamePose_rad = 3.0 * kRadPerDeg;
 // A mirrored tag is reflected about ONE line of sight: seen from 35 degrees off it, it is wrong by up to 70
 // degrees, tens of pixels, which no fit explains. Skipping such tags only saves time.
-constexpr double kDecidedSpread_rad = 35.0 * std::numbers::pi / 180.0;
+constexpr double kDecidedSpread_rad = 35.0 * kRadPerDeg;
 
 /// Where a group of tags meets the others: the frames that show both, and their views.
 struct Hinge {

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "apriltrack/base/degrees.h"
 
 namespace apriltrack {
 namespace {
@@ -13,9 +14,8 @@ constexpr double kOneObject_m = 1.0;  // farther, and it may as well be two tags
 
 std::string how_far(const TwoPlaces& two) {
   const Pose change = two.change();
-  return fmt::format(
-      "{:.3g} m and {:.1f} degrees", change.translation().norm(),
-      rotation_angle_rad(change.rotation(), Eigen::Quaterniond::Identity()) * 180.0 / std::numbers::pi);
+  return fmt::format("{:.3g} m and {:.1f} degrees", change.translation().norm(),
+                     rotation_angle_rad(change.rotation(), Eigen::Quaterniond::Identity()) * kDegPerRad);
 }
 
 std::string words_of_two(const TwoPlaces& two, const std::string& when, const std::string& name) {

@@ -2,8 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <numbers>
 #include <utility>
+
+#include "apriltrack/base/degrees.h"
 
 namespace apriltrack {
 namespace {
@@ -13,7 +14,7 @@ constexpr std::size_t kLeastOfPlace = 3;  // views
 constexpr double kClearSquares = 45.0;  // of six numbers: chance in a million
 constexpr double kClearMove = 0.02;     // of the tag's size; and at least
 constexpr double kClearMove_m = 0.003;
-constexpr double kClearTurn_rad = 1.0 * std::numbers::pi / 180.0;
+constexpr double kClearTurn_rad = 1.0 * kRadPerDeg;
 constexpr double kTwoTags = 0.8;  // of the size: two tags that hang at a time cannot overlap
 
 double cost_at(const std::vector<ProbeView>& probes, const TagFit& fit) {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <set>
 
+#include "apriltrack/base/degrees.h"
 #include "candidate_views.h"
 #include "observations.h"
 #include "picture_equations.h"
@@ -48,7 +48,7 @@ int camera_of(const MapEvidence& evidence) {
 }
 
 std::string angle_in_words(const ViewAdvice& advice) {
-  const auto degrees = [](double rad) { return std::abs(rad) * 180.0 / std::numbers::pi; };
+  const auto degrees = [](double rad) { return std::abs(rad) * kDegPerRad; };
   std::string words;
   if (advice.aside_rad != 0.0)
     words += fmt::format(", {:.0f} degrees from the {}", degrees(advice.aside_rad),
@@ -201,8 +201,8 @@ class Adviser {
         advice.pictures, to_string(advice.before), to_string(advice.partner),
         more == 0 ? std::string() : fmt::format(" ({} more in view)", more), advice.distance_m,
         to_string(advice.before), angle_in_words(advice), to_string(advice.tag), 1e3 * advice.sigma_before_m,
-        1e3 * advice.sigma_after_m, advice.sigma_before_rad * 180.0 / std::numbers::pi,
-        advice.sigma_after_rad * 180.0 / std::numbers::pi);
+        1e3 * advice.sigma_after_m, advice.sigma_before_rad * kDegPerRad,
+        advice.sigma_after_rad * kDegPerRad);
   }
 
   const TagMap& map_;

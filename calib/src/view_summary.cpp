@@ -4,18 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 #include <vector>
 
+#include "apriltrack/base/degrees.h"
 #include "observations.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr double kDegPerRad_ = 180.0 / std::numbers::pi;
-constexpr double kHeadOn_rad = 25.0 / kDegPerRad_;
-constexpr double kOneSide_rad = 12.0 / kDegPerRad_;
+constexpr double kHeadOn_rad = 25.0 / kDegPerRad;
+constexpr double kOneSide_rad = 12.0 / kDegPerRad;
 constexpr double kOneDistance = 1.25;  // of the farthest view over the nearest
 constexpr double kSmall_px = 30.0;
 constexpr int kFewTogether = 10;
@@ -58,13 +57,13 @@ std::string angles_in_words(const Places& places) {
       widest_rad(places.directions, -Eigen::Vector3d::UnitZ());  // z points into the tag
   if (off_normal < kHeadOn_rad)
     return fmt::format(", all head-on (within {:.0f} degrees of its normal)",
-                       std::max(1.0, std::ceil(off_normal * kDegPerRad_)));
+                       std::max(1.0, std::ceil(off_normal * kDegPerRad)));
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& direction : places.directions) mean += direction;
   const double off_mean = widest_rad(places.directions, mean.normalized());
   if (off_mean < kOneSide_rad)
     return fmt::format(", all from one side (within {:.0f} degrees)",
-                       std::max(1.0, std::ceil(off_mean * kDegPerRad_)));
+                       std::max(1.0, std::ceil(off_mean * kDegPerRad)));
   return "";
 }
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
+#include "apriltrack/base/degrees.h"
 #include "view_summary.h"
 
 namespace apriltrack {
@@ -47,7 +47,7 @@ std::string axis_in_words(const WidestAxis& widest) {
     if (std::abs(axis[i]) > kAlong) return kNames[i];
   }
   if (std::abs(axis.z()) < kInPlane) {
-    const double angle = std::atan2(axis.y(), axis.x()) * 180.0 / std::numbers::pi;
+    const double angle = std::atan2(axis.y(), axis.x()) * kDegPerRad;
     return fmt::format("the axis in its plane that is {:.0f} degrees from right towards down",
                        angle < 0.0 ? angle + 180.0 : angle);
   }
@@ -55,9 +55,8 @@ std::string axis_in_words(const WidestAxis& widest) {
 }
 
 std::string words_of(const WeakDirection& one) {
-  const std::string sigma = one.is_rotation
-                                ? fmt::format("{:.2g} degrees", one.sigma * 180.0 / std::numbers::pi)
-                                : fmt::format("{:.2g} mm", 1e3 * one.sigma);
+  const std::string sigma = one.is_rotation ? fmt::format("{:.2g} degrees", one.sigma * kDegPerRad)
+                                            : fmt::format("{:.2g} mm", 1e3 * one.sigma);
   return fmt::format("{} of {} is {} observed: sigma {} relative to {}; {}", one.direction,
                      to_string(one.tag), one.weakness > 1.0 ? "barely" : "less well", sigma,
                      to_string(one.neighbour), one.reason);
