@@ -98,6 +98,7 @@ Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig&
       std::erase_if(frames, [&](const FrameDetections& frame) { return frame.camera != camera_name; });
     const std::vector<std::string> cameras = camera_names(frames);
     for (const std::string& name : cameras) rig.find(name);
+    check_corner_places(path, rig, frames);  // calibrate_map warns; here errors have their line
     takes.add(path, {cameras.begin(), cameras.end()}, std::move(frames));
   }
   bring_to_one_clock(takes, all);

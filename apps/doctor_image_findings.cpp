@@ -121,9 +121,9 @@ void find_in_resolution(const Camera& camera, std::span<const ImageSize> sizes,
   if (some_fit) return;
   findings.push_back(
       {Severity::kStops, "camera_resolution",
-       fmt::format("the images are {} x {} pixels, but camera '{}' is calibrated for {} x {}: use the camera "
-                   "file of this resolution, or calibrate the camera at it",
-                   sizes.front().width, sizes.front().height, camera.name, camera.width, camera.height)});
+       fmt::format("the images are {} x {} pixels, but camera '{}' is calibrated for {} x {}: {}",
+                   sizes.front().width, sizes.front().height, camera.name, camera.width, camera.height,
+                   advice_on_resolution(camera, sizes.front().width, sizes.front().height))});
 }
 
 void find_in_exposure(const RecordingFacts& recording, std::vector<Finding>& findings) {

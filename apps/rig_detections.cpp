@@ -3,14 +3,39 @@
 #include <set>
 
 #include "apriltrack/detect/detections_csv.h"
+#include "apriltrack/detect/picture_size.h"
+#include "apriltrack/io/csv.h"
 
 namespace apriltrack::app {
+namespace {
+
+/// "detections.csv:17"; only asked for where a message needs it.
+std::string line_of(const std::string& path, const FrameDetections& frame, const Detection& detection) {
+  const CsvTable table = CsvTable::read_file(path, {"timestamp_ns", "family", "id", "c0x", "c0y"});
+  for (std::size_t row = 0; row < table.num_rows(); ++row) {
+    const bool is_it = table.integer(row, "timestamp_ns") == frame.timestamp.ns &&
+                       table.text(row, "family") == detection.tag.family &&
+                       table.integer(row, "id") == detection.tag.id &&
+                       table.number(row, "c0x") == detection.corners_px[0].x() &&
+                       table.number(row, "c0y") == detection.corners_px[0].y();
+    if (is_it) return table.where(row);
+  }
+  return path;
+}
+
+}  // namespace
 
 std::vector<FrameDetections> read_rig_detections(const std::string& path, const CameraRig& rig) {
   std::vector<FrameDetections> frames = read_detections_csv(path);
   if (rig.cameras.size() == 1 && camera_names(frames).size() == 1)
     for (FrameDetections& frame : frames) frame.camera = rig.cameras.front().name;
   return frames;
+}
+
+std::vector<std::string> check_corner_places(const std::string& path, const CameraRig& rig,
+                                             const std::vector<FrameDetections>& frames) {
+  return check_picture_sizes(
+      frames, rig, [&](const auto& frame, const auto& detection) { return line_of(path, frame, detection); });
 }
 
 std::vector<std::string> camera_names(const std::vector<FrameDetections>& frames) {

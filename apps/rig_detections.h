@@ -13,6 +13,10 @@ namespace apriltrack::app {
 /// to pass it over would give corners another camera's lens. Throws as read_detections_csv does.
 std::vector<FrameDetections> read_rig_detections(const std::string& path, const CameraRig& rig);
 
+/// check_picture_sizes of the frames of `path`, with file and line.
+std::vector<std::string> check_corner_places(const std::string& path, const CameraRig& rig,
+                                             const std::vector<FrameDetections>& frames);
+
 /// Names in the order of the alphabet, each once.
 std::vector<std::string> camera_names(const std::vector<FrameDetections>& frames);
 

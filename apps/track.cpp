@@ -44,7 +44,7 @@ std::filesystem::path map_file(const TrackArguments& arguments) {
 }
 
 std::vector<FrameDetections> load_detections(const std::string& path, const CameraRig& rig,
-                                             const std::string& camera) {
+                                             const std::string& camera, const Console& console) {
   std::vector<FrameDetections> frames = read_rig_detections(path, rig);
   const std::vector<std::string> there = camera_names(frames);
   std::erase_if(frames, [&](const FrameDetections& frame) { return frame.camera != camera; });
@@ -53,6 +53,7 @@ std::vector<FrameDetections> load_detections(const std::string& path, const Came
         path, fmt::format("has no detections of camera '{}'; it has: {}; choose with --camera-name", camera,
                           fmt::join(there, ", ")));
   }
+  for (const std::string& warning : check_corner_places(path, rig, frames)) console.warning(warning);
   return frames;
 }
 
@@ -254,7 +255,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   TrackRecord record;
   const bool has_images = arguments.detections.empty();
   std::vector<FrameDetections> detections;
-  if (!has_images) detections = load_detections(arguments.detections, rig, camera.name);
+  if (!has_images) detections = load_detections(arguments.detections, rig, camera.name, arguments.console);
   std::optional<TrackVideo> video;
   if (!arguments.video.empty())
     video.emplace(arguments.video, camera, map, arguments.method_options().localizer.mode);

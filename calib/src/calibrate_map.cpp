@@ -231,7 +231,7 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   options.check();
   const ParallelFor parallel = parallel_for(options.num_threads);
   Findings findings;
-  Observations observations = collect_observations(frames, rig, sizes, options, findings);
+  Observations observations = collect_observations(frames, rig, sizes, options, findings, log);
   if (const int repeated = drop_repeated_frames(observations); repeated > 0)
     findings.warnings.push_back(
         fmt::format("{} exactly the corners of an earlier one, and {} not counted: a film that stands "

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/detect/picture_size.h"
 #include "apriltrack/tags/tag_family.h"
 
 namespace apriltrack {
@@ -231,7 +232,7 @@ Observations number_views(const std::vector<UsableFrame>& frames,
 
 Observations collect_observations(std::span<const FrameDetections> frames, const CameraRig& rig,
                                   const TagSizes& sizes, const CalibrationOptions& options,
-                                  Findings& findings) {
+                                  Findings& findings, const LogSink& log) {
   std::set<std::string> used;
   std::size_t detections = 0;
   for (const FrameDetections& frame : frames) {
@@ -243,6 +244,7 @@ Observations collect_observations(std::span<const FrameDetections> frames, const
                     fmt::format("no tags were seen in {} frames; check the tag family and that tags are "
                                 "sharp and at least 20 pixels wide",
                                 frames.size()));
+  for (const std::string& warning : check_picture_sizes(frames, rig)) log(LogLevel::kWarning, warning);
   std::size_t unusable = 0;
   const std::vector<UsableFrame> usable = usable_frames(frames, rig, unusable);
   if (unusable == detections)

@@ -87,6 +87,37 @@ TEST_F(FileContents, BadDetectionsNameLineAndColumn) {
   EXPECT_THAT(run_program(words), EndsWith(2, "c3y"));
 }
 
+/// One tag in the upper left of the camera's picture, and from the second frame on one as in a larger
+/// picture.
+std::string corners_of_larger_pictures() {
+  std::string text = "timestamp_ns,camera,family,id,c0x,c0y,c1x,c1y,c2x,c2y,c3x,c3y\n";
+  for (int frame = 1; frame <= 10; ++frame) {
+    const int right = frame == 1 ? 120 : 310;
+    const std::string bottom = frame == 1 ? "50" : "200", top = frame == 1 ? "20" : "170";
+    for (const int id : {0, 1}) {
+      const int x = right - 40 * (id + 1);
+      const std::string left = std::to_string(x), other = std::to_string(x + 30);
+      text += std::to_string(frame) + ",cam0,tag36h11," + std::to_string(id) + "," + left + "," + bottom +
+              "," + other + "," + bottom + "," + other + "," + top + "," + left + "," + top + "\n";
+    }
+  }
+  return text;
+}
+
+TEST_F(FileContents, CornersOfLargerPicturesNameLineSizesAndIntrinsics) {
+  write_text(path("d.csv"), corners_of_larger_pictures());
+  for (const ProgramRun& run :
+       {run_program({"calibrate", "--detections", path("d.csv"), "--camera", path("camera.yaml"),
+                     "--tag-size", "0.16", "--output", path("new_map.yaml")}),
+        run_program({"track", "--detections", path("d.csv"), "--camera", path("camera.yaml"), "--map",
+                     path("map.yaml"), "--output", path("out.tum"), "--method", "pnp"})}) {
+    EXPECT_THAT(run,
+                EndsWith(2, path("d.csv") + ":4: corner 0 of tag36h11/0 lies at (270.0, 200.0), and camera "
+                                            "'cam0' is calibrated for 160 x 120 pixels; 9 of 10 frames"));
+    EXPECT_THAT(run, EndsWith(2, "resolution: [320, 240]"));
+  }
+}
+
 TEST_F(FileContents, AnOddCameraIsWarnedOfByEveryCommand) {
   write_text(path("camera.yaml"), replaced(kGoodCamera, "79.5", "300.0"));
   for (const ProgramRun& run : {track(), calibrate(), detect()})

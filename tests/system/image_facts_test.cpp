@@ -62,7 +62,9 @@ TEST_F(ImageFacts, WhereNoImageFitsTheFirstIsNamedBeforeAnyProgress) {
         EXPECT_EQ(run.status, 2);
         EXPECT_EQ(run.err, "error: " + path("frames/1000000000.pgm") +
                                ": is 64 x 48 pixels, but camera 'cam0' is calibrated for 160 x 120; use the "
-                               "camera file of this resolution\n");
+                               "camera file of this resolution; if the pictures were scaled by 0.4, and not "
+                               "cropped, that is this one with intrinsics: [200, 200, 31.5, 23.5] and "
+                               "resolution: [64, 48]\n");
       }
     }
   }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
+
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 
@@ -34,10 +36,24 @@ Pose CameraRig::T_camera_rig(std::size_t index) const {
 void check_resolution(const Camera& camera, int image_width, int image_height, const std::string& where) {
   const bool is_unknown = camera.width == 0 && camera.height == 0;
   if (is_unknown || (camera.width == image_width && camera.height == image_height)) return;
-  throw invalid_input(
-      where, fmt::format("is {} x {} pixels, but camera '{}' is calibrated for {} x {}; use the camera "
-                         "file of this resolution",
-                         image_width, image_height, camera.name, camera.width, camera.height));
+  throw invalid_input(where, fmt::format("is {} x {} pixels, but camera '{}' is calibrated for {} x {}; {}",
+                                         image_width, image_height, camera.name, camera.width, camera.height,
+                                         advice_on_resolution(camera, image_width, image_height)));
+}
+
+std::string advice_on_resolution(const Camera& camera, int image_width, int image_height) {
+  const std::string advice = "use the camera file of this resolution";
+  const bool is_one_shape = camera.width > 0 && static_cast<std::int64_t>(image_width) * camera.height ==
+                                                    static_cast<std::int64_t>(image_height) * camera.width;
+  if (!is_one_shape) return advice;
+  const double scale = static_cast<double>(image_width) / camera.width;
+  const auto scaled = [&](double center_px) { return scale * (center_px + 0.5) - 0.5; };  // (0, 0): a centre
+  const Pinhole& lens = camera.model.pinhole();
+  return fmt::format(
+      "{}; if the pictures were scaled by {:.4g}, and not cropped, that is this one with intrinsics: "
+      "[{:.8g}, {:.8g}, {:.8g}, {:.8g}] and resolution: [{}, {}]",
+      advice, scale, scale * lens.fx, scale * lens.fy, scaled(lens.cx), scaled(lens.cy), image_width,
+      image_height);
 }
 
 }  // namespace apriltrack

@@ -38,6 +38,10 @@ struct CameraRig {
 /// where: the image's file, or the recording's name and frame.
 void check_resolution(const Camera& camera, int image_width, int image_height, const std::string& where);
 
+/// What to do where pictures are of another size than the camera's: the numbers of the camera file for
+/// pictures that were scaled to it, where both have one shape, and else the file of that resolution.
+std::string advice_on_resolution(const Camera& camera, int image_width, int image_height);
+
 /// Reads Kalibr's camchain (with our additions), ROS camera_info YAML, OpenCV FileStorage YAML or WPILib /
 /// PhotonVision JSON, EuRoC sensor.yaml; the format is recognised by its keys (docs/file_formats.md).
 /// Throws Error(kIo) when the file cannot be read, Error(kInvalidInput) with file, line and key when it is
