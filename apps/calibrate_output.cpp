@@ -184,6 +184,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
                             {"frames", sightings.counts.readable},
                             {"unreadable", sightings.counts.unreadable},
                             {"frames_used", result.frames_used},
+                            {"frames_at_rest", result.frames_at_rest},
                             {"observations_used", result.observations_used},
                             {"observations_rejected", result.observations_rejected},
                             {"residual_rms_px", result.residual_rms_px},

@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
@@ -17,6 +18,7 @@
 #include "part_evidence.h"
 #include "part_solver.h"
 #include "repeated_frames.h"
+#include "resting_frames.h"
 
 namespace apriltrack {
 namespace {
@@ -223,6 +225,28 @@ void take_constraints(const PartSolution& solution, CalibrationResult& result, F
                            solution.constrained->warnings.end());
 }
 
+std::size_t num_moments(const Observations& observations) {
+  std::set<int> frames;
+  for (const TagView& view : observations.views) frames.insert(view.frame);
+  return frames.size();
+}
+
+/// Those whose gravity is told stay as they are.
+int merge_frames_at_rest(Observations& observations, const CalibrationOptions& options, Findings& findings,
+                         const LogSink& log) {
+  std::set<Timestamp> kept;
+  for (const MapConstraint& constraint : options.constraints) {
+    if (const auto* gravity = std::get_if<CameraGravityConstraint>(&constraint.what))
+      kept.insert(gravity->timestamp);
+  }
+  const std::size_t before = num_moments(observations);
+  const RestingFrames resting = merge_resting_frames(
+      observations, options.same_place_px, {options.corner_sigma_px, options.edge_end_correlation}, kept);
+  if (resting.merged == 0) return 0;
+  report_resting_frames(resting, before, findings, log);
+  return resting.merged;
+}
+
 }  // namespace
 
 CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const CameraRig& rig,
@@ -238,6 +262,8 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
                     "still, or frames that were copied, say no more than one picture",
                     repeated == 1 ? "1 frame shows" : fmt::format("{} frames show", repeated),
                     repeated == 1 ? "is" : "are"));
+  CalibrationResult result;
+  result.frames_at_rest = merge_frames_at_rest(observations, options, findings, log);
   const std::vector<MapConstraint> constraints =
       with_families(options.constraints, observations.tags, findings.left_out);
   require_camera_frames(constraints, observations);
@@ -249,7 +275,6 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   report_other_parts(observations, parts, findings);
   require_covariances(options, parts.front());
 
-  CalibrationResult result;
   log(LogLevel::kInfo, fmt::format("adjusting {} tags from {} observations", parts.front().tags.size(),
                                    parts.front().views.size()));
   const PartSolution main = solve_part(observations, parts.front(), held_tags.front(), candidates, options,

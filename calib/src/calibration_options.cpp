@@ -21,6 +21,8 @@ void CalibrationOptions::check() const {
           fmt::format("{}", corner_bias_px), "in [0, 100]");
   require(edge_offset_sigma_px >= 0.0 && edge_offset_sigma_px <= 100.0, "edge_offset_sigma_px",
           fmt::format("{}", edge_offset_sigma_px), "in [0, 100]");
+  require(same_place_px >= 0.0 && same_place_px <= 100.0, "same_place_px", fmt::format("{}", same_place_px),
+          "in [0, 100]");
   require(max_tags_with_covariance >= 0, "max_tags_with_covariance", std::to_string(max_tags_with_covariance),
           "0 or more");
   for (const MapConstraint& constraint : constraints) check_constraint(constraint);

@@ -108,6 +108,18 @@ void report_other_parts(const Observations& observations, const std::vector<Part
         list_tags(keys_of(observations, parts[i].tags))));
 }
 
+void report_resting_frames(const RestingFrames& resting, std::size_t moments_before, Findings& findings,
+                           const LogSink& log) {
+  const std::string words = fmt::format(
+      "{} of {} frames show what another shows, from the same place, and count with it: {} {} at rest",
+      resting.merged, moments_before, resting.places, resting.places == 1 ? "place" : "places");
+  if (2 * static_cast<std::size_t>(resting.merged) > moments_before)
+    findings.warnings.push_back(
+        words + ". What errs in one of them errs in all: film from more places for a better map");
+  else
+    log(LogLevel::kInfo, words);
+}
+
 std::string corrections_in_words(const CameraRefinement& cameras,
                                  const std::vector<CameraCorrection>& corrections) {
   std::string words;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "part_solver.h"
+#include "resting_frames.h"
 
 namespace apriltrack {
 
@@ -22,6 +23,10 @@ void report_quality(const Observations& observations, const PartSolution& soluti
 
 /// parts: all but the first are not in the map.
 void report_other_parts(const Observations& observations, const std::vector<Part>& parts, Findings& findings);
+
+/// moments_before: how many there were. A warning where most are at rest, and else talk.
+void report_resting_frames(const RestingFrames& resting, std::size_t moments_before, Findings& findings,
+                           const LogSink& log);
 
 std::string corrections_in_words(const CameraRefinement& cameras,
                                  const std::vector<CameraCorrection>& corrections);

@@ -17,6 +17,7 @@ struct TagView {
   CornersPx corners_px;
   Matrix8d whitening;  ///< Turns corner errors (px, x0 y0 x1 ...) into independent numbers of unit variance.
   Vector8d inward;     ///< How the corners move when all edges move inward by one pixel.
+  int num_frames = 1;  ///< Whose mean it is: more than one where the scene stood still.
 };
 
 struct RigCamera {

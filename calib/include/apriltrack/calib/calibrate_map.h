@@ -56,6 +56,9 @@ struct CalibrationOptions {
   /// Solve the map from each half of the recording, too, and tell how far the two differ
   /// (CalibrationResult::cross_validation): two more adjustments.
   bool cross_validate = false;
+  /// Frames whose tags' corners differ by less (rms) are of a scene at rest, and count as one view, with
+  /// their mean: what errs in them is common to them, and does not average. 0 = every frame counts.
+  double same_place_px = 1.0;
   int min_views = 2;  ///< Tags seen in fewer frames together with others are left out and named.
   int max_iterations = 100;
   int num_threads = 1;  ///< 0 = as many as the machine has cores. The result does not depend on it.
@@ -89,6 +92,7 @@ struct CalibrationResult {
   // Of `map`:
   double residual_rms_px = 0.0;  ///< Per axis, of the observations used.
   int frames_used = 0;
+  int frames_at_rest = 0;         ///< Beside these, of all parts: in the mean of another one.
   int observations_used = 0;      ///< Tags in images.
   int observations_rejected = 0;  ///< Outliers.
   /// The cameras that `map` rests on: as given, but for the corrections.

@@ -1,0 +1,285 @@
+#include "resting_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace apriltrack {
+namespace {
+
+constexpr double kAgreeing = 0.75;  ///< Of the views that two moments of one place share.
+constexpr double kMoving = 0.1;     ///< Of a tag's views at a place, where it is no outlier any more.
+
+/// A tag in a camera.
+using Sight = std::pair<int, int>;
+
+struct RestingMoment {
+  std::size_t begin = 0;  ///< Into the views.
+  std::size_t end = 0;
+};
+
+/// Moments that saw the same from one place.
+struct Place {
+  std::map<Sight, CornersPx> first_corners_px;  ///< As seen first.
+  std::vector<std::size_t> moments;
+};
+
+Sight sight_of(const TagView& view) {
+  return {view.camera, view.tag};
+}
+
+/// Rms over the corners.
+double distance_px(const CornersPx& a, const CornersPx& b) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) squares += (a[i] - b[i]).squaredNorm();
+  return std::sqrt(squares / static_cast<double>(a.size()));
+}
+
+std::vector<RestingMoment> split_by_moment(std::span<const TagView> views) {
+  std::vector<RestingMoment> moments;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    if (v == 0 || views[v].frame != views[v - 1].frame) moments.push_back({v, v});
+    moments.back().end = v + 1;
+  }
+  return moments;
+}
+
+/// Finds places by where a tag's first corner lies: a grid as wide as it may move.
+class PlaceIndex {
+ public:
+  explicit PlaceIndex(double same_place_px) : cell_px_(2.0 * same_place_px) {}
+
+  void add(const TagView& view, std::size_t place) { places_[key(view, 0, 0)].push_back(place); }
+
+  /// Rising, each once; perhaps too many, never too few.
+  std::vector<std::size_t> near(std::span<const TagView> views) const {
+    std::vector<std::size_t> result;
+    for (const TagView& view : views) {
+      for (const int dx : {-1, 0, 1}) {
+        for (const int dy : {-1, 0, 1}) {
+          const auto found = places_.find(key(view, dx, dy));
+          if (found != places_.end()) result.insert(result.end(), found->second.begin(), found->second.end());
+        }
+      }
+    }
+    std::ranges::sort(result);
+    result.erase(std::unique(result.begin(), result.end()), result.end());
+    return result;
+  }
+
+ private:
+  /// Of two cells with one key all are looked at, and the corners decide.
+  std::uint64_t key(const TagView& view, int dx, int dy) const {
+    const auto cell = [&](double px, int d) {
+      return static_cast<std::uint64_t>(
+                 static_cast<std::int64_t>(std::floor(std::clamp(px / cell_px_, -1e9, 1e9))) + d) &
+             0xfffffu;
+    };
+    const auto sight =
+        static_cast<std::uint64_t>(view.camera) * 40961u + static_cast<std::uint64_t>(view.tag);
+    return (sight << 40) | (cell(view.corners_px[0].x(), dx) << 20) | cell(view.corners_px[0].y(), dy);
+  }
+
+  double cell_px_;
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> places_;
+};
+
+bool is_at(const Place& place, std::span<const TagView> views, double same_place_px) {
+  int shared = 0, agreeing = 0;
+  for (const TagView& view : views) {
+    const auto there = place.first_corners_px.find(sight_of(view));
+    if (there == place.first_corners_px.end()) continue;
+    ++shared;
+    agreeing += distance_px(there->second, view.corners_px) <= same_place_px;
+  }
+  return 2 * shared > static_cast<int>(views.size()) && agreeing > kAgreeing * shared;
+}
+
+std::vector<Place> find_places(std::span<const TagView> views, const std::vector<RestingMoment>& moments,
+                               const std::vector<bool>& is_kept, double same_place_px) {
+  std::vector<Place> places;
+  PlaceIndex index(same_place_px);
+  for (std::size_t m = 0; m < moments.size(); ++m) {
+    if (is_kept[m]) continue;
+    const auto seen = views.subspan(moments[m].begin, moments[m].end - moments[m].begin);
+    const std::vector<std::size_t> near = index.near(seen);
+    const auto own =
+        std::ranges::find_if(near, [&](std::size_t p) { return is_at(places[p], seen, same_place_px); });
+    const std::size_t p = own == near.end() ? places.size() : *own;
+    if (p == places.size()) places.emplace_back();
+    places[p].moments.push_back(m);
+    for (const TagView& view : seen) {
+      if (places[p].first_corners_px.emplace(sight_of(view), view.corners_px).second) index.add(view, p);
+    }
+  }
+  return places;
+}
+
+CornersPx median_of(const std::vector<const TagView*>& views) {
+  CornersPx median;
+  std::vector<double> values(views.size());
+  for (std::size_t i = 0; i < median.size(); ++i) {
+    for (const int axis : {0, 1}) {
+      std::ranges::transform(views, values.begin(), [&](const TagView* v) { return v->corners_px[i][axis]; });
+      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+      std::ranges::nth_element(values, middle);
+      median[i][axis] = *middle;
+    }
+  }
+  return median;
+}
+
+/// Merges the moments of one place; `is_dropped`, of each view, gains those that are in a mean, or no use.
+class PlaceMerge {
+ public:
+  PlaceMerge(Observations& observations, const std::vector<RestingMoment>& moments, double same_place_px,
+             const EdgeNoise& noise, std::vector<bool>& is_dropped)
+      : observations_(observations),
+        moments_(moments),
+        same_place_px_(same_place_px),
+        noise_(noise),
+        is_dropped_(is_dropped) {}
+
+  void merge(const Place& place, RestingFrames& counts) {
+    const std::vector<std::size_t> still = drop_outliers(place);
+    std::map<std::vector<Sight>, std::vector<std::size_t>> by_sights;
+    for (const std::size_t m : still) by_sights[sights_of(m)].push_back(m);
+    using Group = std::pair<std::vector<Sight>, std::vector<std::size_t>>;
+    std::vector<Group> groups(by_sights.begin(), by_sights.end());
+    std::ranges::stable_sort(groups, std::ranges::greater(),
+                             [](const Group& group) { return group.first.size() * group.second.size(); });
+    std::set<Sight> covered;
+    for (const auto& [sights, moments] : groups) {
+      const std::size_t before = covered.size();
+      covered.insert(sights.begin(), sights.end());
+      const bool is_new = covered.size() > before;
+      counts.merged += static_cast<int>(moments.size()) - (is_new ? 1 : 0);
+      if (!is_new) {
+        for (const std::size_t m : moments) drop(m);
+      } else if (moments.size() > 1) {
+        put_mean(moments);
+        ++counts.places;
+      }
+    }
+  }
+
+ private:
+  TagView& view(std::size_t v) { return observations_.views[v]; }
+
+  void drop(std::size_t moment) {
+    for (std::size_t v = moments_[moment].begin; v < moments_[moment].end; ++v) is_dropped_[v] = true;
+  }
+
+  std::vector<Sight> sights_of(std::size_t moment) {
+    std::vector<Sight> sights;
+    for (std::size_t v = moments_[moment].begin; v < moments_[moment].end; ++v) {
+      if (!is_dropped_[v]) sights.push_back(sight_of(view(v)));
+    }
+    return sights;
+  }
+
+  /// The moments in which nothing moved.
+  std::vector<std::size_t> drop_outliers(const Place& place) {
+    std::map<Sight, std::vector<const TagView*>> by_sight;
+    for (const std::size_t m : place.moments) {
+      for (std::size_t v = moments_[m].begin; v < moments_[m].end; ++v)
+        by_sight[sight_of(view(v))].push_back(&view(v));
+    }
+    std::map<Sight, CornersPx> median_px;
+    std::set<Sight> moving;
+    for (const auto& [sight, views] : by_sight) {
+      const CornersPx& median = median_px[sight] = median_of(views);
+      const auto far = std::ranges::count_if(
+          views, [&](const TagView* one) { return distance_px(one->corners_px, median) > same_place_px_; });
+      if (static_cast<double>(far) > kMoving * static_cast<double>(views.size())) moving.insert(sight);
+    }
+    std::vector<std::size_t> still;
+    for (const std::size_t m : place.moments) {
+      std::vector<std::size_t> far;
+      bool has_moved = false;
+      for (std::size_t v = moments_[m].begin; v < moments_[m].end; ++v) {
+        if (distance_px(view(v).corners_px, median_px[sight_of(view(v))]) <= same_place_px_) continue;
+        far.push_back(v);
+        has_moved = has_moved || moving.contains(sight_of(view(v)));
+      }
+      if (has_moved) continue;
+      for (const std::size_t v : far) is_dropped_[v] = true;
+      still.push_back(m);
+    }
+    return still;
+  }
+
+  /// All show the same.
+  void put_mean(const std::vector<std::size_t>& moments) {
+    std::map<Sight, CornersPx> mean_px;
+    const double share = 1.0 / static_cast<double>(moments.size());
+    for_views(moments, [&](std::size_t, const TagView& one) {
+      const auto [mean, is_new] = mean_px.try_emplace(sight_of(one));
+      for (std::size_t i = 0; i < one.corners_px.size(); ++i) {
+        if (is_new) mean->second[i].setZero();
+        mean->second[i] += share * one.corners_px[i];
+      }
+    });
+    std::map<std::size_t, double> squares;
+    for_views(moments, [&](std::size_t m, const TagView& one) {
+      const double away = distance_px(one.corners_px, mean_px[sight_of(one)]);
+      squares[m] += away * away;
+    });
+    const std::size_t nearest =
+        std::ranges::min_element(squares, {}, [](const auto& s) { return s.second; })->first;
+    for (const std::size_t m : moments) {
+      if (m != nearest) drop(m);
+    }
+    for (std::size_t v = moments_[nearest].begin; v < moments_[nearest].end; ++v) {
+      if (is_dropped_[v]) continue;
+      TagView& one = view(v);
+      one.corners_px = mean_px[sight_of(one)];
+      one.whitening = edge_noise_whitening(one.corners_px, noise_);
+      one.inward = inward_displacements(one.corners_px);
+      one.num_frames = static_cast<int>(moments.size());
+    }
+  }
+
+  template <class Action>
+  void for_views(const std::vector<std::size_t>& moments, const Action& action) {
+    for (const std::size_t m : moments) {
+      for (std::size_t v = moments_[m].begin; v < moments_[m].end; ++v) {
+        if (!is_dropped_[v]) action(m, view(v));
+      }
+    }
+  }
+
+  Observations& observations_;
+  const std::vector<RestingMoment>& moments_;
+  const double same_place_px_;
+  const EdgeNoise& noise_;
+  std::vector<bool>& is_dropped_;
+};
+
+}  // namespace
+
+RestingFrames merge_resting_frames(Observations& observations, double same_place_px, const EdgeNoise& noise,
+                                   const std::set<Timestamp>& kept) {
+  RestingFrames counts;
+  if (!(same_place_px > 0.0)) return counts;
+  const std::vector<RestingMoment> moments = split_by_moment(observations.views);
+  std::vector<bool> is_kept;
+  for (const RestingMoment& moment : moments)
+    is_kept.push_back(
+        kept.contains(observations.frames[static_cast<std::size_t>(observations.views[moment.begin].frame)]));
+  std::vector<bool> is_dropped(observations.views.size(), false);
+  PlaceMerge merge(observations, moments, same_place_px, noise, is_dropped);
+  for (const Place& place : find_places(observations.views, moments, is_kept, same_place_px)) {
+    if (place.moments.size() > 1) merge.merge(place, counts);
+  }
+  std::size_t v = 0;
+  std::erase_if(observations.views, [&](const TagView&) { return is_dropped[v++]; });
+  return counts;
+}
+
+}  // namespace apriltrack
