@@ -15,6 +15,7 @@
 namespace apriltrack::app {
 namespace {
 
+bool g_has_answered_machines = false;
 volatile std::sig_atomic_t g_interrupted = 0;  // the one thing that a signal handler may touch
 
 void on_interrupt(int signal) {
@@ -38,6 +39,10 @@ std::string bar(std::size_t done, std::size_t total) {
 }
 
 }  // namespace
+
+bool has_answered_machines() {
+  return g_has_answered_machines;
+}
 
 bool is_interrupted() {
   return g_interrupted != 0;
@@ -73,6 +78,7 @@ LogSink Console::log() const {
 
 void Console::finish(nlohmann::json summary, std::string_view text) const {
   if (json_) {
+    g_has_answered_machines = true;
     summary["warnings"] = warnings();
     // A file's name may be any bytes; JSON is UTF-8, and what is not becomes U+FFFD.
     std::cout << summary.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';

@@ -45,6 +45,9 @@ class Console {
   std::shared_ptr<std::vector<std::string>> warnings_ = std::make_shared<std::vector<std::string>>();
 };
 
+/// Whether finish() answered in JSON: there is one answer.
+bool has_answered_machines();
+
 /// While it lives, what commands answer on stdout is talk of a larger one whose own answer comes last: it
 /// goes to stderr under --json, and nowhere under --quiet.
 class AnswersAsTalk {

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -11,6 +12,7 @@
 #include "apriltrack/source/decoder_messages.h"
 #include "commands.h"
 #include "console.h"
+#include "failure.h"
 
 namespace apriltrack::app {
 namespace {
@@ -73,24 +75,53 @@ int tell_usage_error(const CLI::App& app, const CLI::ParseError& error) {
   return kStatusUsage;
 }
 
+/// How a run failed.
+struct Failure {
+  std::string_view kind;
+  int status = 0;
+  std::string message;
+  nlohmann::json details = nlohmann::json::object();
+};
+
+Failure failure_of(const Error& error) {
+  return {name_of(error.kind()), static_cast<int>(error.kind()), error.what()};
+}
+
+/// To people, and to machines if they asked.
+int tell(const Failure& failure, bool is_for_machines, std::string_view begin = "error: ") {
+  std::cerr << begin << failure.message << '\n';
+  if (is_for_machines)
+    tell_machines_of_failure(failure.kind, failure.status, failure.message, failure.details);
+  return failure.status;
+}
+
 int run(int argc, char** argv) {
   CLI::App app;
   add_all_commands(app);
+  const auto is_for_machines = [&] { return asks_for_json(app, argc, argv); };
   try {
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
     const bool is_answer = error.get_exit_code() == 0;  // --help and --version; CLI11's failures start at 100
-    return is_answer ? app.exit(error) : tell_usage_error(app, error);
+    if (is_answer) return app.exit(error);
+    const int status = tell_usage_error(app, error);
+    if (is_for_machines())
+      tell_machines_of_failure(name_of(ErrorKind::kInvalidInput), status, text_of(app, error));
+    return status;
+  } catch (const DetailedError& error) {
+    Failure failure = failure_of(error);
+    failure.details = error.details();
+    return tell(failure, is_for_machines());
   } catch (const Error& error) {
-    std::cerr << "error: " << error.what() << '\n';
-    return static_cast<int>(error.kind());
+    return tell(failure_of(error), is_for_machines());
   } catch (const std::filesystem::filesystem_error& error) {
-    std::cerr << "error: " << error.path1().string() << ": " << error.code().message() << '\n';
-    return static_cast<int>(ErrorKind::kIo);
+    return tell({name_of(ErrorKind::kIo), static_cast<int>(ErrorKind::kIo),
+                 error.path1().string() + ": " + error.code().message()},
+                is_for_machines());
   } catch (const std::exception& error) {
-    std::cerr << "internal error, please report it: " << error.what() << '\n';
-    return kStatusNoResult;
+    return tell({"internal", kStatusNoResult, error.what()}, is_for_machines(),
+                "internal error, please report it: ");
   }
 }
 
@@ -100,5 +131,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   apriltrack::silence_decoders();  // what they find is told in our own words
   apriltrack::app::install_interrupt_handler();
+  std::signal(SIGPIPE,
+              SIG_IGN);  // a reader that goes away is an output that cannot be written; files are kept
   return apriltrack::app::run(argc, argv);
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,41 @@ TEST_F(ExitStatus, AFailedRunKeepsTheOldOutput) {
   EXPECT_EQ(calibrate().status, 1);
   EXPECT_EQ(read_text(path("out.tum")), "old\n");
   EXPECT_EQ(read_text(path("new_map.yaml")), "old\n");
+}
+
+TEST_F(ExitStatus, AFailureAnswersMachinesToo) {
+  const auto error_of = [](const ProgramRun& run) { return nlohmann::json::parse(run.out).at("error"); };
+  struct Expected {
+    ProgramRun run;
+    int status;
+    const char* kind;
+  };
+  fs::create_directories(path("empty"));
+  for (const Expected& one :
+       {Expected{run_with({"calibrate", path("frames"), "--json"}, {}), 2, "invalid_input"},
+        Expected{run_program({"map", "show", path("none.yaml"), "--json"}), 3, "io"},
+        Expected{run_program({"calibrate", "--no-such-option", "--json"}), 2, "invalid_input"}}) {
+    EXPECT_EQ(one.run.status, one.status) << one.run.err;
+    ASSERT_FALSE(one.run.out.empty()) << one.run.err;
+    EXPECT_EQ(error_of(one.run)["kind"], one.kind);
+    EXPECT_EQ(error_of(one.run)["status"], one.status);
+    EXPECT_NE(one.run.err.find(error_of(one.run)["message"].get<std::string>()), std::string::npos);
+  }
+  const ProgramRun none = track();
+  EXPECT_EQ(none.status, 1);
+  EXPECT_EQ(none.out, "") << "nobody asked";
+}
+
+TEST_F(ExitStatus, AReaderThatGoesAwayLeavesNoFileHalfWritten) {
+  write_text(path("d.csv"), "timestamp_ns,camera,family,id,c0x,c0y,c1x,c1y,c2x,c2y,c3x,c3y\n");
+  const ProgramRun run = run_program_without_reader({"map", "show", path("map.yaml")});
+  EXPECT_EQ(run.status, 3);
+  const ProgramRun simulated = run_program_without_reader(
+      {"simulate", "--scene", "single", "--frames", "1", "--output", path("film")});
+  EXPECT_EQ(simulated.status, 3) << "its answer was not read";
+  EXPECT_TRUE(fs::exists(path("film/camera.yaml")));
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder_))
+    EXPECT_NE(entry.path().extension(), ".new") << entry.path();
 }
 
 TEST_F(ExitStatus, MissingInputsAre3) {

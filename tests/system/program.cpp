@@ -106,6 +106,27 @@ ProgramRun run_program_bound_by_permissions(const std::vector<std::string>& word
   return run(words, {.max_bytes = std::nullopt, .is_bound_by_permissions = true});
 }
 
+ProgramRun run_program_without_reader(const std::vector<std::string>& words) {
+  int ends[2];
+  if (::pipe(ends) != 0) return {};
+  ::close(ends[0]);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::signal(SIGPIPE, SIG_DFL);
+    ::dup2(ends[1], STDOUT_FILENO);
+    ::dup2(ends[1], STDERR_FILENO);
+    std::vector<char*> arguments{const_cast<char*>(APRILTRACK_PROGRAM)};
+    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    ::execv(APRILTRACK_PROGRAM, arguments.data());
+    ::_exit(127);
+  }
+  ::close(ends[1]);
+  int wait_status = 0;
+  ::waitpid(child, &wait_status, 0);
+  return {status_of(wait_status), "", ""};
+}
+
 StartedProgram::StartedProgram(const std::vector<std::string>& words)
     : out_(capture_file("out")), err_(capture_file("err")), child_(::fork()) {
   if (child_ == 0) become(words, out_, err_, {});

@@ -31,6 +31,9 @@ ProgramRun run_program_on_full_disk(const std::vector<std::string>& words, std::
 /// root, too.
 ProgramRun run_program_bound_by_permissions(const std::vector<std::string>& words);
 
+/// The same with nobody to read what goes to stdout and stderr, as after `| head`.
+ProgramRun run_program_without_reader(const std::vector<std::string>& words);
+
 /// A run that is not waited for, to be interrupted. What it is in is waited for by what it does, never by a
 /// clock.
 class StartedProgram {
