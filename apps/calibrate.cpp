@@ -18,6 +18,8 @@
 #include "command_line.h"
 #include "commands.h"
 #include "config_file.h"
+#include "constraint_table.h"
+#include "failure.h"
 #include "inputs.h"
 
 namespace apriltrack::app {
@@ -120,11 +122,18 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
 void run(CLI::App& command, CalibrateOptions& a) {
   if (!a.config.empty()) apply_config_file(command, a.config);
   check(command, a);
-  try {
-    make_map(command, a);
-  } catch (const Error& error) {
+  const auto leave_page = [&](const Error& error) {
     if (error.kind() == ErrorKind::kNoResult && !a.report.empty())
       write_failure_report(a.report, command_line_of(command), a, error.what());
+  };
+  try {
+    make_map(command, a);
+  } catch (const ConstraintError& error) {
+    leave_page(error);
+    a.console.info(constraint_table(error.audits()).substr(1));  // it begins a line
+    throw DetailedError(error, {{"constraints", told_constraints(error.audits())}});
+  } catch (const Error& error) {
+    leave_page(error);
     throw;
   }
 }

@@ -28,17 +28,19 @@ double sigmas_of(const ConstraintReading& reading) {
 
 /// Of the number that differs most.
 std::string difference_in_words(const ConstraintAudit& audit) {
-  if (!audit.is_used) return "not used: " + audit.reason;
+  const std::string unused = audit.is_used ? "" : "not used: " + audit.reason;
+  if (!audit.is_used && !audit.z) return unused;
+  const std::string so = audit.is_used ? "" : unused + ": ";
   const auto worst = std::ranges::max_element(audit.readings, {}, sigmas_of);
   if (!audit.z) return "nothing else tells";
   if (worst == audit.readings.end() || !worst->sigma)
-    return fmt::format("all its numbers together, {:.1f} sigmas", *audit.z);
+    return fmt::format("{}all its numbers together, {:.1f} sigmas", so, *audit.z);
   const double difference = worst->measured - *worst->predicted;
   const std::string words =
       worst->unit == "rad"
           ? fmt::format("{:+.3f} deg (sigma {:.3f})", kDegPerRad * difference, kDegPerRad * *worst->sigma)
           : fmt::format("{:+.2f} mm (sigma {:.2f})", 1e3 * difference, 1e3 * *worst->sigma);
-  return fmt::format("{} {}, {:.1f} sigmas", worst->name, words, *audit.z);
+  return fmt::format("{}{} {}, {:.1f} sigmas", so, worst->name, words, *audit.z);
 }
 
 }  // namespace

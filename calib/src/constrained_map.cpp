@@ -12,6 +12,7 @@
 
 #include "apriltrack/base/error.h"
 #include "map_frame_start.h"
+#include "words.h"
 
 namespace apriltrack {
 namespace {
@@ -123,23 +124,17 @@ std::string gauge_in_words(const ConstrainedFit& fit, const std::vector<BoundCon
   for (const BoundConstraint& bound : constraints) {
     if (is_of_frame(*bound.constraint)) titles.push_back(title_of(*bound.constraint));
   }
-  constexpr std::size_t kMost = 6;
-  const std::size_t more = titles.size() > kMost ? titles.size() - kMost : 0;
-  titles.resize(titles.size() - more);
-  std::string words = fmt::format("measured: {}{}", fmt::join(titles, ", "),
-                                  more > 0 ? fmt::format(" and {} more", more) : "");
+  std::string words = "measured: " + join_first(titles, ", ", 6);
   if (const std::string open = open_in_words(fit); !open.empty())
     words += fmt::format("; kept as with {} held at the origin: {}", to_string(held), open);
   return words;
 }
 
-[[noreturn]] void fail_with_contradictory_constraints(const ConstraintJudgement& judgement,
-                                                      const std::string& hint) {
-  throw no_result(
-      "calibrate",
-      fmt::format("constraints contradict the images or each other: {}. {}{}Correct them, or take "
-                  "them out of the file; no map was made",
-                  fmt::join(judgement.contradictions, "; "), hint, hint.empty() ? "" : " "));
+std::string contradictions_in_words(const ConstraintJudgement& judgement, const std::string& hint) {
+  return fmt::format(
+      "constraints contradict the images or each other: {}. {}{}Correct them, or take them out of the file; "
+      "no map was made",
+      join_first(judgement.contradictions, "; ", 5), hint, hint.empty() ? "" : " ");
 }
 
 std::vector<ConstraintAudit> in_given_order(std::vector<ConstraintAudit> used,
@@ -225,17 +220,28 @@ ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const I
   }
   ConstraintJudgement judgement = judge_constraints(bound, prior, start);
   const std::string hint = common_ratio_hint(bound, prior);
-  if (!judgement.contradictions.empty()) fail_with_contradictory_constraints(judgement, hint);
+  const auto fail = [&](const std::string& why) {
+    throw ConstraintError(why, in_given_order(std::move(judgement.audits), bound, std::move(unused)));
+  };
+  if (!judgement.contradictions.empty()) fail(contradictions_in_words(judgement, hint));
   if (frame.is_ambiguous)
-    throw no_result(
-        "calibrate",
-        "two map frames that are turned against each other agree with the constraints equally well: "
-        "add one that tells them apart, such as gravity, upright, or a third coordinate");
+    fail(
+        "two map frames that are turned against each other agree with the constraints equally well (heights "
+        "of tags in one upright plane do not tell its tilt, those of three tags not which side is up): add "
+        "one "
+        "that tells them apart, such as gravity, upright, or a third coordinate");
   if (!judgement.fit.has_settled)
-    throw no_result("calibrate", "the map does not settle with the constraints; take out the loosest ones");
+    fail(
+        "the map does not settle with the constraints, which tell its frame, or a plane, hardly at all: add "
+        "one "
+        "that tells it, such as gravity or upright, or take out the loosest ones");
   take_fit(judgement.fit, prior, map, joint, result);
-  for (const std::string& doubt : judgement.doubts)
-    result.warnings.push_back("constraint in doubt: " + doubt);
+  constexpr std::size_t kMostDoubts = 10;
+  for (std::size_t i = 0; i < std::min(kMostDoubts, judgement.doubts.size()); ++i)
+    result.warnings.push_back("constraint in doubt: " + judgement.doubts[i]);
+  if (judgement.doubts.size() > kMostDoubts)
+    result.warnings.push_back(
+        fmt::format("and {} more constraints in doubt", judgement.doubts.size() - kMostDoubts));
   if (!judgement.doubts.empty() && !hint.empty()) result.warnings.push_back(hint);
   result.gauge = gauge_in_words(judgement.fit, bound, map.keys[static_cast<std::size_t>(map.held_tag)]);
   result.audits = in_given_order(std::move(judgement.audits), bound, std::move(unused));

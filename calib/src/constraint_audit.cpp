@@ -8,12 +8,14 @@
 #include <limits>
 #include <utility>
 
+#include "apriltrack/base/degrees.h"
+#include "words.h"
+
 namespace apriltrack {
 namespace {
 
 constexpr double kUnpredicted = 1e-9;  // of the precision: sigmas over 3e4 times those of what was measured
 constexpr double kAsLikely = 0.8;      // of the worst z: either may be wrong
-constexpr double kDegrees = 57.29577951308232;
 
 /// Wilson and Hilferty: chi squared of n degrees of freedom as sigmas.
 double equivalent_sigmas(double chi2, int n) {
@@ -47,15 +49,23 @@ double share_of_sigma(const ConstraintReading& reading) {
   return reading.sigma ? std::abs(*reading.predicted - reading.measured) / *reading.sigma : -1.0;
 }
 
+/// With so many decimals, or two digits where these would show none.
+std::string told_sigma(double sigma, int decimals) {
+  return sigma < std::pow(10.0, -decimals) ? fmt::format("{:.2g}", sigma)
+                                           : fmt::format("{:.{}f}", sigma, decimals);
+}
+
 /// "distance: 0.512 m measured, all else says 0.4871 (sigma 0.6 mm)", of the number that is off most.
 std::string worst_reading(const ConstraintAudit& audit) {
   const auto worst = std::ranges::max_element(audit.readings, {}, share_of_sigma);
   if (worst == audit.readings.end() || !worst->sigma) return "";
   if (worst->unit == "rad")
-    return fmt::format("{}: {:.2f} degrees off what all else says (sigma {:.2f})", worst->name,
-                       kDegrees * std::abs(*worst->predicted - worst->measured), kDegrees * *worst->sigma);
-  return fmt::format("{}: {:.4f} m measured, all else says {:.4f} m (sigma {:.1f} mm)", worst->name,
-                     worst->measured, *worst->predicted, 1e3 * *worst->sigma);
+    return fmt::format("{}: {:.2f} degrees off what all else says (sigma {})", worst->name,
+                       kDegPerRad * std::abs(*worst->predicted - worst->measured),
+                       told_sigma(kDegPerRad * *worst->sigma, 2));
+  const auto [measured, predicted] = told_apart(worst->measured, *worst->predicted, 4);
+  return fmt::format("{}: {} m measured, all else says {} m (sigma {} mm)", worst->name, measured, predicted,
+                     told_sigma(1e3 * *worst->sigma, 1));
 }
 
 std::string audit_in_words(const BoundConstraint& bound, const ConstraintAudit& audit) {
@@ -82,12 +92,12 @@ Worst worst_of(const ConstrainedFit& fit) {
 /// Titles of others that are about as far off.
 std::string rivals_of(const ConstrainedFit& fit, const std::vector<BoundConstraint>& constraints,
                       const Worst& worst) {
-  std::string titles;
+  std::vector<std::string> titles;
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     if (i == worst.place || predict(fit, i).z < kAsLikely * worst.z) continue;
-    titles += (titles.empty() ? "" : ", ") + title_of(*constraints[i].constraint);
+    titles.push_back(title_of(*constraints[i].constraint));
   }
-  return titles;
+  return join_first(titles, ", ", 5);
 }
 
 /// What the fit says of a constraint that is not in it.

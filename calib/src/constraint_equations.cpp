@@ -94,7 +94,7 @@ class ConstraintRows {
   }
 
   void operator()(const GravityConstraint& c) {
-    add_direction("tilt", c.direction_tag.normalized(), c.sigma_rad);
+    add_direction("tilt", c.direction_tag.stableNormalized(), c.sigma_rad);
   }
 
   /// Has become one of a tag's before: with_gravity_of_tags().

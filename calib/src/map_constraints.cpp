@@ -9,6 +9,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/tags/tag_family.h"
+#include "words.h"
 
 namespace apriltrack {
 namespace {
@@ -57,7 +58,7 @@ class ConstraintCheck {
   }
   void operator()(const CoplanarConstraint& c) const {
     const std::size_t least = c.sigma_rad ? 2 : 4;
-    require(c.tags.size() >= least, "tags", fmt::format("{} tags", c.tags.size()),
+    require(c.tags.size() >= least, "tags", counted(c.tags.size(), "tag"),
             c.sigma_rad ? "two tags or more" : "four tags or more (two, with sigma_rad)");
     sigma_m(c.sigma_m);
     sigma_rad(c.sigma_rad);
@@ -68,13 +69,11 @@ class ConstraintCheck {
     sigma_rad(c.sigma_rad);
   }
   void operator()(const GravityConstraint& c) const {
-    require(c.direction_tag.allFinite() && c.direction_tag.norm() > 1e-9, "direction",
-            fmt::format("{}", fmt::join(c.direction_tag, ", ")), "finite, and not zero");
+    direction(c.direction_tag);
     sigma_rad(c.sigma_rad);
   }
   void operator()(const CameraGravityConstraint& c) const {
-    require(c.direction_camera.allFinite() && c.direction_camera.norm() > 1e-9, "direction",
-            fmt::format("{}", fmt::join(c.direction_camera, ", ")), "finite, and not zero");
+    direction(c.direction_camera);
     sigma_rad(c.sigma_rad);
   }
 
@@ -93,6 +92,11 @@ class ConstraintCheck {
     const std::string title = title_of(constraint_);
     throw invalid_input(constraint_.where.empty() ? "constraint" : constraint_.where,
                         fmt::format("{}: {}: must be {} (is {})", title, key, range, value));
+  }
+  /// Of any length: m/s^2, counts of a sensor, or 1.
+  void direction(const Eigen::Vector3d& value) const {
+    require(value.allFinite() && value.cwiseAbs().maxCoeff() > 0.0, "direction",
+            fmt::format("{}", fmt::join(value, ", ")), "finite, and not zero");
   }
   void coordinate(double value_m, std::string_view key) const {
     require(std::abs(value_m) <= kMostCoordinate_m, key, fmt::format("{}", value_m), "within 1e7 m");
@@ -161,6 +165,20 @@ void check_constraint(const MapConstraint& constraint) {
   const ConstraintCheck check(constraint);
   check.tags();
   std::visit(check, constraint.what);
+}
+
+ConstraintError::ConstraintError(std::string_view what, std::vector<ConstraintAudit> audits)
+    : Error(ErrorKind::kNoResult, "calibrate", what), audits_(std::move(audits)) {}
+
+std::pair<std::string, std::string> told_apart(double a, double b, int least) {
+  constexpr int kMost = 12;
+  std::string text_a, text_b;
+  for (int decimals = least; decimals <= kMost; ++decimals) {
+    text_a = fmt::format("{:.{}f}", a, decimals);
+    text_b = fmt::format("{:.{}f}", b, decimals);
+    if (text_a != text_b || a == b) break;
+  }
+  return {text_a, text_b};
 }
 
 }  // namespace apriltrack

@@ -90,5 +90,22 @@ TEST(Constraints, GravityOfAnyTagIsNeverAmbiguous) {
   }
 }
 
+/// Of gravity, whatever its unit: 1e200 overflows when it is squared, 1e-300 vanishes.
+TEST(Constraints, GravityOfAnyLengthIsOneDirection) {
+  const CalibrationResult expected = calibrate(walls(), noisy_frames(9), {.constraints = {gravity(9, 0.01)}});
+  for (const double length : {1e-300, 1e-12, 9.81, 1e200}) {
+    CalibrationOptions options{.constraints = {gravity(9, 0.01)}};
+    std::get<GravityConstraint>(options.constraints[0].what).direction_tag *= length;
+    const CalibrationResult result = calibrate(walls(), noisy_frames(9), options);
+    for (std::size_t i = 0; i < result.map.tags.size(); ++i)
+      EXPECT_THAT(result.map.tags[i].T_map_tag, test::PoseNear(expected.map.tags[i].T_map_tag, 1e-9, 1e-9))
+          << length;
+  }
+  CalibrationOptions none{.constraints = {gravity(9, 0.01)}};
+  std::get<GravityConstraint>(none.constraints[0].what).direction_tag.setZero();
+  EXPECT_THAT(error_of(ErrorKind::kInvalidInput, [&] { calibrate(walls(), noisy_frames(9), none); }),
+              HasSubstr("direction: must be finite, and not zero"));
+}
+
 }  // namespace
 }  // namespace apriltrack

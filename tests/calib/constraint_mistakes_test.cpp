@@ -143,5 +143,63 @@ TEST(Constraints, NeedCovariances) {
               HasSubstr("constraints: need the covariance of all tags"));
 }
 
+TEST(Constraints, AnErrorTellsEveryAudit) {
+  const CalibrationOptions options{
+      .constraints = {distance(3, 7, 0.0, 0.001), distance(5, 13, 0.05, 0.001), distance(9, 19, 0.0, 0.001)}};
+  try {
+    calibrate(walls(), noisy_frames(2), options);
+    FAIL() << "a map was made";
+  } catch (const ConstraintError& error) {
+    ASSERT_EQ(error.audits().size(), 3u);
+    EXPECT_TRUE(error.audits()[0].is_used);
+    EXPECT_FALSE(error.audits()[1].is_used);
+    EXPECT_GT(*error.audits()[1].z, 5.0);
+    EXPECT_NEAR(error.audits()[1].readings.at(0).measured - *error.audits()[1].readings.at(0).predicted, 0.05,
+                0.01);
+  }
+}
+
+TEST(Constraints, OfManyThatContradictTheFirstAreNamedAndTheRestCounted) {
+  CalibrationOptions options;
+  const std::vector<MapTag>& tags = walls().map.tags;
+  for (std::size_t a = 0; a < tags.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      const double error_m = (a + b) % 2 == 0 ? 0.1 * static_cast<double>(a) : 0.0;
+      options.constraints.push_back(distance(tags[a].key.id, tags[b].key.id, error_m, 0.001));
+    }
+  }
+  const std::string message =
+      error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(2), options); });
+  EXPECT_THAT(message, HasSubstr(" more"));
+  EXPECT_LT(message.size(), 2500u);
+}
+
+TEST(Constraints, FiguresThatDifferAreToldApart) {
+  EXPECT_EQ(told_apart(1.52011, 1.52014, 4), std::pair(std::string("1.52011"), std::string("1.52014")));
+  EXPECT_EQ(told_apart(1.5, 1.6, 4), std::pair(std::string("1.5000"), std::string("1.6000")));
+  EXPECT_EQ(told_apart(2.0, 2.0, 4), std::pair(std::string("2.0000"), std::string("2.0000")));
+  // A steel tape of a hundredth of a millimetre, off by a tenth: four decimals would show one figure twice.
+  const double mapped_m = true_distance_m(5, 7);
+  const double measured_m = std::round(mapped_m * 1e3) / 1e3 + 0.00001;
+  SyntheticWorld near = walls();
+  CalibrationOptions options{
+      .constraints = {{.what = DistanceConstraint{{"", 5}, {"", 7}, measured_m, 1e-6}}},
+      .corner_sigma_px = 1e-4,
+      .corner_bias_px = 0.0};
+  for (MapTag& tag : near.map.tags) {  // to put the true distance 0.03 mm beside what was measured
+    if (tag.key == tag36h11(7)) {
+      const Eigen::Vector3d from = near.map.find(tag36h11(5))->T_map_tag.translation();
+      const Eigen::Vector3d along = (tag.T_map_tag.translation() - from).normalized();
+      tag.T_map_tag = Pose(tag.T_map_tag.rotation(), from + (measured_m + 0.00003) * along);
+    }
+  }
+  const std::string message =
+      error_of(ErrorKind::kNoResult, [&] { calibrate(near, test::exact_detections(near), options); });
+  const std::size_t begin = message.find("distance: ") + 10, end = message.find(" m measured");
+  const std::string measured = message.substr(begin, end - begin);
+  EXPECT_THAT(message, Not(HasSubstr("all else says " + measured + " m")));
+  EXPECT_THAT(message, Not(HasSubstr("sigma 0.0 mm")));
+}
+
 }  // namespace
 }  // namespace apriltrack

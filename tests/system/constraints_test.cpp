@@ -100,6 +100,27 @@ TEST_F(CalibrateWithConstraints, WritesNoMapWhereOneContradictsTheRest) {
   EXPECT_FALSE(has_map());
 }
 
+TEST_F(CalibrateWithConstraints, TellsMachinesWhyThereIsNoMap) {
+  std::vector<std::string> contradictory = words(
+      "  - {type: distance, tags: [0, 1], distance_m: 0.4, sigma_m: 0.001}\n"
+      "  - {type: distance, name: tape, tags: [1, 2], distance_m: 0.6, sigma_m: 0.001}\n");
+  contradictory.emplace_back("--json");
+  const ProgramRun run = run_program(contradictory);
+  ASSERT_EQ(run.status, 1);
+  const nlohmann::json error = nlohmann::json::parse(run.out).at("error");
+  EXPECT_EQ(error["kind"], "no_result");
+  EXPECT_EQ(error["status"], 1);
+  EXPECT_THAT(run.err, HasSubstr("error: " + error["message"].get<std::string>()));
+  ASSERT_EQ(error["constraints"].size(), 2u);
+  EXPECT_EQ(error["constraints"][0]["used"], true);
+  EXPECT_EQ(error["constraints"][1]["name"], "tape");
+  EXPECT_EQ(error["constraints"][1]["used"], false);
+  EXPECT_GT(error["constraints"][1]["z"].get<double>(), 5.0);
+  EXPECT_NEAR(error["constraints"][1]["readings"][0]["predicted"].get<double>(), 0.5, 1e-3);
+  EXPECT_THAT(run.err, HasSubstr("tape"));
+  EXPECT_THAT(run.err, HasSubstr("not used: contradicts all else: distance +100"));
+}
+
 TEST_F(CalibrateWithConstraints, RefusesWhatItCannotRead) {
   EXPECT_THAT(calibrate("  - {type: distance, tags: [0, 99], distance_m: 0.4, sigma_m: 0.001}\n"),
               EndsWith(2, "measured.yaml:3: distance 0-99: tag 99 was never seen; seen were: tag36h11/0"));

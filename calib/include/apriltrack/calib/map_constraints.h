@@ -6,9 +6,12 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
+#include "apriltrack/base/error.h"
 #include "apriltrack/base/timestamp.h"
 #include "apriltrack/tags/tag_key.h"
 
@@ -123,5 +126,20 @@ struct ConstraintAudit {
   /// (Wilson and Hilferty). None where nothing else tells.
   std::optional<double> z;
 };
+
+/// No map keeps to the constraints: they contradict each other or the images, or do not tell one frame.
+class ConstraintError : public Error {
+ public:
+  ConstraintError(std::string_view what, std::vector<ConstraintAudit> audits);
+
+  /// Of all constraints, in the order they were given.
+  const std::vector<ConstraintAudit>& audits() const { return audits_; }
+
+ private:
+  std::vector<ConstraintAudit> audits_;
+};
+
+/// Both with as many decimals as tell them apart: `least` or more, 12 at most.
+std::pair<std::string, std::string> told_apart(double a, double b, int least);
 
 }  // namespace apriltrack
