@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "apriltrack/calib/map_constraints.h"
+#include "error_scale.h"
 #include "linear_view.h"
 #include "map_state.h"
 
@@ -14,11 +15,11 @@ void require_camera_frames(const std::vector<MapConstraint>& constraints, const 
 
 /// Directions in a camera's frame as such in the frame of the largest tag that it shows at the time, the
 /// error of the camera's pose included; constraints whose frame `views` does not show stay as they are.
-/// views: of the map, linearised at `state`, as `used` lists them.  noise_variance: of their residuals.
+/// views: of the map, linearised at `state`, as `used` lists them.  scale: of their errors.
 std::vector<MapConstraint> with_gravity_of_tags(const std::vector<MapConstraint>& constraints,
                                                 const Observations& observations,
                                                 const std::vector<std::size_t>& used,
                                                 const std::vector<LinearView>& views, const MapState& state,
-                                                double noise_variance);
+                                                const ErrorScale& scale);
 
 }  // namespace apriltrack

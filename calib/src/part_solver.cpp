@@ -218,7 +218,7 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
   }
   if (constraints.empty()) return;
   solution.constraints = with_gravity_of_tags(constraints, observations, solution.part.views, views,
-                                              solution.state, solution.scale.noise_variance);
+                                              solution.state, solution.scale);
   keep_to_constraints(observations, CovarianceOperator(*poses, solution.scale, shared), solution);
 }
 

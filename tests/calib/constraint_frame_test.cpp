@@ -107,5 +107,21 @@ TEST(Constraints, GravityOfAnyLengthIsOneDirection) {
               HasSubstr("direction: must be finite, and not zero"));
 }
 
+/// The sigma of a camera's gravity in a tag's frame, by brute force: the frame's pose fitted to its views
+/// with errors of both kinds drawn anew, the tags where they are.
+TEST(Constraints, ACameraErrsByItsOwnFrameAndByWhatTagsKeep) {
+  const CalibrationOptions with_bias{
+      .constraints = {{.what = CameraGravityConstraint{"cam0", {200'000'000}, {0.0, 1.0, 0.0}, 1e-6}}},
+      .corner_bias_px = 0.15};
+  CalibrationOptions without_bias = with_bias;
+  without_bias.corner_bias_px = 0.0;
+  const auto sigma_rad = [](const CalibrationOptions& options) {
+    const CalibrationResult result = calibrate(walls(), noisy_frames(9), options);
+    return std::get<GravityConstraint>(result.constraints.at(0).what).sigma_rad;
+  };
+  // As large as the noise, of the same kind and independent of it: sqrt(2) times.
+  EXPECT_NEAR(sigma_rad(with_bias) / sigma_rad(without_bias), std::sqrt(2.0), 0.15);
+}
+
 }  // namespace
 }  // namespace apriltrack
