@@ -2,7 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <Eigen/QR>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,7 +20,11 @@ constexpr double kCauchy2 = 9.0;            // three sigmas, squared
 constexpr double kSame = 1e-3;              // of the cost
 constexpr double kAboutAsGood = 4.5;        // of the cost, half a sum of squares: three sigmas
 constexpr double kOtherTurn_rad = 0.1;
-constexpr double kInLine = 0.01;  // centres off their line, of their spread along it
+constexpr double kSameTurn_rad = 1e-3;  // where two starts end that seek one minimum
+constexpr double kThreeSigmas2 = 9.0;
+constexpr double kOneSigma = 0.5;  // of the cost
+constexpr double kOpen = 1e-3;     // of a unit direction, what is left of it
+constexpr double kInLine = 0.01;   // centres off their line, of their spread along it
 
 /// A frame, and how well it agrees.
 struct FrameFit {
@@ -29,6 +33,11 @@ struct FrameFit {
   Matrix6d information = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
 };
+
+/// What the inverse does not give back: directions that nothing determines.
+Matrix6d lost_directions(const Matrix6d& information) {
+  return Matrix6d::Identity() - blockwise_inverse(information) * information;
+}
 
 /// Cube rotations, least angle first.
 std::vector<Eigen::Matrix3d> cube_rotations() {
@@ -57,6 +66,29 @@ class FrameSearch {
 
   bool is_empty() const { return constraints_.empty(); }
 
+  /// Whether the frame may be turned further than its linear equations say, or less far. Heights of tags in
+  /// one upright plane are so: tilting the plane changes them to second order only, and to either side alike.
+  bool is_turn_misjudged(const FrameFit& fit) {
+    const Matrix6d covariance = blockwise_inverse(fit.information);
+    const Eigen::JacobiSVD<Matrix6d> open(lost_directions(fit.information), Eigen::ComputeFullU);
+    for (int i = 0; i < 6 && open.singularValues()[i] > kOpen; ++i) {
+      const Vector6d direction = open.matrixU().col(i);
+      const double turn = direction.tail<3>().norm();
+      if (turn > kOpen && excess(fit, direction * (kOtherTurn_rad / turn)) > kOneSigma) return true;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> turns(covariance.bottomRightCorner<3, 3>());
+    for (int i = 0; i < 3; ++i) {
+      const double sigma_rad = std::sqrt(std::max(turns.eigenvalues()[i], 1e-300));
+      // The turn about this axis, and what goes with it.
+      const Vector6d two_sigmas = covariance.rightCols<3>() * turns.eigenvectors().col(i) * (2.0 / sigma_rad);
+      const double expected = 0.5 * two_sigmas.dot(fit.information * two_sigmas);
+      const bool is_determined = std::abs(expected - 4.0 * kOneSigma) < 0.1;
+      if (!is_determined || 2.0 * sigma_rad > kMostFrameTurn_rad) continue;
+      if (excess(fit, two_sigmas) < kOneSigma || excess(fit, -two_sigmas) < kOneSigma) return true;
+    }
+    return false;
+  }
+
   FrameFit from(const Eigen::Matrix3d& R_map_held) {
     FrameFit fit = at(Pose(R_map_held, usual_shift(R_map_held)));
     for (int i = 0; i < kMostFrameSteps; ++i) {
@@ -70,6 +102,11 @@ class FrameSearch {
   }
 
  private:
+  /// Of the cost, where the frame is moved.
+  double excess(const FrameFit& fit, const Vector6d& step) {
+    return at(fit.T_map_held * Pose::exp(step)).cost - fit.cost;
+  }
+
   FrameFit at(const Pose& T_map_held) {
     state_.T_map_held = T_map_held;
     FrameFit fit{T_map_held, 0.0, Matrix6d::Zero(), Vector6d::Zero()};
@@ -147,16 +184,16 @@ class FrameSearch {
 };
 
 /// Whether `other` differs from `best` in what the constraints determine, and not only in what they leave
-/// open (which keeps some axis or point of the map where it is: a group of motions).
+/// open (which keeps some axis or point of the map where it is: a group of motions); by more than they err.
 bool is_another_frame(const FrameFit& best, const FrameFit& other) {
-  const Matrix6d lost = Matrix6d::Identity() - blockwise_inverse(best.information) * best.information;
-  const Matrix6d open = best.T_map_held.adjoint() * lost;
-  const Vector6d difference = (other.T_map_held * best.T_map_held.inverse()).log();
-  Eigen::ColPivHouseholderQR<Matrix6d> solver;
-  solver.setThreshold(1e-6);
-  solver.compute(open);
-  const Vector6d rest = difference - open * solver.solve(difference);
-  return rest.tail<3>().norm() > kOtherTurn_rad;
+  const Eigen::JacobiSVD<Matrix6d> open(lost_directions(best.information), Eigen::ComputeFullU);
+  const auto rank = (open.singularValues().array() > kOpen).count();
+  const Eigen::MatrixXd basis = open.matrixU().leftCols(rank);
+  const Vector6d difference = (best.T_map_held.inverse() * other.T_map_held).log();
+  const Vector6d rest = difference - basis * (basis.transpose() * difference);
+  const double turn_rad = rest.tail<3>().norm();
+  return turn_rad > kOtherTurn_rad ||
+         (turn_rad > kSameTurn_rad && rest.dot(best.information * rest) > kThreeSigmas2);
 }
 
 }  // namespace
@@ -173,7 +210,7 @@ MapFrameStart find_map_frame(std::span<const BoundConstraint> constraints, const
   const bool is_ambiguous = std::ranges::any_of(fits, [&](const FrameFit& fit) {
     return fit.cost < best->cost + kAboutAsGood && is_another_frame(*best, fit);
   });
-  return {best->T_map_held, is_ambiguous};
+  return {best->T_map_held, is_ambiguous || search.is_turn_misjudged(*best)};
 }
 
 CentresOfTags centres_of(std::span<const int> tags, const std::vector<Pose>& T_held_tag) {

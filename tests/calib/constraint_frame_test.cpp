@@ -107,6 +107,43 @@ TEST(Constraints, GravityOfAnyLengthIsOneDirection) {
               HasSubstr("direction: must be finite, and not zero"));
 }
 
+/// Eastings and northings as a surveyor gives them: millions of metres.
+TEST(Constraints, CoordinatesOfUtmPutTheMapThere) {
+  const Eigen::Vector3d origin_m(454321.0, 5412345.0, 312.0);
+  CalibrationOptions options;
+  for (const int id : {5, 9, 15, 19}) options.constraints.push_back(position(id, origin_m, 0.002));
+  const CalibrationResult result = calibrate(walls(), test::exact_detections(walls()), options);
+  const Pose T_utm_world(Eigen::Quaterniond::Identity(), origin_m);
+  for (const MapTag& tag : result.map.tags)
+    EXPECT_THAT(tag.T_map_tag,
+                test::PoseNear(T_utm_world * walls().map.find(tag.key)->T_map_tag, 1e-6, 1e-6));
+  EXPECT_EQ(result.gauge, "measured: position 5, position 9, position 15, position 19");
+  const CalibrationResult near =
+      calibrate(walls(), test::exact_detections(walls()),
+                {.constraints = {position(5, test::kNoError, 0.002), position(9, test::kNoError, 0.002),
+                                 position(15, test::kNoError, 0.002), position(19, test::kNoError, 0.002)}});
+  for (std::size_t i = 0; i < near.map.tags.size(); ++i)
+    EXPECT_LT((*result.map.tags[i].covariance - *near.map.tags[i].covariance).norm(),
+              1e-6 * near.map.tags[i].covariance->norm());
+}
+
+/// Heights tell the tilt of an upright wall to second order only, whichever tag is held.
+TEST(Constraints, HeightsOnOneUprightWallNeverTellAFrame) {
+  for (const MapTag& held : walls().map.tags) {
+    for (const std::uint64_t trial : {1, 2, 3}) {
+      CalibrationOptions options{.held_tag = held.key};
+      for (const int id : {3, 5, 7}) {
+        const double height_m = true_tag(id).T_map_tag.translation().z();
+        options.constraints.push_back(
+            {.what = PositionConstraint{{"", id}, {std::nullopt, std::nullopt, height_m}, 0.002}});
+      }
+      EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(trial), options); }),
+                  AnyOf(HasSubstr("two map frames"), HasSubstr("does not settle")))
+          << to_string(held.key) << ' ' << trial;
+    }
+  }
+}
+
 /// The sigma of a camera's gravity in a tag's frame, by brute force: the frame's pose fitted to its views
 /// with errors of both kinds drawn anew, the tags where they are.
 TEST(Constraints, ACameraErrsByItsOwnFrameAndByWhatTagsKeep) {
