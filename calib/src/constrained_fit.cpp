@@ -79,27 +79,31 @@ class ConstraintSystem {
       fit_.first_rows.push_back(rows);
       rows += fit_.constraints.back().residual.size();
     }
-    fit_.by_tags = Eigen::MatrixXd::Zero(rows, prior_.covariance.rows());
+    fit_.by_tags.resize(rows, prior_.covariance.rows());
+    entries_.clear();
     by_unknowns_ = Eigen::MatrixXd::Zero(rows, columns_.size());
     fit_.disagreement.resize(rows);
     for (std::size_t i = 0; i < constraints_.size(); ++i) place(i);
+    fit_.by_tags.setFromTriplets(entries_.begin(), entries_.end());
     fit_.disagreement -= fit_.by_tags * moved;
   }
 
-  void solve() {
+  /// with_precision: also what only the last step needs, and takes longest.
+  void solve(bool with_precision) {
     const Eigen::Index rows = fit_.disagreement.size();
-    const Eigen::MatrixXd variance =
-        Eigen::MatrixXd::Identity(rows, rows) + fit_.by_tags * prior_.covariance * fit_.by_tags.transpose();
+    with_rows_ = prior_.covariance * fit_.by_tags.transpose();
+    Eigen::MatrixXd variance = fit_.by_tags * with_rows_;
+    variance.diagonal().array() += 1.0;
     const Eigen::LLT<Eigen::MatrixXd> factor(variance);
     const Eigen::MatrixXd weighted = factor.solve(by_unknowns_);
-    fit_.precision = factor.solve(Eigen::MatrixXd::Identity(rows, rows));
+    if (with_precision) fit_.precision = factor.solve(Eigen::MatrixXd::Identity(rows, rows));
     fit_.push = factor.solve(fit_.disagreement);
     step_ = Eigen::VectorXd::Zero(columns_.size());
     if (columns_.size() == 0) return;
     const Eigen::MatrixXd information = by_unknowns_.transpose() * weighted;
     const Eigen::MatrixXd covariance = blockwise_inverse(information);
     step_ = -covariance * (by_unknowns_.transpose() * fit_.push);
-    fit_.precision -= weighted * covariance * weighted.transpose();
+    if (with_precision) fit_.precision -= weighted * (covariance * weighted.transpose());
     fit_.push += weighted * step_;
     if (!columns_.has_frame) return;
     fit_.frame_covariance = covariance.bottomRightCorner<6, 6>();
@@ -109,7 +113,7 @@ class ConstraintSystem {
 
   /// Takes the step; the largest number of it, m or rad.
   double advance(Eigen::VectorXd& moved) {
-    const Eigen::VectorXd next = -(prior_.covariance * (fit_.by_tags.transpose() * fit_.push));
+    const Eigen::VectorXd next = -(with_rows_ * fit_.push);
     double turn = columns_.has_frame ? step_.tail<3>().norm() : 0.0;
     for (const auto& [plane, column] : columns_.planes)
       turn = std::max(turn, step_.segment<2>(column + 1).norm());
@@ -143,11 +147,20 @@ class ConstraintSystem {
     fit_.disagreement.segment(row, rows) = linear.residual;
     for (std::size_t t = 0; t < bound.tags.size(); ++t) {
       if (const auto offset = prior_.offsets.find(bound.tags[t]); offset != prior_.offsets.end())
-        fit_.by_tags.block(row, offset->second, rows, 6) += linear.by_tag[t];
+        place_block(row, offset->second, linear.by_tag[t]);
     }
     if (bound.plane >= 0)
       by_unknowns_.block(row, columns_.planes.at(bound.plane), rows, kPlaneUnknowns) = linear.by_plane;
     if (columns_.has_frame) by_unknowns_.block(row, columns_.frame(), rows, 6) = linear.by_frame;
+  }
+
+  void place_block(Eigen::Index first_row, Eigen::Index first_column, const Eigen::MatrixXd& block) {
+    for (Eigen::Index column = 0; column < block.cols(); ++column) {
+      for (Eigen::Index row = 0; row < block.rows(); ++row) {
+        if (block(row, column) != 0.0)
+          entries_.emplace_back(first_row + row, first_column + column, block(row, column));
+      }
+    }
   }
 
   void find_open_directions(const Eigen::MatrixXd& information, const Eigen::MatrixXd& inverse) {
@@ -163,7 +176,9 @@ class ConstraintSystem {
   const ConstraintPrior& prior_;
   UnknownColumns columns_;
   ConstrainedFit fit_;
+  std::vector<Eigen::Triplet<double, Eigen::Index>> entries_;  // of by_tags
   Eigen::MatrixXd by_unknowns_;
+  Eigen::MatrixXd with_rows_;  // covariance A'
   Eigen::VectorXd step_;
 };
 
@@ -200,12 +215,12 @@ ConstrainedFit fit_constraints(std::span<const BoundConstraint> constraints, con
   double step = 0.0;
   for (int i = 0; i < kMostIterations; ++i) {
     system.linearise_at(moved);
-    system.solve();
+    system.solve(false);
     step = system.advance(moved);
     if (step < kStill) break;
   }
   system.linearise_at(moved);
-  system.solve();
+  system.solve(true);
   return system.take(step < kStillEnough);
 }
 
@@ -218,7 +233,7 @@ ConstrainedFit look_at_constraints(std::span<const BoundConstraint> constraints,
   }
   ConstraintSystem system(constraints, prior, state);
   system.linearise_at(moved);
-  system.solve();
+  system.solve(true);
   return system.take(true);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <map>
 #include <span>
 #include <vector>
@@ -25,10 +26,10 @@ struct ConstrainedFit {
   ConstraintState state;
   std::vector<LinearConstraint> constraints;
   std::vector<Eigen::Index> first_rows;
-  Eigen::MatrixXd by_tags;  ///< A: columns as ConstraintPrior::offsets.
+  Eigen::SparseMatrix<double> by_tags;  ///< A: columns as ConstraintPrior::offsets.
   Eigen::VectorXd
       disagreement;      ///< What the images alone say less what was measured, whitened; unknowns at `state`.
-  Eigen::VectorXd push;  ///< The tags moved by - covariance A' push.
+  Eigen::VectorXd push;  ///< M times the disagreement: the tags moved by - covariance A' push.
   /// M: of the disagreement, when the unknowns (frame, planes) take what they can.
   Eigen::MatrixXd precision;
   bool has_frame = false;

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -44,14 +44,17 @@ Eigen::MatrixXd covariance_with_rows(const ConstrainedFit& fit, const Constraint
                                      const CovarianceOperator& joint) {
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(joint.size(), fit.by_tags.rows());
   for (const auto& [tag, offset] : prior.offsets)
-    columns.middleRows<6>(*joint.offset_of(tag)) = fit.by_tags.middleCols<6>(offset).transpose();
+    columns.middleRows<6>(*joint.offset_of(tag)) =
+        Eigen::MatrixXd(fit.by_tags.middleCols(offset, 6)).transpose();
   return joint.times(columns);
 }
 
 /// Of a symmetric positive semidefinite matrix.
 Eigen::MatrixXd square_root(const Eigen::MatrixXd& matrix) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Eigen::LDLT<Eigen::MatrixXd> factor(matrix);
+  const Eigen::MatrixXd lower = factor.matrixL();
+  return factor.transpositionsP().transpose() *
+         (lower * factor.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal()).eval();
 }
 
 /// Poses and covariances of all tags, those that no constraint names as well.
@@ -72,8 +75,9 @@ void take_fit(const ConstrainedFit& fit, const ConstraintPrior& prior, const Ima
     if (const auto offset = joint.offset_of(map.tags[i])) {
       const auto own = with_rows.middleRows<6>(*offset);
       T_held_tag = T_held_tag * Pose::exp(Vector6d(-(own * fit.push)));
-      change.lost_root.middleRows<6>(6 * static_cast<Eigen::Index>(i)) = lost_root.middleRows<6>(*offset);
-      covariance -= own * fit.precision * own.transpose();
+      const auto lost = lost_root.middleRows<6>(*offset);
+      change.lost_root.middleRows<6>(6 * static_cast<Eigen::Index>(i)) = lost;
+      covariance -= lost * lost.transpose();
       if (fit.has_frame) with_frame = -own * fit.frame_coupling;
     }
     if (fit.has_frame) {
@@ -135,6 +139,16 @@ std::string contradictions_in_words(const ConstraintJudgement& judgement, const 
       "constraints contradict the images or each other: {}. {}{}Correct them, or take them out of the file; "
       "no map was made",
       join_first(judgement.contradictions, "; ", 5), hint, hint.empty() ? "" : " ");
+}
+
+/// A matrix of their number squared is inverted.
+void require_few_rows(const std::vector<BoundConstraint>& constraints) {
+  constexpr Eigen::Index kMostRows = 6000;
+  Eigen::Index rows = 0;
+  for (const BoundConstraint& bound : constraints) rows += num_rows(*bound.constraint);
+  if (rows > kMostRows)
+    throw invalid_input("constraints",
+                        fmt::format("tell {} numbers, and {} is the most: leave some out", rows, kMostRows));
 }
 
 std::vector<ConstraintAudit> in_given_order(std::vector<ConstraintAudit> used,
@@ -212,6 +226,7 @@ ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const I
     result.audits = in_given_order({}, {}, std::move(unused));
     return result;
   }
+  require_few_rows(bound);
   const ConstraintPrior prior = prior_of(bound, map, joint);
   const MapFrameStart frame = find_map_frame(bound, prior);
   ConstraintState start{map.T_held_tag, frame.T_map_held, {}};

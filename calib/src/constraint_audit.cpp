@@ -118,12 +118,12 @@ double sigmas_together(const ConstrainedFit& fit) {
   const auto planes = kPlaneUnknowns * static_cast<Eigen::Index>(fit.state.T_held_plane.size());
   const Eigen::Index freedom = fit.disagreement.size() - frame - planes;
   if (freedom <= 0) return 0.0;
-  return equivalent_sigmas(fit.disagreement.dot(fit.precision * fit.disagreement), static_cast<int>(freedom));
+  return equivalent_sigmas(fit.disagreement.dot(fit.push), static_cast<int>(freedom));
 }
 
 /// Of all of them the one that the fit pays most for.
 std::string costliest(const ConstrainedFit& fit, const std::vector<BoundConstraint>& constraints) {
-  const Eigen::VectorXd costs = fit.disagreement.cwiseProduct(fit.precision * fit.disagreement);
+  const Eigen::VectorXd costs = fit.disagreement.cwiseProduct(fit.push);
   std::size_t worst = 0;
   double most = 0.0;
   for (std::size_t i = 0; i < constraints.size(); ++i) {
@@ -153,7 +153,7 @@ void judge_together(const std::vector<BoundConstraint>& kept, ConstraintJudgemen
 Prediction predict(const ConstrainedFit& fit, std::size_t place) {
   const Eigen::Index first = fit.first_rows[place], rows = fit.constraints[place].residual.size();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(fit.precision.block(first, first, rows, rows));
-  const Eigen::VectorXd pushed = (fit.precision * fit.disagreement).segment(first, rows);
+  const Eigen::VectorXd pushed = fit.push.segment(first, rows);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(rows, rows), range = covariance;
   int rank = 0;
   for (Eigen::Index i = 0; i < rows; ++i) {

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include "apriltrack/geometry/rotation.h"
 
@@ -16,11 +18,31 @@ using Row = Eigen::MatrixXd::RowXpr;
 
 const Vector3d kDown = -Vector3d::UnitZ();  // of the map
 
+/// How many numbers a constraint tells.
+struct RowCount {
+  Eigen::Index operator()(const PositionConstraint& c) const {
+    return std::ranges::count_if(c.position_m, [](const auto& one) { return one.has_value(); });
+  }
+  Eigen::Index operator()(const DistanceConstraint&) const { return 1; }
+  Eigen::Index operator()(const RelativePoseConstraint& c) const { return c.orientation ? 6 : 3; }
+  Eigen::Index operator()(const CoplanarConstraint& c) const {
+    return static_cast<Eigen::Index>(c.tags.size()) * (c.sigma_rad ? 3 : 1);
+  }
+  Eigen::Index operator()(const UprightConstraint&) const { return 2; }
+  Eigen::Index operator()(const FloorConstraint& c) const { return c.sigma_rad ? 3 : 1; }
+  Eigen::Index operator()(const GravityConstraint&) const { return 2; }
+  Eigen::Index operator()(const CameraGravityConstraint&) const { return 0; }
+};
+
 /// Collects the rows of one constraint.
 class ConstraintRows {
  public:
   ConstraintRows(const BoundConstraint& bound, const ConstraintState& state) : bound_(bound), state_(state) {
-    result_.by_tag.resize(bound.tags.size());
+    const Eigen::Index rows = num_rows(*bound.constraint);
+    result_.residual.resize(rows);
+    result_.by_tag.assign(bound.tags.size(), Eigen::MatrixXd::Zero(rows, 6));
+    result_.by_frame = Eigen::MatrixXd::Zero(rows, 6);
+    if (bound.plane >= 0) result_.by_plane = Eigen::MatrixXd::Zero(rows, kPlaneUnknowns);
   }
 
   void operator()(const PositionConstraint& c) {
@@ -111,30 +133,23 @@ class ConstraintRows {
     return key.family.empty() ? std::to_string(key.id) : to_string(key);
   }
 
-  /// A new last row, whose derivatives are zero until they are told.
+  /// The next row, whose derivatives are zero until they are told.
   void add(const ConstraintRow& row, double value) {
-    const auto rows = static_cast<Eigen::Index>(result_.rows.size()) + 1;
+    row_ = static_cast<Eigen::Index>(result_.rows.size());
     result_.rows.push_back(row);
-    result_.residual.conservativeResize(rows);
-    result_.residual[rows - 1] = (value - row.measured) / row.sigma;
-    const auto grow = [&](Eigen::MatrixXd& matrix, Eigen::Index columns) {
-      matrix.conservativeResize(rows, columns);
-      matrix.row(rows - 1).setZero();
-    };
-    for (Eigen::MatrixXd& one : result_.by_tag) grow(one, 6);
-    grow(result_.by_frame, 6);
-    if (bound_.plane >= 0) grow(result_.by_plane, kPlaneUnknowns);
+    result_.residual[row_] = (value - row.measured) / row.sigma;
   }
-  // Of the last row.
-  Row by_tag(std::size_t i) { return result_.by_tag[i].row(result_.by_tag[i].rows() - 1); }
-  Row by_plane() { return result_.by_plane.row(result_.by_plane.rows() - 1); }
+  // Of the row that was added last.
+  Row by_tag(std::size_t i) { return result_.by_tag[i].row(row_); }
+  Row by_frame() { return result_.by_frame.row(row_); }
+  Row by_plane() { return result_.by_plane.row(row_); }
 
   /// Of a coordinate of a tag's centre in the map, along `axis`.
   void add_centre(std::size_t i, const Vector3d& axis, double sigma_m) {
     const Eigen::RowVector3d axis_held = axis.transpose() * state_.T_map_held.rotation_matrix();
     by_tag(i).leftCols<3>() = axis_held * pose(i).rotation_matrix() / sigma_m;
-    result_.by_frame.bottomRows<1>().leftCols<3>() = axis_held / sigma_m;
-    result_.by_frame.bottomRows<1>().rightCols<3>() = -axis_held * skew(pose(i).translation()) / sigma_m;
+    by_frame().leftCols<3>() = axis_held / sigma_m;
+    by_frame().rightCols<3>() = -axis_held * skew(pose(i).translation()) / sigma_m;
   }
 
   /// Two rows: a direction of the tag that points down in the map. In the tag's frame: turning the map about
@@ -147,14 +162,14 @@ class ConstraintRows {
     for (int row = 0; row < 2; ++row) {
       add({row_name, "rad", 0.0, sigma_rad}, error[row]);
       by_tag(0).rightCols<3>() = -by_turn.row(row) / sigma_rad;
-      result_.by_frame.bottomRows<1>().rightCols<3>() =
-          -by_turn.row(row) * R_held_tag.transpose() / sigma_rad;
+      by_frame().rightCols<3>() = -by_turn.row(row) * R_held_tag.transpose() / sigma_rad;
     }
   }
 
   const BoundConstraint& bound_;
   const ConstraintState& state_;
   LinearConstraint result_;
+  Eigen::Index row_ = 0;
 };
 
 /// Two unit vectors across `target` and each other.
@@ -167,6 +182,10 @@ Matrix2x3d across(const Vector3d& target) {
 }
 
 }  // namespace
+
+Eigen::Index num_rows(const MapConstraint& constraint) {
+  return std::visit(RowCount(), constraint.what);
+}
 
 Pose moved_plane(const Pose& T_held_plane, const Eigen::Vector3d& step) {
   Vector6d xi = Vector6d::Zero();

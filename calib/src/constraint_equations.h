@@ -24,6 +24,9 @@ struct ConstraintState {
   std::vector<Pose> T_held_plane;  ///< z along the normals of the tags in it.
 };
 
+/// How many numbers it tells.
+Eigen::Index num_rows(const MapConstraint& constraint);
+
 /// One number that was measured.
 struct ConstraintRow {
   std::string name;
