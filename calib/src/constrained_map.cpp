@@ -7,6 +7,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -57,6 +58,24 @@ Eigen::MatrixXd square_root(const Eigen::MatrixXd& matrix) {
          (lower * factor.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal()).eval();
 }
 
+/// The rows of the fit with columns as in `result`.
+Eigen::SparseMatrix<double> spread_columns(const ConstrainedFit& fit, const ConstraintPrior& prior,
+                                           const std::vector<int>& tags) {
+  std::map<Eigen::Index, Eigen::Index> place;  // of a tag's columns in the fit
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const auto offset = prior.offsets.find(tags[i]);
+    if (offset != prior.offsets.end()) place[offset->second] = 6 * static_cast<Eigen::Index>(i);
+  }
+  std::vector<Eigen::Triplet<double, Eigen::Index>> entries;
+  for (Eigen::Index column = 0; column < fit.by_tags.cols(); ++column) {
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(fit.by_tags, column); entry; ++entry)
+      entries.emplace_back(entry.row(), place.at(column - column % 6) + column % 6, entry.value());
+  }
+  Eigen::SparseMatrix<double> result(fit.by_tags.rows(), 6 * static_cast<Eigen::Index>(tags.size()));
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
 /// Poses and covariances of all tags, those that no constraint names as well.
 void take_fit(const ConstrainedFit& fit, const ConstraintPrior& prior, const ImageMap& map,
               const CovarianceOperator& joint, ConstrainedMap& result) {
@@ -64,7 +83,10 @@ void take_fit(const ConstrainedFit& fit, const ConstraintPrior& prior, const Ima
   const Eigen::MatrixXd lost_root = with_rows * square_root(fit.precision);
   const Eigen::Index num_rows = 6 * static_cast<Eigen::Index>(map.tags.size());
   JointChange& change = result.change;
-  change.lost_root = Eigen::MatrixXd::Zero(num_rows, lost_root.cols());
+  change.lost_root = change.with_rows = Eigen::MatrixXd::Zero(num_rows, lost_root.cols());
+  change.by_tags = spread_columns(fit, prior, map.tags);
+  change.precision = fit.precision;
+  if (fit.has_frame) change.frame_push = fit.frame_coupling;
   change.by_frame = change.with_frame = Eigen::MatrixXd::Zero(num_rows, 6);
   change.frame_covariance = fit.frame_covariance;
   for (std::size_t i = 0; i < map.tags.size(); ++i) {
@@ -77,6 +99,7 @@ void take_fit(const ConstrainedFit& fit, const ConstraintPrior& prior, const Ima
       T_held_tag = T_held_tag * Pose::exp(Vector6d(-(own * fit.push)));
       const auto lost = lost_root.middleRows<6>(*offset);
       change.lost_root.middleRows<6>(6 * static_cast<Eigen::Index>(i)) = lost;
+      change.with_rows.middleRows<6>(6 * static_cast<Eigen::Index>(i)) = own;
       covariance -= lost * lost.transpose();
       if (fit.has_frame) with_frame = -own * fit.frame_coupling;
     }
@@ -167,6 +190,14 @@ void JointChange::apply(Eigen::MatrixXd& covariance) const {
   covariance -= lost_root * lost_root.transpose();
   covariance += by_frame * frame_covariance * by_frame.transpose() + by_frame * with_frame.transpose() +
                 with_frame * by_frame.transpose();
+}
+
+Eigen::MatrixXd JointChange::follow(const Eigen::MatrixXd& columns) const {
+  if (with_rows.size() == 0) return columns;
+  const Eigen::MatrixXd seen = by_tags * columns;
+  Eigen::MatrixXd result = columns - with_rows * (precision * seen);
+  if (frame_push.size() > 0) result -= by_frame * (frame_push.transpose() * seen);
+  return result;
 }
 
 std::vector<BoundConstraint> bind_constraints(std::span<const MapConstraint> constraints, const ImageMap& map,

@@ -51,8 +51,9 @@ JointCovariance joint_tag_covariance(const PoseInformation& poses, const std::ve
 void keep_to(const JointChange& change, JointCovariance& joint) {
   if (joint.is_empty() || change.lost_root.size() == 0) return;
   joint.by_noise = joint.matrix();
-  joint.by_errors.setZero();
   change.apply(joint.by_noise);
+  joint.by_errors = change.follow(joint.by_errors);
+  joint.by_noise.noalias() -= joint.by_errors * joint.by_errors.transpose();
 }
 
 }  // namespace apriltrack

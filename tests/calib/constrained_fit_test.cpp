@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include "apriltrack/geometry/rotation.h"
 #include "constrained_map.h"
 #include "corner_views.h"
+#include "joint_tag_covariance.h"
 #include "map_frame_start.h"
 #include "support/pose_matchers.h"
 #include "synthetic_world.h"
@@ -193,6 +195,42 @@ TEST(ConstrainedMap, PosesAndCovariancesAreThoseOfAllEquationsAtOnce) {
       J.middleCols<6>(offset->second).setIdentity();
     const Matrix6d expected = J * posterior * J.transpose();
     EXPECT_LT((map.covariances[i] - expected).norm(), 1e-6 * expected.norm()) << i;
+  }
+}
+
+/// Images moved by what an error of a tag does to them move the map to the minimum of all equations together.
+TEST(ConstrainedMap, TellsNoiseAndWhatTagsKeepApart) {
+  const SmallRoom& room = small_room();
+  const std::vector<MapConstraint> constraints = room.constraints();
+  const ConstrainedMap map = constrain_map(constraints, room.map, room.joint());
+  const ConstraintState state = state_of(room, map);
+  std::vector<TagKey> keys;
+  for (const int tag : room.map.tags) keys.push_back(room.key(tag));
+  const ErrorScale scale{.noise_variance = kNoiseVariance, .bias_variance = kBiasVariance};
+  JointCovariance joint = joint_tag_covariance(*room.poses, room.map.tags, keys, scale, std::nullopt);
+  const Eigen::MatrixXd followed_before = joint.by_errors;
+  keep_to(map.change, joint);
+
+  const Eigen::MatrixXd posterior = dense_posterior(room, dense_rows(room, constraints, state));
+  const Eigen::Index size = room.poses->size();
+  Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(posterior.rows(), followed_before.cols());
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (const auto offset = room.offsets.find(room.map.tags[i]); offset != room.offsets.end())
+      pull.middleRows<6>(offset->second) = followed_before.middleRows<6>(6 * static_cast<Eigen::Index>(i));
+  }
+  pull.topRows(size) = room.covariance.ldlt().solve(pull.topRows(size)).eval();
+  const Eigen::MatrixXd moved = posterior * pull;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, posterior.rows());  // of T_map_tag
+    J.rightCols<6>() = state.T_held_tag[i].inverse().adjoint();
+    if (const auto offset = room.offsets.find(room.map.tags[i]); offset != room.offsets.end())
+      J.middleCols<6>(offset->second).setIdentity();
+    const Eigen::Index row = 6 * static_cast<Eigen::Index>(i);
+    const Eigen::MatrixXd expected = J * moved;
+    EXPECT_GT(expected.norm(), 0.0);
+    EXPECT_LT((joint.by_errors.middleRows<6>(row) - expected).norm(), 1e-6 * expected.norm()) << i;
+    EXPECT_LT((joint.block(row, row) - map.covariances[i]).norm(), 1e-6 * map.covariances[i].norm()) << i;
+    EXPECT_GT((joint.by_noise.block<6, 6>(row, row).eigenvalues().real().minCoeff()), -1e-15);
   }
 }
 
