@@ -122,11 +122,15 @@ bool is_loose(const Matrix6d& by_noise, double size_m) {
          std::sqrt(by_noise.topLeftCorner<3, 3>().trace()) > kLoosePosition * size_m;
 }
 
+/// constrained: what is left of the covariance where something was measured beside the images.
 std::vector<std::string> flags_of(const MapTag& tag, const std::optional<TagCovariance>& covariance,
-                                  double rejected_share, bool is_bent) {
+                                  const std::optional<Matrix6d>& constrained, double rejected_share,
+                                  bool is_bent) {
   std::vector<std::string> flags;
-  if (tag.statistics->views < kFewViews || (covariance && is_loose(covariance->by_noise, tag.size_m)))
-    flags.push_back("weak");
+  const bool is_mended = constrained && !is_loose(*constrained, tag.size_m);
+  const bool is_loose_in_images = covariance && is_loose(covariance->by_noise, tag.size_m);
+  const bool has_few_views = tag.statistics->views < kFewViews;
+  if (!is_mended && (has_few_views || is_loose_in_images)) flags.push_back("weak");
   if (rejected_share > kManyRejected) flags.push_back("outliers");
   if (is_bent) flags.push_back("bent");
   return flags;
@@ -148,12 +152,15 @@ TagMap to_map(const Observations& observations, const PartSolution& solution, co
     std::optional<TagCovariance> covariance;
     if (!solution.covariances.empty()) covariance = solution.covariances[i];
     if (covariance) tag.covariance = covariance->by_noise + covariance->by_bias;
+    std::optional<Matrix6d> constrained;
+    if (solution.constrained && !solution.constrained->change.lost_root.isZero(0.0))
+      constrained = solution.constrained->covariances[i];
     if (solution.constrained) tag.covariance = solution.constrained->covariances[i];
     tag.statistics = TagStatistics{views[t], solution.residual_rms_px[i], {}};
-    tag.statistics->flags =
-        flags_of(tag, covariance, 1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t],
-                 std::ranges::find(solution.findings, static_cast<int>(t), &TagFinding::tag) !=
-                     solution.findings.end());  // others with a fault are not in the map
+    tag.statistics->flags = flags_of(
+        tag, covariance, constrained, 1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t],
+        std::ranges::find(solution.findings, static_cast<int>(t), &TagFinding::tag) !=
+            solution.findings.end());  // others with a fault are not in the map
     map.tags.push_back(std::move(tag));
   }
   return map;

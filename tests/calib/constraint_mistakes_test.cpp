@@ -201,5 +201,25 @@ TEST(Constraints, FiguresThatDifferAreToldApart) {
   EXPECT_THAT(message, Not(HasSubstr("sigma 0.0 mm")));
 }
 
+TEST(Constraints, ATagThatAMeasurementTiesIsNotWeak) {
+  // Two frames are few, and the images alone do not know tag 5 well.
+  auto frames = noisy_frames(3);
+  int left = 3;
+  for (FrameDetections& frame : frames) {
+    std::erase_if(frame.detections, [&](const auto& one) { return one.tag.id == 5 && left-- <= 0; });
+  }
+  const Pose T_ab = true_tag(3).T_map_tag.inverse() * true_tag(5).T_map_tag;
+  const auto flags = [&](const CalibrationOptions& options) {
+    return calibrate(walls(), frames, options).map.find(tag36h11(5))->statistics->flags;
+  };
+  EXPECT_THAT(flags({}), Contains("weak"));
+  EXPECT_THAT(
+      flags(
+          {.constraints = {{.what =
+                                RelativePoseConstraint{
+                                    {"", 3}, {"", 5}, T_ab.translation(), T_ab.rotation(), 0.001, 0.002}}}}),
+      Not(Contains("weak")));
+}
+
 }  // namespace
 }  // namespace apriltrack
