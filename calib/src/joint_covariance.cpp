@@ -3,13 +3,36 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <string>
+#include <string_view>
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/numbers.h"
 
 namespace apriltrack {
+namespace {
+
+/// Some rows at a time: neither the whole matrix nor its text is ever in memory.
+void write_rows(const JointCovariance& joint, const std::function<void(std::string_view)>& write) {
+  constexpr Eigen::Index kRows = 96;
+  const Eigen::Index size = joint.by_noise.rows();
+  Eigen::MatrixXd rows;
+  for (Eigen::Index first = 0; first < size; first += kRows) {
+    const Eigen::Index count = std::min(kRows, size - first);
+    rows = joint.by_noise.middleRows(first, count);
+    rows.noalias() += joint.by_errors.middleRows(first, count) * joint.by_errors.transpose();
+    for (Eigen::Index row = 0; row < count; ++row) {
+      std::string text = "  - [";
+      for (Eigen::Index column = 0; column < size; ++column)
+        text += (column == 0 ? "" : ", ") + format_exact(rows(row, column));
+      write(text + "]\n");
+    }
+  }
+}
+
+}  // namespace
 
 std::optional<Eigen::Index> JointCovariance::row_of(const TagKey& tag) const {
   const auto found = std::ranges::find(tags, tag);
@@ -42,23 +65,19 @@ std::optional<Matrix6d> relative_covariance(const TagMap& map, const JointCovari
 
 void write_joint_covariance(const std::filesystem::path& path, const TagMap& map,
                             const JointCovariance& joint) {
-  std::string text = fmt::format(
+  const std::string head = fmt::format(
       "# Covariance of the poses T_map_tag of all tags together: right perturbations [translation; "
       "rotation],\n"
       "# m and rad, six rows and columns for each tag in the order of `tags`; frame '{}'.\n"
       "apriltrack_joint_covariance: 1\ntags:\n",
       map.frame);
-  for (const TagKey& tag : joint.tags)
-    text += fmt::format("  - {{family: {}, id: {}}}\n", tag.family, tag.id);
-  text += "covariance:  # rows\n";
-  const Eigen::MatrixXd all = joint.matrix();
-  for (Eigen::Index row = 0; row < all.rows(); ++row) {
-    text += "  - [";
-    for (Eigen::Index column = 0; column < all.cols(); ++column)
-      text += (column == 0 ? "" : ", ") + format_exact(all(row, column));
-    text += "]\n";
-  }
-  write_file_atomically(path, text);
+  write_pieces_atomically(path, [&](const auto& write) {
+    write(head);
+    for (const TagKey& tag : joint.tags)
+      write(fmt::format("  - {{family: {}, id: {}}}\n", tag.family, tag.id));
+    write("covariance:  # rows\n");
+    write_rows(joint, write);
+  });
 }
 
 }  // namespace apriltrack

@@ -51,20 +51,30 @@ bool write_all(int fd, std::string_view contents) {
   throw io_error(path.string(), fmt::format("cannot be written: {}{}", system_reason(code), kept));
 }
 
-/// Appends, because standard output may be a file that holds something already.
-void write_directly(const fs::path& path, std::string_view contents) {
-  Descriptor file(::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC));
-  if (file.get() < 0 || !write_all(file.get(), contents) || !file.close()) fail_to_write(path, errno);
+/// False where a piece cannot be written; no more are then. What `writer` throws goes through.
+bool write_pieces(int fd, const PieceWriter& writer) {
+  int code = 0;
+  writer([&](std::string_view piece) {
+    if (code == 0 && !write_all(fd, piece)) code = errno;
+  });
+  errno = code;
+  return code == 0;
 }
 
-void write_beside_and_rename(const fs::path& path, std::string_view contents, const struct stat* existing,
+/// Appends, because standard output may be a file that holds something already.
+void write_directly(const fs::path& path, const PieceWriter& writer) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC));
+  if (file.get() < 0 || !write_pieces(file.get(), writer) || !file.close()) fail_to_write(path, errno);
+}
+
+void write_beside_and_rename(const fs::path& path, const PieceWriter& writer, const struct stat* existing,
                              Durability durability) {
   fs::path aside = path;
   aside += fmt::format(".{}.part", ::getpid());
   Descriptor file(::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
   if (file.get() < 0) fail_to_write(path, errno);
   const bool is_complete = (!existing || ::fchmod(file.get(), existing->st_mode & 07777) == 0) &&
-                           write_all(file.get(), contents) &&
+                           write_pieces(file.get(), writer) &&
                            (durability == Durability::kComplete || ::fsync(file.get()) == 0) &&
                            file.close() && ::rename(aside.c_str(), path.c_str()) == 0;
   if (!is_complete) {
@@ -77,10 +87,15 @@ void write_beside_and_rename(const fs::path& path, std::string_view contents, co
 }  // namespace
 
 void write_file_atomically(const fs::path& path, std::string_view contents, Durability durability) {
+  write_pieces_atomically(
+      path, [&](const auto& write) { write(contents); }, durability);
+}
+
+void write_pieces_atomically(const fs::path& path, const PieceWriter& writer, Durability durability) {
   struct stat existing {};
   const bool exists = ::stat(path.c_str(), &existing) == 0;
-  if (is_written_directly(path)) return write_directly(path, contents);
-  write_beside_and_rename(follow_links(path), contents, exists ? &existing : nullptr, durability);
+  if (is_written_directly(path)) return write_directly(path, writer);
+  write_beside_and_rename(follow_links(path), writer, exists ? &existing : nullptr, durability);
 }
 
 std::string read_file(const std::filesystem::path& path) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -18,6 +19,11 @@ enum class Durability {
 /// Error(kIo) with the path and the system's reason (full disk, no permission, no folder).
 void write_file_atomically(const std::filesystem::path& path, std::string_view contents,
                            Durability durability = Durability::kOnDisk);
+
+/// The same of contents too large to be kept in memory: `writer` hands them over piece by piece.
+using PieceWriter = std::function<void(const std::function<void(std::string_view piece)>& write)>;
+void write_pieces_atomically(const std::filesystem::path& path, const PieceWriter& writer,
+                             Durability durability = Durability::kOnDisk);
 
 /// Throws Error(kIo) with the path and the system's reason.
 std::string read_file(const std::filesystem::path& path);
