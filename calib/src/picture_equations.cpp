@@ -39,6 +39,10 @@ struct SeenTag {
   double from_center_px = 0.0;
 };
 
+Eigen::Vector2d middle_of(const CornersPx& corners) {
+  return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+}
+
 std::vector<SeenTag> tags_in_view(const PictureScene& scene, const Pose& T_map_camera,
                                   const std::vector<Eigen::Index>& made_for) {
   const Pose T_camera_map = T_map_camera.inverse();
@@ -51,7 +55,7 @@ std::vector<SeenTag> tags_in_view(const PictureScene& scene, const Pose& T_map_c
     if (!corners) continue;
     const auto place = static_cast<Eigen::Index>(i);
     const bool is_wanted = std::ranges::find(made_for, place) != made_for.end();
-    seen.push_back({place, *corners, is_wanted ? 0.0 : ((*corners)[0] - center).norm()});
+    seen.push_back({place, *corners, is_wanted ? 0.0 : (middle_of(*corners) - center).norm()});
   }
   if (seen.size() > scene.most_tags) {
     std::ranges::stable_sort(seen, {}, &SeenTag::from_center_px);
@@ -105,12 +109,14 @@ PictureScene::PictureScene(const TagMap& map, const JointCovariance& joint, cons
 PictureEquations picture_equations(const PictureScene& scene, const Pose& T_map_camera,
                                    const std::vector<Eigen::Index>& made_for) {
   const Picture picture = picture_of(scene, T_map_camera, made_for);
-  PictureEquations result{picture.tags, {}, {}};
-  if (picture.tags.size() < 2) return result;
   std::vector<std::size_t> numbers(picture.tags.size());
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = i;
   const std::vector<LinearView> views = corner_views(picture.observations, numbers, picture.state);
-  const auto num = static_cast<Eigen::Index>(numbers.size());
+  PictureEquations result;
+  for (const LinearView& view : views)  // of those that the lens shows, which all should be
+    result.tags.push_back(picture.tags[static_cast<std::size_t>(view.tag)]);
+  if (result.tags.size() < 2) return result;
+  const auto num = static_cast<Eigen::Index>(views.size());
   Eigen::MatrixXd by_rig(8 * num, 6);
   Eigen::MatrixXd others = Eigen::MatrixXd::Zero(8 * num, 14 * num);  // by the poses, by the errors
   for (Eigen::Index i = 0; i < num; ++i) {
