@@ -68,7 +68,7 @@ Pose PhotometricAdjustment::T_camera_tag(const PhotometricView& view) const {
 }
 
 /// Of each tag side by side, so that its light adds up in one order.
-std::vector<PhotometricAdjustment::SeenView> PhotometricAdjustment::look(bool is_light_free) {
+std::vector<PhotometricAdjustment::SeenView> PhotometricAdjustment::look(bool is_light_free, Pixels pixels) {
   std::vector<std::vector<std::size_t>> views_of_tag(scene_.tags.size());
   for (std::size_t v = 0; v < scene_.views.size(); ++v) {
     if (takes_part_[v]) views_of_tag[static_cast<std::size_t>(scene_.views[v].tag)].push_back(v);
@@ -81,7 +81,7 @@ std::vector<PhotometricAdjustment::SeenView> PhotometricAdjustment::look(bool is
       const auto camera = static_cast<std::size_t>(view.camera);
       const Pose T_ct = T_camera_tag(view);
       const auto equations = view_equations(view, scene_.cameras[camera].model, scene_.tags[tag], T_ct,
-                                            state_.psf_sigma_px[camera], state_.lights[tag], sums);
+                                            state_.psf_sigma_px[camera], state_.lights[tag], sums, pixels);
       if (!equations) continue;
       const Eigen::LLT<Matrix6d> factor(equations->H.topLeftCorner<6, 6>());
       const auto by_corners =
@@ -117,8 +117,8 @@ void PhotometricAdjustment::drop_outliers(const std::vector<SeenView>& seen) {
   }
 }
 
-bool PhotometricAdjustment::step(const PhotometricFreedom& freedom, double* worth) {
-  const std::vector<SeenView> seen = look(freedom.is_light_free);
+bool PhotometricAdjustment::step(const PhotometricFreedom& freedom, Pixels pixels, double* worth) {
+  const std::vector<SeenView> seen = look(freedom.is_light_free, pixels);
   std::vector<LinearView> linear;
   std::vector<Eigen::Vector2d> psf(scene_.cameras.size(), Eigen::Vector2d::Zero());  // push, weight
   for (const SeenView& one : seen) {
@@ -145,23 +145,34 @@ bool PhotometricAdjustment::step(const PhotometricFreedom& freedom, double* wort
   return true;
 }
 
-bool PhotometricAdjustment::run(const PhotometricFreedom& freedom, int max_steps) {
-  const PhotometricState before = state_;
+std::optional<double> PhotometricAdjustment::settle(const PhotometricFreedom& freedom, Pixels pixels,
+                                                    int max_steps) {
+  const bool is_first = pixels == Pixels::kCoarse;
   double worth = 0.0;
   for (int done = 1; done <= max_steps; ++done) {
-    if (!step(freedom, &worth)) {
+    if (!step(freedom, pixels, &worth)) return std::nullopt;
+    if (is_first && done == kStepsBeforeOutliers) drop_outliers(look(false, pixels));
+    if (worth < kSettled && !(is_first && done <= 2 * kStepsBeforeOutliers)) break;
+  }
+  return worth;
+}
+
+bool PhotometricAdjustment::run(const PhotometricFreedom& freedom, int max_steps) {
+  const PhotometricState before = state_;
+  std::optional<double> worth;
+  for (const Pixels pixels : {Pixels::kCoarse, Pixels::kAll}) {
+    worth = settle(freedom, pixels, max_steps);
+    if (!worth) {
       state_ = before;
       return false;
     }
-    if (done == kStepsBeforeOutliers) drop_outliers(look(false));
-    if (done > 2 * kStepsBeforeOutliers && worth < kSettled) return true;
   }
-  return worth < kNearlySettled;
+  return *worth < kNearlySettled;
 }
 
 std::vector<LinearView> PhotometricAdjustment::linear_views() {
   std::vector<LinearView> linear;
-  for (SeenView& one : look(false)) linear.push_back(std::move(one.linear));
+  for (SeenView& one : look(false, Pixels::kAll)) linear.push_back(std::move(one.linear));
   return linear;
 }
 

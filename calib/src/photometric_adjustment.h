@@ -38,7 +38,8 @@ class PhotometricAdjustment {
   /// scene: must outlive this.
   PhotometricAdjustment(const PhotometricScene& scene, PhotometricState state, ParallelFor parallel);
 
-  /// False where it does not settle in `max_steps`, or fails: the state is as good as it was then.
+  /// On a fourth of the pixels until they settle, then on all. False where it does not settle in `max_steps`
+  /// of either, or fails: the state is as good as it was then.
   bool run(const PhotometricFreedom& freedom, int max_steps);
 
   /// Takes part: views of those moments alone in which `is_chosen` says so.
@@ -54,8 +55,10 @@ class PhotometricAdjustment {
   struct SeenView;
 
   Pose T_camera_tag(const PhotometricView& view) const;
-  std::vector<SeenView> look(bool is_light_free);
-  bool step(const PhotometricFreedom& freedom, double* worth);
+  std::vector<SeenView> look(bool is_light_free, Pixels pixels);
+  bool step(const PhotometricFreedom& freedom, Pixels pixels, double* worth);
+  /// What the last step was worth; nullopt where one fails.
+  std::optional<double> settle(const PhotometricFreedom& freedom, Pixels pixels, int max_steps);
   void drop_outliers(const std::vector<SeenView>& seen);
 
   const PhotometricScene& scene_;

@@ -49,6 +49,11 @@ bool is_near_saturated(const TagPatch& patch, const ResponseCurve& response, int
   return false;
 }
 
+/// Every other one of every other row, which are shifted by turns: a fourth of all.
+bool is_on_coarse_grid(int column, int row) {
+  return row % 2 == 0 && (column + row / 2) % 2 == 0;
+}
+
 /// Pixels as numbers to fit: light = columns [pattern, 1, pattern across, pattern down] times colours.
 class PixelFit {
  public:
@@ -57,9 +62,10 @@ class PixelFit {
   using Unknowns = Eigen::Matrix<double, Eigen::Dynamic, kNumUnknowns>;
 
   PixelFit(const PhotometricView& view, const PrintedTag& tag, const Pose& T_camera_tag,
-           const PlaneBlur& blur, const TagLight& light)
+           const PlaneBlur& blur, const TagLight& light, Pixels pixels)
       : view_(view) {
-    const auto count = static_cast<Eigen::Index>(view.light.size());
+    const bool is_coarse = pixels == Pixels::kCoarse && view.num_coarse >= kLeastPixels;
+    const auto count = static_cast<Eigen::Index>(is_coarse ? view.num_coarse : view.light.size());
     places_.resize(2, count);
     factors_.resize(count);
     colours_.resize(count, kNumColours);
@@ -178,29 +184,36 @@ bool read_pixels(const TagPatch& patch, const Camera& camera, const PrintedTag& 
   const Eigen::Matrix3d R = T_camera_tag.rotation_matrix();
   const double area = static_cast<double>(patch.pixels.width()) * patch.pixels.height();
   const int stride = std::max(1, static_cast<int>(std::lround(std::sqrt(area / kMostPixels))));
-  for (int y = 0; y < patch.pixels.height(); y += stride) {
-    // Every other row is shifted, so that edges along a column are met at more than one phase.
-    for (int x = y / stride % 2 * (stride / 2); x < patch.pixels.width(); x += stride) {
-      const auto ray = camera.model.unproject(Eigen::Vector2d(patch.x + x, patch.y + y));
-      if (!ray || !(ray->z() > 0.0) || !(R.col(2).dot(*ray) > 0.0)) continue;
-      const Eigen::Vector2d slope = ray->hnormalized();
-      const PlanePoint at = meet_plane(R, T_camera_tag.translation(), tag.half_size_m, slope);
-      if (picture.at(at.uv.x(), at.uv.y()).known < kAllPrinted) continue;
-      if (is_near_saturated(patch, camera.response, x, y)) continue;
-      view.rays.push_back(slope);
-      view.light.push_back(static_cast<double>(camera.response.to_linear(patch.pixels(x, y))));
+  const auto read = [&](int x, int y) {
+    const auto ray = camera.model.unproject(Eigen::Vector2d(patch.x + x, patch.y + y));
+    if (!ray || !(ray->z() > 0.0) || !(R.col(2).dot(*ray) > 0.0)) return;
+    const Eigen::Vector2d slope = ray->hnormalized();
+    const PlanePoint at = meet_plane(R, T_camera_tag.translation(), tag.half_size_m, slope);
+    if (picture.at(at.uv.x(), at.uv.y()).known < kAllPrinted) return;
+    if (is_near_saturated(patch, camera.response, x, y)) return;
+    view.rays.push_back(slope);
+    view.light.push_back(static_cast<double>(camera.response.to_linear(patch.pixels(x, y))));
+  };
+  for (const bool is_coarse : {true, false}) {
+    for (int row = 0; row * stride < patch.pixels.height(); ++row) {
+      // Every other row is shifted, so that edges along a column are met at more than one phase.
+      const int first = row % 2 * (stride / 2);
+      for (int column = 0; first + column * stride < patch.pixels.width(); ++column) {
+        if (is_on_coarse_grid(column, row) == is_coarse) read(first + column * stride, row * stride);
+      }
     }
+    if (is_coarse) view.num_coarse = view.light.size();
   }
   return view.light.size() >= kLeastPixels;
 }
 
 std::optional<ViewEquations> view_equations(const PhotometricView& view, const CameraModel& camera,
                                             const PrintedTag& tag, const Pose& T_camera_tag,
-                                            double psf_sigma_px, const TagLight& light,
-                                            TagLight::Sums& sums) {
+                                            double psf_sigma_px, const TagLight& light, TagLight::Sums& sums,
+                                            Pixels pixels) {
   const auto blur = plane_blur(camera, T_camera_tag, tag.half_size_m, {psf_sigma_px, view.streak_px});
   if (!blur) return std::nullopt;
-  const PixelFit fit(view, tag, T_camera_tag, *blur, light);
+  const PixelFit fit(view, tag, T_camera_tag, *blur, light, pixels);
   if (!fit.is_tag()) return std::nullopt;
   fit.add_to(light, sums);
   return fit.equations();

@@ -26,7 +26,12 @@ struct PhotometricView {
   Eigen::Vector2d streak_px = Eigen::Vector2d::Zero();
   std::vector<Eigen::Vector2d> rays = {};  ///< Of the pixels, as (x / z, y / z).
   std::vector<double> light = {};
+  /// Of the pixels, the first so many are every other one of every other row.
+  std::size_t num_coarse = 0;
 };
+
+/// Which pixels of a view are asked.
+enum class Pixels { kAll, kCoarse };
 
 /// Reads a patch's pixels into `view`: those that show printed cells and nothing else. Saturated ones are
 /// left out, and those about them, for how white the white is there nobody knows. False where too few are
@@ -45,9 +50,11 @@ struct ViewEquations {
   double correlation = 0.0;  ///< sqrt of the share of the pixels' variance that the picture explains.
 };
 
-/// light: of the tag. sums: of that light, added to. nullopt where the tag is not seen as it should be.
+/// light: of the tag. sums: of that light, added to. nullopt where the tag is not seen as it should be. Of
+/// views with few pixels all are asked.
 std::optional<ViewEquations> view_equations(const PhotometricView& view, const CameraModel& camera,
                                             const PrintedTag& tag, const Pose& T_camera_tag,
-                                            double psf_sigma_px, const TagLight& light, TagLight::Sums& sums);
+                                            double psf_sigma_px, const TagLight& light, TagLight::Sums& sums,
+                                            Pixels pixels = Pixels::kAll);
 
 }  // namespace apriltrack
