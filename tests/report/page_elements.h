@@ -17,7 +17,8 @@ namespace apriltrack::test {
 
 /// A line for each element of the page, `name|attributes|text`, as Python's own parser reads it. The page is
 /// written into `folder`.
-inline std::vector<std::string> elements_of(const HtmlPage& page, const std::filesystem::path& folder = temporary_folder()) {
+inline std::vector<std::string> elements_of(const HtmlPage& page,
+                                            const std::filesystem::path& folder = temporary_folder()) {
   write_html_page(folder / "page.html", page);
   const auto listing = folder / "elements.txt";
   const std::string command =
