@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "block_scatter.h"
 #include "bundle_adjustment.h"
 #include "corner_views.h"
 #include "error_scale.h"
@@ -103,15 +104,19 @@ class Fit {
     const std::vector<LinearView> views = corner_views(task_.observations, part_.views, state);
     const auto poses = PoseInformation::of(views, part_.tags, held_tag_);
     if (!poses || views.size() != part_.views.size()) return std::nullopt;
-    const ParameterInformation of_cameras =
-        poses->eliminate_poses(camera_columns(task_.observations, part_.views, state, parameters_));
+    const std::vector<ParameterView> columns =
+        camera_columns(task_.observations, part_.views, state, parameters_);
+    const ParameterInformation of_cameras = poses->eliminate_poses(columns);
     if (step_number_++ < 2) {  // then it stays, or prior and views would pull to and fro
       const double bias = task_.options.corner_bias_px / task_.options.corner_sigma_px;
       scale_ = error_scale(views, *poses, bias * bias);
+      noise_variance_ =
+          scale_.noise_variance *
+          BlockScatter(views, *poses).parameters_factor(columns, of_cameras, scale_.noise_variance);
     }
     const Eigen::Index num = total_.size();
     // Errors that tags keep weigh as if they were so much more noise.
-    Eigen::MatrixXd spread = scale_.noise_variance * of_cameras.information;
+    Eigen::MatrixXd spread = noise_variance_ * of_cameras.information;
     for (const auto& [tag, gradient] : of_cameras.gradient_by_errors)
       spread += scale_.bias_variance * gradient * gradient.transpose();
     const Eigen::LDLT<Eigen::MatrixXd> alone(of_cameras.information +
@@ -148,6 +153,7 @@ class Fit {
   int held_tag_;
   Eigen::VectorXd total_, sigmas_;
   ErrorScale scale_;
+  double noise_variance_ = 1.0;  ///< As the parameters of cameras follow it.
   int step_number_ = 0;
 };
 

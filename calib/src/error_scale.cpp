@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "block_scatter.h"
 #include "noise_correlation.h"
 
 namespace apriltrack {
@@ -85,6 +86,9 @@ ErrorScale error_scale(const std::vector<LinearView>& views, const PoseInformati
   scale.noise_variance = residual_variance(views) * scale.views_per_independent_view;
   if (expected_bias_variance > 0.0)
     scale.bias_variance = bias_variance(views, poses, scale.noise_variance, expected_bias_variance);
+  const double factor = BlockScatter(views, poses).tags_factor(scale.noise_variance);
+  scale.views_per_independent_view *= factor;
+  scale.noise_variance *= factor;
   return scale;
 }
 

@@ -11,12 +11,13 @@ inline constexpr double kMinScale = 0.1;
 
 /// How large the errors behind the residuals are, in the units of LinearView.
 struct ErrorScale {
-  /// Of the residuals' noise, times how much neighbouring frames repeat it: what the inverse of the normal
-  /// equations is to be multiplied by.
+  /// Of the residuals' noise, times how much neighbouring frames repeat it, and blocks of them: what the
+  /// inverse of the normal equations is to be multiplied by.
   double noise_variance = 1.0;
   /// Of the errors that each tag keeps in all of its views (LinearView::by_error).
   double bias_variance = 0.0;
-  /// How much neighbouring frames repeat it: views per view whose errors are its own (noise_correlation.h).
+  /// How much neighbouring frames repeat it: views per view whose errors are its own (noise_correlation.h,
+  /// block_scatter.h).
   double views_per_independent_view = 1.0;
 };
 

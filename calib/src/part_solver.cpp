@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "block_scatter.h"
 #include "camera_gravity.h"
 #include "corner_views.h"
 #include "culprit_search.h"
@@ -47,19 +48,22 @@ void measure_residuals(const Observations& observations, PartSolution& solution)
   solution.total_rms_px = std::sqrt(total / (8.0 * static_cast<double>(solution.part.views.size())));
 }
 
-/// Those of the cameras that were estimated with the poses.
+/// Those of the cameras that were estimated with the poses. views: linearised, `poses` is made from them.
 std::optional<SharedParameters> shared_parameters(const Observations& observations,
                                                   const PartSolution& solution,
+                                                  const std::vector<LinearView>& views,
                                                   const PoseInformation& poses) {
   if (!solution.cameras.is_accepted) return std::nullopt;
   std::vector<CameraParameter> parameters;
   for (const EstimatedParameter& one : solution.cameras.estimates) parameters.push_back(one.parameter);
-  SharedParameters shared{
-      poses.eliminate_poses(camera_columns(observations, solution.part.views, solution.state, parameters)),
-      {}};
+  const std::vector<ParameterView> columns =
+      camera_columns(observations, solution.part.views, solution.state, parameters);
+  SharedParameters shared{poses.eliminate_poses(columns), {}};
   // One, in the units of the residuals, whose variance this is.
-  shared.prior_precision =
-      Eigen::VectorXd::Constant(shared.information.gradient.size(), solution.scale.noise_variance);
+  const double noise_variance = solution.scale.noise_variance;
+  shared.prior_precision = Eigen::VectorXd::Constant(shared.information.gradient.size(), noise_variance);
+  shared.noise_factor =
+      BlockScatter(views, poses).parameters_factor(columns, shared.information, noise_variance);
   return shared;
 }
 
@@ -207,7 +211,7 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
                     "with others");
   const double bias = options.corner_bias_px / options.corner_sigma_px;
   solution.scale = error_scale(views, *poses, bias * bias);
-  const auto shared = shared_parameters(observations, solution, *poses);
+  const auto shared = shared_parameters(observations, solution, views, *poses);
   solution.covariances = tag_covariances(*poses, solution.part.tags, shared);
   scale_by(solution.scale, solution.covariances);
   if (solution.part.tags.size() <= static_cast<std::size_t>(options.max_tags_with_joint_covariance)) {

@@ -44,13 +44,15 @@ std::vector<TagCovariance> covariances_from(const PoseInformation& poses, const 
 }  // namespace
 
 SharedErrors::SharedErrors(const SharedParameters& shared)
-    : poses_by_parameter(shared.information.poses_by_parameter),
-      covariance((shared.information.information + Eigen::MatrixXd(shared.prior_precision.asDiagonal()))
-                     .ldlt()
-                     .solve(Eigen::MatrixXd::Identity(shared.prior_precision.size(),
-                                                      shared.prior_precision.size()))) {
+    : poses_by_parameter(shared.information.poses_by_parameter) {
+  // A prior weighs the more, the less the views know.
+  const Eigen::MatrixXd prior = (shared.noise_factor * shared.prior_precision).asDiagonal();
+  const Eigen::MatrixXd gain = (shared.information.information + prior)
+                                   .ldlt()
+                                   .solve(Eigen::MatrixXd::Identity(prior.rows(), prior.cols()));
+  covariance = shared.noise_factor * gain;
   for (const auto& [tag, gradient] : shared.information.gradient_by_errors)
-    parameters_by_errors[tag] = -covariance * gradient;
+    parameters_by_errors[tag] = -gain * gradient;
 }
 
 std::vector<TagCovariance> tag_covariances(const PoseInformation& poses, const std::vector<int>& tags,

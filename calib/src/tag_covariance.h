@@ -23,6 +23,7 @@ struct TagCovariance {
 struct SharedParameters {
   ParameterInformation information;
   Eigen::VectorXd prior_precision;  ///< What was known of them before, in the units of the residuals.
+  double noise_factor = 1.0;  ///< How much more of the noise they follow than poses do (block_scatter.h).
 };
 
 /// What they add: the poses follow their errors.

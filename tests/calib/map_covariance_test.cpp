@@ -108,6 +108,33 @@ TEST(MapCovarianceStatistics, KnowsErrorsThatATagKeepsInAllItsViews) {
   EXPECT_GT(untold, 3.0) << "the case must be one that the residuals do not show";
 }
 
+TEST(MapCovarianceStatistics, KnowsErrorsThatBlocksOfFramesShare) {
+  // A lens that breathes: all that a block of twenty frames sees is magnified by a factor of its own. Each
+  // tag's residuals hardly show it, as the poses of frames take most of it.
+  const SyntheticWorld world = test::make_room(8, 200, test::equidistant_camera());
+  constexpr std::size_t kBlock = 20;
+  constexpr double kSpread = 0.002;
+  const double ratio = mean_normalised_error(
+      world, {.corner_bias_px = 0.0, .intrinsics = Intrinsics::kKeep},
+      [&](std::vector<FrameDetections>& frames, RandomStream& random) {
+        const Pinhole pinhole = world.rig.cameras[0].model.pinhole();
+        double magnified = 1.0;
+        for (std::size_t i = 0; i < frames.size(); ++i) {
+          if (i % kBlock == 0) magnified = 1.0 + kSpread * random.normal();
+          for (Detection& detection : frames[i].detections) {
+            for (Eigen::Vector2d& corner : detection.corners_px) {
+              const Eigen::Vector2d middle(pinhole.cx, pinhole.cy);
+              corner = middle + magnified * (corner - middle);
+            }
+          }
+        }
+        test::add_edge_noise(frames, 0.05, -0.45, random);
+      },
+      12);
+  EXPECT_GT(ratio, 0.4);
+  EXPECT_LT(ratio, 2.0);
+}
+
 TEST(MapCovariance, LeavesCovariancesOutOfMapsOverTheLimitAndSaysSo) {
   const SyntheticWorld world = test::make_room(10, 40, test::equidistant_camera());
   const auto frames = test::exact_detections(world);

@@ -1,0 +1,134 @@
+#include "block_scatter.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace apriltrack {
+namespace {
+
+constexpr Eigen::Index kBlocks = 8;           // long ones: what lasts a minute is seen
+constexpr std::size_t kLeastFrames = 40;      // fewer say nothing of blocks
+constexpr std::size_t kMostBlocksUnseen = 3;  // a tag that few blocks show follows each of them
+constexpr std::size_t kMostTags = 60;         // are asked how they scatter
+// The factor 1 counts as this many numbers beside those of the blocks.
+constexpr double kPriorStrength = 4.0;
+// The residuals of a block hide what the solution follows of its pull: a parameter by its own mean, which
+// centred scores know; a tag by its pose as well.
+constexpr double kSeen = static_cast<double>(kBlocks - 1) / static_cast<double>(kBlocks);
+
+std::map<int, Eigen::Index> blocks_of_frames(const std::vector<LinearView>& views) {
+  std::set<int> frames;
+  for (const LinearView& view : views) frames.insert(view.frame);
+  std::map<int, Eigen::Index> blocks;
+  if (frames.size() < kLeastFrames) return blocks;
+  Eigen::Index rank = 0;
+  for (const int frame : frames) blocks[frame] = rank++ * kBlocks / static_cast<Eigen::Index>(frames.size());
+  return blocks;
+}
+
+/// What a tag keeps in all of its views is counted elsewhere.
+std::vector<LinearView::Residual> residuals_about_mean(const std::vector<LinearView>& views) {
+  std::map<std::pair<int, int>, std::pair<LinearView::Residual, double>> sums;  // of a tag in a camera
+  for (const LinearView& view : views) {
+    auto& [sum, count] =
+        sums.try_emplace({view.tag, view.camera}, LinearView::Residual::Zero(view.residual.size()), 0.0)
+            .first->second;
+    sum += view.residual;
+    count += 1.0;
+  }
+  std::vector<LinearView::Residual> residuals;
+  for (const LinearView& view : views) {
+    const auto& [sum, count] = sums.at({view.tag, view.camera});
+    residuals.emplace_back(view.residual - sum / count);
+  }
+  return residuals;
+}
+
+void fit_frames(const std::vector<LinearView>& views, std::vector<LinearView::Residual>& residuals) {
+  std::map<int, std::pair<Matrix6d, Vector6d>> frames;  // normal equations
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    auto& [H, g] = frames.try_emplace(views[v].frame, Matrix6d::Zero(), Vector6d::Zero()).first->second;
+    H += views[v].by_rig.transpose() * views[v].by_rig;
+    g += views[v].by_rig.transpose() * residuals[v];
+  }
+  for (auto& [frame, equations] : frames)
+    equations.second = equations.first.ldlt().solve(equations.second).eval();
+  for (std::size_t v = 0; v < views.size(); ++v)
+    residuals[v] -= views[v].by_rig * frames.at(views[v].frame).second;
+}
+
+Eigen::MatrixXd about_mean(Eigen::MatrixXd columns) {
+  columns.colwise() -= columns.rowwise().mean().eval();
+  return columns;
+}
+
+/// seen: share of the squares that the fit leaves to be seen. squares: in units of what noise lets a number
+/// scatter by, summed over blocks, and over `numbers`.
+double factor(double squares, double numbers, double seen) {
+  const double per_number =
+      squares / (numbers * static_cast<double>(kBlocks - 1) / static_cast<double>(kBlocks));
+  const double count = numbers * static_cast<double>(kBlocks - 1);
+  return std::max(1.0, (kPriorStrength + count * per_number / seen) / (kPriorStrength + count));
+}
+
+}  // namespace
+
+BlockScatter::BlockScatter(const std::vector<LinearView>& views, const PoseInformation& poses)
+    : views_(views), poses_(poses) {
+  const std::map<int, Eigen::Index> block_of_frame = blocks_of_frames(views);
+  if (block_of_frame.empty()) return;
+  residuals_ = residuals_about_mean(views);
+  fit_frames(views, residuals_);
+  scores_ = Eigen::MatrixXd::Zero(poses.size(), kBlocks);
+  std::map<int, std::set<Eigen::Index>> blocks_of_tag;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const Eigen::Index block = block_of_frame.at(views[v].frame);
+    block_of_view_.push_back(block);
+    const auto offset = poses.offset_of(views[v].tag);
+    if (!offset) continue;
+    scores_.col(block).segment<6>(*offset) += views[v].by_tag.transpose() * residuals_[v];
+    blocks_of_tag[views[v].tag].insert(block);
+  }
+  num_tags_ = blocks_of_tag.size();
+  for (const auto& [tag, blocks] : blocks_of_tag) {
+    if (blocks.size() + kMostBlocksUnseen >= static_cast<std::size_t>(kBlocks)) lasting_tags_.push_back(tag);
+  }
+}
+
+double BlockScatter::tags_factor(double noise_variance) const {
+  if (!has_blocks() || lasting_tags_.empty() || 2 * lasting_tags_.size() < num_tags_) return 1.0;
+  const Eigen::MatrixXd pulled = about_mean(poses_.solve(scores_));
+  const std::size_t step = (lasting_tags_.size() + kMostTags - 1) / kMostTags;
+  double squares = 0.0, numbers = 0.0;
+  for (std::size_t i = 0; i < lasting_tags_.size(); i += step) {
+    const Eigen::Index offset = *poses_.offset_of(lasting_tags_[i]);
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(poses_.size(), 6);
+    columns.middleRows<6>(offset).setIdentity();
+    const Matrix6d expected = noise_variance * poses_.solve(std::move(columns)).middleRows<6>(offset);
+    const Eigen::MatrixXd own = pulled.middleRows<6>(offset);
+    squares += own.cwiseProduct(expected.ldlt().solve(own)).sum();
+    numbers += 6.0;
+  }
+  return factor(squares, numbers, kSeen * kSeen);
+}
+
+double BlockScatter::parameters_factor(const std::vector<ParameterView>& columns,
+                                       const ParameterInformation& information, double noise_variance) const {
+  if (!has_blocks()) return 1.0;
+  Eigen::MatrixXd scores = information.poses_by_parameter.transpose() * scores_;
+  for (const ParameterView& column : columns)
+    scores.col(block_of_view_[column.view]) += column.by_parameter.transpose() * residuals_[column.view];
+  scores = about_mean(std::move(scores));
+  // pull' covariance^-1 pull, of pull = C^-1 score and covariance = noise C^-1; what the prior says, whose
+  // sigmas are the units, is no pull of theirs
+  Eigen::MatrixXd with_prior = information.information;
+  with_prior.diagonal().array() += noise_variance;
+  const Eigen::MatrixXd pulled = with_prior.ldlt().solve(scores);
+  return factor(scores.cwiseProduct(pulled).sum() / noise_variance, static_cast<double>(scores.rows()),
+                kSeen);
+}
+
+}  // namespace apriltrack
