@@ -37,6 +37,26 @@ class Descriptor {
   int fd_;
 };
 
+/// A file that is taken away on every way out, but for the one on which it has got its name.
+class AsideFile {
+ public:
+  explicit AsideFile(fs::path path) : path_(std::move(path)) {}
+  AsideFile(const AsideFile&) = delete;
+  AsideFile& operator=(const AsideFile&) = delete;
+  ~AsideFile() {
+    if (!path_.empty()) ::unlink(path_.c_str());
+  }
+  const fs::path& path() const { return path_; }
+  bool rename_to(const fs::path& path) {
+    if (::rename(path_.c_str(), path.c_str()) != 0) return false;
+    path_.clear();
+    return true;
+  }
+
+ private:
+  fs::path path_;
+};
+
 bool write_all(int fd, std::string_view contents) {
   while (!contents.empty()) {
     const ssize_t written = ::write(fd, contents.data(), contents.size());
@@ -69,19 +89,16 @@ void write_directly(const fs::path& path, const PieceWriter& writer) {
 
 void write_beside_and_rename(const fs::path& path, const PieceWriter& writer, const struct stat* existing,
                              Durability durability) {
-  fs::path aside = path;
-  aside += fmt::format(".{}.part", ::getpid());
-  Descriptor file(::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  fs::path beside = path;
+  beside += fmt::format(".{}.part", ::getpid());
+  AsideFile aside(beside);
+  Descriptor file(::open(aside.path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
   if (file.get() < 0) fail_to_write(path, errno);
   const bool is_complete = (!existing || ::fchmod(file.get(), existing->st_mode & 07777) == 0) &&
                            write_pieces(file.get(), writer) &&
                            (durability == Durability::kComplete || ::fsync(file.get()) == 0) &&
-                           file.close() && ::rename(aside.c_str(), path.c_str()) == 0;
-  if (!is_complete) {
-    const int code = errno;
-    ::unlink(aside.c_str());
-    fail_to_write(path, code, existing ? "; the existing file was kept" : "");
-  }
+                           file.close() && aside.rename_to(path);
+  if (!is_complete) fail_to_write(path, errno, existing ? "; the existing file was kept" : "");
 }
 
 }  // namespace
