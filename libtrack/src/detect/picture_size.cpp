@@ -161,14 +161,15 @@ std::vector<std::string> check_picture_sizes(std::span<const FrameDetections> fr
       continue;
     }
     const auto num_frames = static_cast<double>(sights.boxes.size());
-    if (static_cast<double>(sights.num_outside) > kStrayFrames * num_frames)
+    const bool is_lone =
+        sights.num_outside == 1 && sights.boxes.size() > 1;  // of few frames, too, a misread tag
+    if (!is_lone && static_cast<double>(sights.num_outside) > kStrayFrames * num_frames)
       refuse_pictures(camera, sights, place);
     const std::string where =
         place ? place(*sights.first->frame, *sights.first->detection) + ": " : std::string();
     warnings.push_back(fmt::format(
-        "{} of {} frames of camera '{}' have corners far outside its pictures, as misread tags and pictures "
-        "of "
-        "another size have: {}{}",
+        "{} of {} frames of camera '{}' have corners far outside its pictures, as misread tags and "
+        "pictures of another size have: {}{}",
         sights.num_outside, sights.boxes.size(), camera.name, where, outside_corner(camera, sights, place)));
   }
   return warnings;
