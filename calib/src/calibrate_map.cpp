@@ -238,14 +238,18 @@ std::size_t num_moments(const Observations& observations) {
   return frames.size();
 }
 
-/// Those whose gravity is told stay as they are.
-int merge_frames_at_rest(Observations& observations, const CalibrationOptions& options, Findings& findings,
-                         const LogSink& log) {
-  std::set<Timestamp> kept;
+/// Times of the frames whose gravity is told: they stay as they are.
+std::set<Timestamp> times_with_gravity(const CalibrationOptions& options) {
+  std::set<Timestamp> times;
   for (const MapConstraint& constraint : options.constraints) {
     if (const auto* gravity = std::get_if<CameraGravityConstraint>(&constraint.what))
-      kept.insert(gravity->timestamp);
+      times.insert(gravity->timestamp);
   }
+  return times;
+}
+
+int merge_frames_at_rest(Observations& observations, const CalibrationOptions& options,
+                         const std::set<Timestamp>& kept, Findings& findings, const LogSink& log) {
   const std::size_t before = num_moments(observations);
   const RestingFrames resting = merge_resting_frames(
       observations, options.same_place_px, {options.corner_sigma_px, options.edge_end_correlation}, kept);
@@ -263,14 +267,15 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   const ParallelFor parallel = parallel_for(options.num_threads);
   Findings findings;
   Observations observations = collect_observations(frames, rig, sizes, options, findings, log);
-  if (const int repeated = drop_repeated_frames(observations); repeated > 0)
+  const std::set<Timestamp> kept = times_with_gravity(options);
+  if (const int repeated = drop_repeated_frames(observations, kept); repeated > 0)
     findings.warnings.push_back(
         fmt::format("{} exactly the corners of an earlier one, and {} not counted: a film that stands "
                     "still, or frames that were copied, say no more than one picture",
                     repeated == 1 ? "1 frame shows" : fmt::format("{} frames show", repeated),
                     repeated == 1 ? "is" : "are"));
   CalibrationResult result;
-  result.frames_at_rest = merge_frames_at_rest(observations, options, findings, log);
+  result.frames_at_rest = merge_frames_at_rest(observations, options, kept, findings, log);
   const std::vector<MapConstraint> constraints =
       with_families(options.constraints, observations.tags, findings.left_out);
   require_camera_frames(constraints, observations);

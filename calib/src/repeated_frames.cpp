@@ -20,14 +20,16 @@ std::vector<double> shown(std::span<const TagView> views) {
 
 }  // namespace
 
-int drop_repeated_frames(Observations& observations) {
+int drop_repeated_frames(Observations& observations, const std::set<Timestamp>& kept) {
   std::set<std::vector<double>> seen;
   std::set<int> repeated;
   const std::span<const TagView> views = observations.views;
   for (auto begin = views.begin(); begin != views.end();) {
     const int frame = begin->frame;
     const auto end = std::find_if(begin, views.end(), [&](const TagView& v) { return v.frame != frame; });
-    if (!seen.insert(shown({begin, end})).second) repeated.insert(frame);
+    const bool is_new = seen.insert(shown({begin, end})).second;
+    if (!is_new && !kept.contains(observations.frames[static_cast<std::size_t>(frame)]))
+      repeated.insert(frame);
     begin = end;
   }
   std::erase_if(observations.views, [&](const TagView& view) { return repeated.contains(view.frame); });

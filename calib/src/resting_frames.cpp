@@ -145,19 +145,30 @@ class PlaceMerge {
         noise_(noise),
         is_dropped_(is_dropped) {}
 
+  /// Where a tag moves, or is noisy, the moments that see it elsewhere are a place of their own.
   void merge(const Place& place, RestingFrames& counts) {
-    const std::vector<std::size_t> still = drop_outliers(place);
+    std::vector<std::size_t> left = place.moments;
+    while (left.size() > 1) {
+      const std::vector<std::size_t> still = drop_outliers(left);
+      if (still.empty()) return;
+      merge_still(still, counts);
+      std::erase_if(left, [&](std::size_t m) { return std::ranges::binary_search(still, m); });
+    }
+  }
+
+ private:
+  /// Of each set of tags that is seen together one mean stays, but of those that show no two together which
+  /// others do not: links between tags are never lost.
+  void merge_still(const std::vector<std::size_t>& still, RestingFrames& counts) {
     std::map<std::vector<Sight>, std::vector<std::size_t>> by_sights;
     for (const std::size_t m : still) by_sights[sights_of(m)].push_back(m);
     using Group = std::pair<std::vector<Sight>, std::vector<std::size_t>>;
     std::vector<Group> groups(by_sights.begin(), by_sights.end());
     std::ranges::stable_sort(groups, std::ranges::greater(),
                              [](const Group& group) { return group.first.size() * group.second.size(); });
-    std::set<Sight> covered;
+    std::set<std::pair<Sight, Sight>> covered;
     for (const auto& [sights, moments] : groups) {
-      const std::size_t before = covered.size();
-      covered.insert(sights.begin(), sights.end());
-      const bool is_new = covered.size() > before;
+      const bool is_new = cover_pairs(sights, covered);
       counts.merged += static_cast<int>(moments.size()) - (is_new ? 1 : 0);
       if (!is_new) {
         for (const std::size_t m : moments) drop(m);
@@ -168,7 +179,16 @@ class PlaceMerge {
     }
   }
 
- private:
+  /// Whether one of them was not covered yet.
+  static bool cover_pairs(const std::vector<Sight>& sights, std::set<std::pair<Sight, Sight>>& covered) {
+    bool is_new = false;
+    for (std::size_t i = 0; i < sights.size(); ++i) {
+      for (std::size_t j = i; j < sights.size(); ++j)
+        is_new = covered.emplace(sights[i], sights[j]).second || is_new;
+    }
+    return is_new;
+  }
+
   TagView& view(std::size_t v) { return observations_.views[v]; }
 
   void drop(std::size_t moment) {
@@ -184,9 +204,9 @@ class PlaceMerge {
   }
 
   /// The moments in which nothing moved.
-  std::vector<std::size_t> drop_outliers(const Place& place) {
+  std::vector<std::size_t> drop_outliers(const std::vector<std::size_t>& of_place) {
     std::map<Sight, std::vector<const TagView*>> by_sight;
-    for (const std::size_t m : place.moments) {
+    for (const std::size_t m : of_place) {
       for (std::size_t v = moments_[m].begin; v < moments_[m].end; ++v)
         by_sight[sight_of(view(v))].push_back(&view(v));
     }
@@ -199,7 +219,7 @@ class PlaceMerge {
       if (static_cast<double>(far) > kMoving * static_cast<double>(views.size())) moving.insert(sight);
     }
     std::vector<std::size_t> still;
-    for (const std::size_t m : place.moments) {
+    for (const std::size_t m : of_place) {
       std::vector<std::size_t> far;
       bool has_moved = false;
       for (std::size_t v = moments_[m].begin; v < moments_[m].end; ++v) {

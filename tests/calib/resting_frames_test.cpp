@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Cholesky>
+#include <map>
 
 #include "calibrating.h"
 
@@ -151,8 +152,47 @@ TEST(RestingFrames, AnOutlierIsDroppedAndATagThatMovesIsKeptAsItIs) {
   }
   observations = observations_of(world, with_moved);
   const RestingFrames counts = merge_resting_frames(observations, 1.0, {}, {});
-  EXPECT_LE(counts.merged, 20) << "both of its places are still there";
-  EXPECT_EQ(observations.tags.size(), observations_of(world, still).tags.size());
+  EXPECT_EQ(counts.merged, 38) << "both of its places are still there";
+  EXPECT_EQ(counts.places, 2);
+  const TagKey moved = still[0].detections[1].tag;
+  std::vector<double> seen_px;
+  for (const TagView& view : observations.views) {
+    if (observations.tags[static_cast<std::size_t>(view.tag)] == moved)
+      seen_px.push_back(view.corners_px[0].x() - still[0].detections[1].corners_px[0].x());
+  }
+  std::ranges::sort(seen_px);
+  ASSERT_EQ(seen_px.size(), 2u);
+  EXPECT_NEAR(seen_px[0], 0.0, 0.3);
+  EXPECT_NEAR(seen_px[1], 9.0, 0.3);
+}
+
+TEST(RestingFrames, LinksBetweenTagsThatFlickerStay) {
+  const SyntheticWorld world = test::make_room(14, 24, test::equidistant_camera());
+  auto frames = at_rest(world, 100, 0.05);
+  ASSERT_GE(frames[0].detections.size(), 2u);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    auto& seen = frames[i].detections;
+    seen.resize(2);
+    if (i >= 10)
+      seen.erase(i < 70 ? seen.end() - 1 : seen.begin());  // 10 of both, 60 of one, 30 of the other
+  }
+  Observations observations = observations_of(world, frames);
+  merge_resting_frames(observations, 1.0, {}, {});
+  std::map<int, int> views_of_frame;
+  for (const TagView& view : observations.views) ++views_of_frame[view.frame];
+  EXPECT_TRUE(std::ranges::any_of(views_of_frame, [](const auto& one) { return one.second == 2; }));
+}
+
+TEST(RestingFrames, ANoisyTagDoesNotKeepTheOthersApart) {
+  const SyntheticWorld world = test::make_room(14, 24, test::equidistant_camera());
+  auto frames = at_rest(world, 200, 0.05);
+  RandomStream random(115);
+  for (FrameDetections& frame : frames) {
+    for (Eigen::Vector2d& corner : frame.detections[1].corners_px)
+      corner += 0.8 * Eigen::Vector2d(random.normal(), random.normal());
+  }
+  Observations observations = observations_of(world, frames);
+  EXPECT_GT(merge_resting_frames(observations, 1.0, {}, {}).merged, 150);
 }
 
 TEST(RestingFrames, AFrameOfWhichMoreIsToldStaysAsItIs) {
