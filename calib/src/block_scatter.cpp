@@ -126,9 +126,11 @@ double BlockScatter::parameters_factor(const std::vector<ParameterView>& columns
   // sigmas are the units, is no pull of theirs
   Eigen::MatrixXd with_prior = information.information;
   with_prior.diagonal().array() += noise_variance;
-  const Eigen::MatrixXd pulled = with_prior.ldlt().solve(scores);
-  return factor(scores.cwiseProduct(pulled).sum() / noise_variance, static_cast<double>(scores.rows()),
-                kSeen);
+  const Eigen::LDLT<Eigen::MatrixXd> factor_of_both(with_prior);
+  const Eigen::MatrixXd pulled = factor_of_both.solve(scores);
+  // What the prior knows better is no number of theirs.
+  const double numbers = factor_of_both.solve(information.information).trace();
+  return factor(scores.cwiseProduct(pulled).sum() / noise_variance, numbers, kSeen);
 }
 
 }  // namespace apriltrack
