@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numbers>
 #include <span>
 #include <unordered_map>
 #include <utility>
@@ -13,6 +14,7 @@ namespace apriltrack {
 namespace {
 
 constexpr double kAgreeing = 0.75;  ///< Of the views that two moments of one place share.
+constexpr double kReach = 2.0;      ///< Of a tag's scatter at a place.
 constexpr double kMoving = 0.1;     ///< Of a tag's views at a place, where it is no outlier any more.
 
 /// A tag in a camera.
@@ -134,6 +136,17 @@ CornersPx median_of(const std::vector<const TagView*>& views) {
   return median;
 }
 
+/// Of a tag's views, by how much each differs from the next: what moves once, or slowly, scatters little.
+double scatter_px(const std::vector<const TagView*>& views) {
+  if (views.size() < 2) return 0.0;
+  std::vector<double> steps_px;
+  for (std::size_t i = 1; i < views.size(); ++i)
+    steps_px.push_back(distance_px(views[i - 1]->corners_px, views[i]->corners_px));
+  const auto middle = steps_px.begin() + static_cast<std::ptrdiff_t>(steps_px.size() / 2);
+  std::ranges::nth_element(steps_px, middle);
+  return *middle / std::numbers::sqrt2;
+}
+
 /// Merges the moments of one place; `is_dropped`, of each view, gains those that are in a mean, or no use.
 class PlaceMerge {
  public:
@@ -145,7 +158,7 @@ class PlaceMerge {
         noise_(noise),
         is_dropped_(is_dropped) {}
 
-  /// Where a tag moves, or is noisy, the moments that see it elsewhere are a place of their own.
+  /// Where a tag moves, the moments that see it elsewhere are a place of their own.
   void merge(const Place& place, RestingFrames& counts) {
     std::vector<std::size_t> left = place.moments;
     while (left.size() > 1) {
@@ -211,11 +224,13 @@ class PlaceMerge {
         by_sight[sight_of(view(v))].push_back(&view(v));
     }
     std::map<Sight, CornersPx> median_px;
+    std::map<Sight, double> reach_px;
     std::set<Sight> moving;
     for (const auto& [sight, views] : by_sight) {
       const CornersPx& median = median_px[sight] = median_of(views);
+      const double reach = reach_px[sight] = std::max(same_place_px_, kReach * scatter_px(views));
       const auto far = std::ranges::count_if(
-          views, [&](const TagView* one) { return distance_px(one->corners_px, median) > same_place_px_; });
+          views, [&](const TagView* one) { return distance_px(one->corners_px, median) > reach; });
       if (static_cast<double>(far) > kMoving * static_cast<double>(views.size())) moving.insert(sight);
     }
     std::vector<std::size_t> still;
@@ -223,9 +238,10 @@ class PlaceMerge {
       std::vector<std::size_t> far;
       bool has_moved = false;
       for (std::size_t v = moments_[m].begin; v < moments_[m].end; ++v) {
-        if (distance_px(view(v).corners_px, median_px[sight_of(view(v))]) <= same_place_px_) continue;
+        const Sight sight = sight_of(view(v));
+        if (distance_px(view(v).corners_px, median_px[sight]) <= reach_px[sight]) continue;
         far.push_back(v);
-        has_moved = has_moved || moving.contains(sight_of(view(v)));
+        has_moved = has_moved || moving.contains(sight);
       }
       if (has_moved) continue;
       for (const std::size_t v : far) is_dropped_[v] = true;
