@@ -68,8 +68,7 @@ Eigen::MatrixXd about_mean(Eigen::MatrixXd columns) {
 /// seen: share of the squares that the fit leaves to be seen. squares: in units of what noise lets a number
 /// scatter by, summed over blocks, and over `numbers`.
 double factor(double squares, double numbers, double seen) {
-  const double per_number =
-      squares / (numbers * static_cast<double>(kBlocks - 1) / static_cast<double>(kBlocks));
+  const double per_number = squares / (numbers * kSeen);  // about their mean over blocks
   const double count = numbers * static_cast<double>(kBlocks - 1);
   return std::max(1.0, (kPriorStrength + count * per_number / seen) / (kPriorStrength + count));
 }
@@ -80,45 +79,70 @@ BlockScatter::BlockScatter(const std::vector<LinearView>& views, const PoseInfor
     : views_(views), poses_(poses) {
   const std::map<int, Eigen::Index> block_of_frame = blocks_of_frames(views);
   if (block_of_frame.empty()) return;
+  for (const LinearView& view : views) block_of_view_.push_back(block_of_frame.at(view.frame));
   residuals_ = residuals_about_mean(views);
   fit_frames(views, residuals_);
-  scores_ = Eigen::MatrixXd::Zero(poses.size(), kBlocks);
-  std::map<int, std::set<Eigen::Index>> blocks_of_tag;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const Eigen::Index block = block_of_frame.at(views[v].frame);
-    block_of_view_.push_back(block);
-    const auto offset = poses.offset_of(views[v].tag);
-    if (!offset) continue;
-    scores_.col(block).segment<6>(*offset) += views[v].by_tag.transpose() * residuals_[v];
-    blocks_of_tag[views[v].tag].insert(block);
+}
+
+Eigen::MatrixXd BlockScatter::scores(const PoseInformation& poses) const {
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(poses.size(), kBlocks);
+  for (std::size_t v = 0; v < views_.size(); ++v) {
+    if (const auto offset = poses.offset_of(views_[v].tag))
+      scores.col(block_of_view_[v]).segment<6>(*offset) += views_[v].by_tag.transpose() * residuals_[v];
   }
-  num_tags_ = blocks_of_tag.size();
-  for (const auto& [tag, blocks] : blocks_of_tag) {
-    if (blocks.size() + kMostBlocksUnseen >= static_cast<std::size_t>(kBlocks)) lasting_tags_.push_back(tag);
-  }
+  return scores;
 }
 
 double BlockScatter::tags_factor(double noise_variance) const {
-  if (!has_blocks() || lasting_tags_.empty() || 2 * lasting_tags_.size() < num_tags_) return 1.0;
-  const Eigen::MatrixXd pulled = about_mean(poses_.solve(scores_));
-  const std::size_t step = (lasting_tags_.size() + kMostTags - 1) / kMostTags;
+  if (!has_blocks()) return 1.0;
+  const SeenTags seen = seen_tags();
+  if (seen.lasting.empty()) return 1.0;
+  if (!poses_.offset_of(seen.most_seen)) return tags_factor_about(poses_, seen, noise_variance);
+  const auto poses = PoseInformation::of(views_, seen.all, seen.most_seen);
+  return poses ? tags_factor_about(*poses, seen, noise_variance) : 1.0;
+}
+
+BlockScatter::SeenTags BlockScatter::seen_tags() const {
+  std::map<int, std::set<Eigen::Index>> blocks_of_tag;
+  std::map<int, int> views_of_tag;
+  for (std::size_t v = 0; v < views_.size(); ++v) {
+    blocks_of_tag[views_[v].tag].insert(block_of_view_[v]);
+    ++views_of_tag[views_[v].tag];
+  }
+  SeenTags seen;
+  seen.most_seen =
+      std::ranges::max_element(views_of_tag, {}, [](const auto& tag) { return tag.second; })->first;
+  for (const auto& [tag, blocks] : blocks_of_tag) {
+    seen.all.push_back(tag);
+    if (tag != seen.most_seen && blocks.size() + kMostBlocksUnseen >= static_cast<std::size_t>(kBlocks))
+      seen.lasting.push_back(tag);
+  }
+  return seen;
+}
+
+double BlockScatter::tags_factor_about(const PoseInformation& poses, const SeenTags& seen,
+                                       double noise_variance) const {
+  const Eigen::MatrixXd pulled = about_mean(poses.solve(scores(poses)));
+  const std::size_t step = (seen.lasting.size() + kMostTags - 1) / kMostTags;
   double squares = 0.0, numbers = 0.0;
-  for (std::size_t i = 0; i < lasting_tags_.size(); i += step) {
-    const Eigen::Index offset = *poses_.offset_of(lasting_tags_[i]);
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(poses_.size(), 6);
+  for (std::size_t i = 0; i < seen.lasting.size(); i += step) {
+    const Eigen::Index offset = *poses.offset_of(seen.lasting[i]);
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(poses.size(), 6);
     columns.middleRows<6>(offset).setIdentity();
-    const Matrix6d expected = noise_variance * poses_.solve(std::move(columns)).middleRows<6>(offset);
+    const Matrix6d expected = noise_variance * poses.solve(std::move(columns)).middleRows<6>(offset);
     const Eigen::MatrixXd own = pulled.middleRows<6>(offset);
     squares += own.cwiseProduct(expected.ldlt().solve(own)).sum();
     numbers += 6.0;
   }
-  return factor(squares, numbers, kSeen * kSeen);
+  // Of tags that few blocks show nothing is known.
+  const double known = static_cast<double>(seen.lasting.size()) / static_cast<double>(seen.all.size() - 1);
+  return 1.0 + known * (factor(squares, numbers, kSeen * kSeen) - 1.0);
 }
 
 double BlockScatter::parameters_factor(const std::vector<ParameterView>& columns,
                                        const ParameterInformation& information, double noise_variance) const {
   if (!has_blocks()) return 1.0;
-  Eigen::MatrixXd scores = information.poses_by_parameter.transpose() * scores_;
+  Eigen::MatrixXd scores = information.poses_by_parameter.transpose() * this->scores(poses_);
   for (const ParameterView& column : columns)
     scores.col(block_of_view_[column.view]) += column.by_parameter.transpose() * residuals_[column.view];
   scores = about_mean(std::move(scores));

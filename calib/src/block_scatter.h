@@ -17,8 +17,9 @@ class BlockScatter {
   /// references to both.
   BlockScatter(const std::vector<LinearView>& views, const PoseInformation& poses);
 
-  /// By which noise of `noise_variance` is to be multiplied, so that the tags' poses scatter as they do: 1 or
-  /// more. 1 where most tags are seen in few of the blocks, each of which they follow.
+  /// By which noise of `noise_variance` is to be multiplied, so that the tags' poses scatter as they do,
+  /// about the tag that most views show, whichever is held: 1 or more. Nearer to 1 the more tags are seen in
+  /// few of the blocks, each of which they follow.
   double tags_factor(double noise_variance) const;
 
   /// The same for parameters that were estimated with the poses. columns: of the views; information: what is
@@ -27,16 +28,22 @@ class BlockScatter {
                            double noise_variance) const;
 
  private:
-  bool has_blocks() const { return scores_.cols() > 0; }
+  struct SeenTags {
+    std::vector<int> all, lasting;  ///< The latter in most of the blocks, and not the one most seen.
+    int most_seen = 0;
+  };
+
+  bool has_blocks() const { return !block_of_view_.empty(); }
+  /// Of the tags, rows as poses.offset_of() says; a column per block.
+  Eigen::MatrixXd scores(const PoseInformation& poses) const;
+  SeenTags seen_tags() const;
+  double tags_factor_about(const PoseInformation& poses, const SeenTags& seen, double noise_variance) const;
 
   const std::vector<LinearView>& views_;
   const PoseInformation& poses_;
-  std::vector<Eigen::Index> block_of_view_;
+  std::vector<Eigen::Index> block_of_view_;  ///< Empty where there are too few frames.
   /// Without what each tag keeps in all of its views, and each frame's pose fitted to what is left.
   std::vector<LinearView::Residual> residuals_;
-  Eigen::MatrixXd scores_;    ///< Of the tags, rows as PoseInformation::offset_of() says; a column per block.
-  std::size_t num_tags_ = 0;  ///< But the held one.
-  std::vector<int> lasting_tags_;  ///< Seen in most of the blocks.
 };
 
 }  // namespace apriltrack
