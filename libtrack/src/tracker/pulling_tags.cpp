@@ -10,7 +10,8 @@ namespace {
 
 /// Fewer pull no other tag.
 constexpr int kLeastPixels = 100;
-/// Below, nothing of a tag is in its place; half of one behind a hand has more.
+/// Below, nothing of a tag is in its place; half of one behind a hand has more. Noise and all: of what is dim
+/// or blurred noise is much. A tag that has no part in the end may have pulled on the way there.
 constexpr double kMaxCorrelation = 0.5;
 /// In scores, beyond what two fits of one minimum differ by: a tag's fit is worth hundreds.
 constexpr double kBetter = 5.0;
@@ -20,9 +21,7 @@ constexpr double kPulled_px = 1.0;
 std::vector<int> tags_that_may_pull(const Explanation& explanation) {
   std::vector<int> result;
   for (const TagEquations& tag : explanation.fit.equations) {
-    const bool took_part = !tag.H.isZero();
-    if (took_part && tag.evidence.num_pixels >= kLeastPixels &&
-        tag.evidence.clean_correlation() < kMaxCorrelation)
+    if (tag.evidence.num_pixels >= kLeastPixels && tag.evidence.correlation < kMaxCorrelation)
       result.push_back(tag.evidence.tag_index);
   }
   return result;
