@@ -24,32 +24,58 @@ GrayImage dimmed(const GrayImage& image, const ResponseCurve& response, double f
   return result;
 }
 
-/// waved_tag() through frames that cannot be read, the first of them on at half the light; what the camera
-/// tells of it. Returns the statuses of these frames.
-std::vector<TrackStatus> statuses_at_half_light(double told_gain) {
+struct DimFrame {
+  TrackStatus status;
+  double turn_rad;  ///< Of the tag, since it was seen last in full light.
+};
+
+/// waved_tag() through three frames that cannot be read, at `factor` times the light; what the camera tells
+/// of it.
+std::vector<DimFrame> dim_frames(double factor, double told_gain) {
   const BlurFilm& film = waved_tag();
   BlurTracker tracker = tracker_of(film);
-  std::vector<TrackStatus> statuses;
-  for (std::size_t i = 0; i < film.size() && statuses.size() < 3; ++i) {
+  std::vector<DimFrame> dim;
+  std::size_t last_read = 0;
+  for (std::size_t i = 0; i < film.size() && dim.size() < 3; ++i) {
     const bool is_read = !film.detections[i].empty();
-    if (is_read && statuses.empty()) {
+    if (is_read && dim.empty()) {
       tracker.track(film.frames[i].frame(), film.detections[i]);
+      last_read = i;
       continue;
     }
-    const GrayImage dim = dimmed(film.frames[i].pixels, film.scene.camera.response, 0.5);
+    const GrayImage image = dimmed(film.frames[i].pixels, film.scene.camera.response, factor);
     Frame frame = film.frames[i].frame(told_gain);
-    frame.image = dim.view();
-    statuses.push_back(tracker.track(frame, {}).status);
+    frame.image = image.view();
+    const double turn_rad =
+        film.frames[i].truth.rotation().angularDistance(film.frames[last_read].truth.rotation());
+    dim.push_back({tracker.track(frame, {}).status, turn_rad});
   }
-  return statuses;
+  return dim;
 }
 
 TEST(BlurTracker, FollowsThroughAStepOfTheGainThatTheCameraTells) {
-  EXPECT_EQ(statuses_at_half_light(0.5), std::vector<TrackStatus>(3, TrackStatus::kTracked));
+  const std::vector<DimFrame> dim = dim_frames(0.5, 0.5);
+  ASSERT_EQ(dim.size(), 3U);
+  for (const DimFrame& frame : dim) EXPECT_EQ(frame.status, TrackStatus::kTracked);
 }
 
+/// A tag that has turned by as much as makes up for half of the light may be as it was.
 TEST(BlurTracker, DoubtsATagThatIsSuddenlyHalfAsLightForNoReason) {
-  EXPECT_EQ(statuses_at_half_light(1.0), std::vector<TrackStatus>(3, TrackStatus::kPredicted));
+  const double turn_that_explains_rad = std::log(2.0 / 1.4);
+  constexpr double kMargin_rad = 0.03;  // contrast is measured within 3 %
+  const std::vector<DimFrame> dim = dim_frames(0.5, 1.0);
+  ASSERT_EQ(dim.size(), 3U);
+  EXPECT_LT(dim.front().turn_rad, turn_that_explains_rad - kMargin_rad);
+  for (const DimFrame& frame : dim) {
+    if (frame.turn_rad > turn_that_explains_rad - kMargin_rad) continue;
+    EXPECT_EQ(frame.status, TrackStatus::kPredicted) << frame.turn_rad;
+  }
+}
+
+TEST(BlurTracker, DoubtsATagThatIsSuddenlyAQuarterAsLightHoweverItTurns) {
+  const std::vector<DimFrame> dim = dim_frames(0.25, 1.0);
+  ASSERT_EQ(dim.size(), 3U);
+  for (const DimFrame& frame : dim) EXPECT_EQ(frame.status, TrackStatus::kPredicted) << frame.turn_rad;
 }
 
 TEST(BlurTracker, FollowsThroughAStepOfTheExposureThatAnUnknownGainMakesUpFor) {
