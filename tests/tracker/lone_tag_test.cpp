@@ -149,18 +149,30 @@ TEST(FarTag, IsLookedAtInBothTiltsThoughItsMotionGoesOnAsExpected) {
   EXPECT_EQ(settled_again, found.end());
 }
 
+/// What the other tag itself adds to the score is nothing, wall by wall. The whole score differs by where two
+/// fits of one minimum happened to end as well, by more than 0.5 at 0.7 % of 2300 walls: where one in a
+/// hundred does, ten of 194 do in less than one film in 10 000 (binomial).
 TEST_F(LoneTag, GainsNothingFromAnotherThatIsLikeAWallByChance) {
-  int num_alike = 0;
+  int num_alike = 0, num_walls = 0, num_gains = 0;
+  double sum_of_gains = 0.0;
   for (int id = 6; id < 200; ++id) {
     set_side(id);
     show(patches(static_cast<std::uint64_t>(id)).view());
     const Explanation beside_a_wall = mistaken_explanation();
     ASSERT_EQ(beside_a_wall.fit.tags.size(), 2U);
     num_alike += beside_a_wall.fit.tags[1].log_likelihood() > 2.0 ? 1 : 0;
+    const double of_front = beside_a_wall.fit.tags[0].log_likelihood();
+    EXPECT_LE(beside_a_wall.score, of_front - scored_prior_cost(beside_a_wall.prior_cost) + 1e-9)
+        << "tag " << id;
     world_->tags[1].is_hidden = true;
-    EXPECT_LE(beside_a_wall.score, mistaken_explanation().score + 0.5) << "tag " << id;
+    const double gain = beside_a_wall.score - mistaken_explanation().score;
+    num_gains += gain > 0.5 ? 1 : 0;
+    sum_of_gains += gain;
+    ++num_walls;
   }
   EXPECT_GE(num_alike, 3);
+  EXPECT_LT(num_gains, 10);
+  EXPECT_LE(sum_of_gains / num_walls, 0.0);
 }
 
 }  // namespace
