@@ -7,14 +7,14 @@
 namespace apriltrack {
 namespace {
 
-/// Points per pixel, over all instants, where walls meet; and parts per pixel across edges of panels: few
-/// instants leave the whole of a pixel's area to each, many share the work.
+/// Points per pixel, over all pictures of which the film is the sum, where walls meet; and parts per pixel
+/// across edges of panels: few pictures leave the whole of a pixel's area to each, many share the work.
 constexpr int kEdgeSamples = 32;
-int samples_per_instant(int num_instants) {
-  return std::max(1, kEdgeSamples / num_instants);
+int samples_per_picture(int num_pictures) {
+  return std::max(1, kEdgeSamples / num_pictures);
 }
-int splits_per_instant(int num_instants) {
-  return num_instants <= 16 ? 4 : 2;
+int splits_per_picture(int num_pictures) {
+  return num_pictures <= 16 ? 4 : 2;
 }
 
 struct BodyInstant {
@@ -24,7 +24,8 @@ struct BodyInstant {
 };
 
 struct InstantView {
-  float weight = 0.0F;
+  int index = 0;
+  float light = 0.0F;
   RoomView room;
   std::vector<BodyInstant> bodies;  ///< Far to near.
 };
@@ -68,40 +69,49 @@ BodyInstant view_body(const PreparedScene& prepared, const PreparedScene::Prepar
   return view;
 }
 
-InstantView view_instant(const PreparedScene& prepared, const std::vector<std::size_t>& order, double time_s,
-                         int num_instants) {
+InstantView view_instant(const PreparedScene& prepared, const std::vector<std::size_t>& order,
+                         const Instants& instants, int index) {
   const Scene& scene = *prepared.scene;
+  const double time_s = instants.at(index);
   const Pose T_world_camera = scene.T_world_camera.at(time_s);
   InstantView view;
-  view.weight = static_cast<float>(scene.flicker.light(time_s) / num_instants);
+  view.index = index;
+  view.light = static_cast<float>(scene.flicker.light(time_s));
   if (scene.room) view.room = RoomView(*scene.room, T_world_camera);
   const Pose T_camera_world = T_world_camera.inverse();
-  for (const std::size_t index : order) {
-    view.bodies.push_back(view_body(prepared, prepared.bodies[index], T_camera_world, time_s));
+  for (const std::size_t body : order) {
+    view.bodies.push_back(view_body(prepared, prepared.bodies[body], T_camera_world, time_s));
   }
   return view;
 }
 
-/// One tile of the film: the picture of each instant is put together here before it is added up.
+/// One look of a lens, tile by tile: the picture of each of its instants is put together here before it is
+/// added up.
 class TileFilm {
  public:
-  TileFilm(const PreparedScene& prepared, const std::vector<InstantView>& instants)
+  /// instants: of this look alone. The film is the mean over num_looks such pictures.
+  TileFilm(const PreparedScene& prepared, const std::vector<InstantView>& instants,
+           const Eigen::Vector2f& offset_px, int num_looks)
       : prepared_(prepared),
         instants_(instants),
-        samples_(samples_per_instant(static_cast<int>(instants.size()))),
-        splits_(splits_per_instant(static_cast<int>(instants.size()))) {
-    for (const InstantView& instant : instants) total_weight_ += instant.weight;
+        offset_px_(offset_px),
+        num_looks_(num_looks),
+        weight_(1.0F / static_cast<float>(instants.size())),
+        splits_(splits_per_picture(num_looks * static_cast<int>(instants.size()))) {
+    for (const InstantView& instant : instants) mean_light_ += weight_ * instant.light;
   }
 
   void expose(const Tile& tile, Image<float>& out) {
+    prepared_.grid.look(tile, offset_px_, look_);
     std::fill_n(sum_, kTileArea, 0.0F);
     if (prepared_.is_camera_fixed) {
-      expose_before_fixed_camera(tile);
+      expose_before_fixed_camera();
     } else {
-      for (std::size_t i = 0; i < instants_.size(); ++i) {
-        draw_room(tile, i, samples_);
-        for (const BodyInstant& body : instants_[i].bodies) draw_body(tile, body);
-        add(instants_[i].weight);
+      const int samples = samples_per_picture(num_looks_ * static_cast<int>(instants_.size()));
+      for (const InstantView& instant : instants_) {
+        draw_room(instant, samples);
+        for (const BodyInstant& body : instant.bodies) draw_body(body);
+        add(weight_ * instant.light);
       }
     }
     store(tile, out);
@@ -109,46 +119,46 @@ class TileFilm {
 
  private:
   /// What stands still is drawn once; a tile in which nothing moves is then done.
-  void expose_before_fixed_camera(const Tile& tile) {
-    draw_room(tile, 0, kEdgeSamples);
+  void expose_before_fixed_camera() {
+    draw_room(instants_[0], samples_per_picture(num_looks_));
     const auto is_moving = [&](const BodyInstant& body) {
-      return !body.is_fixed && body.bounds.touches(tile.bounds);
+      return !body.is_fixed && body.bounds.touches(look_.tile.bounds);
     };
     const bool moves = std::any_of(instants_.begin(), instants_.end(), [&](const InstantView& instant) {
       return std::any_of(instant.bodies.begin(), instant.bodies.end(), is_moving);
     });
     if (!moves) {
-      for (const BodyInstant& body : instants_[0].bodies) draw_body(tile, body);
-      add(total_weight_);
+      for (const BodyInstant& body : instants_[0].bodies) draw_body(body);
+      add(mean_light_);
       return;
     }
     std::copy_n(picture_, kTileArea, backdrop_);
     for (const InstantView& instant : instants_) {
       std::copy_n(backdrop_, kTileArea, picture_);
-      for (const BodyInstant& body : instant.bodies) draw_body(tile, body);
-      add(instant.weight);
+      for (const BodyInstant& body : instant.bodies) draw_body(body);
+      add(weight_ * instant.light);
     }
   }
 
-  void draw_room(const Tile& tile, std::size_t instant, int samples) {
+  void draw_room(const InstantView& instant, int samples) {
     if (prepared_.scene->room) {
-      instants_[instant].room.draw(tile, prepared_.grid, samples, static_cast<int>(instant), picture_);
+      instant.room.draw(look_, samples, instant.index, picture_);
     } else {
       std::fill_n(picture_, kTileArea, 0.0F);
     }
   }
 
-  void draw_body(const Tile& tile, const BodyInstant& body) {
-    if (!body.bounds.touches(tile.bounds)) return;
+  void draw_body(const BodyInstant& body) {
+    if (!body.bounds.touches(look_.tile.bounds)) return;
     bool is_touched = false;
     for (const PanelView& panel : body.panels) {
-      if (!panel.bounds().touches(tile.bounds)) continue;
+      if (!panel.bounds().touches(look_.tile.bounds)) continue;
       if (!is_touched) {
         std::fill_n(layer_.colour, kTileArea, 0.0F);
         std::fill_n(layer_.coverage, kTileArea, 0.0F);
       }
       is_touched = true;
-      panel.draw(tile, prepared_.grid, splits_, layer_);
+      panel.draw(look_, splits_, layer_);
     }
     if (!is_touched) return;
     for (int i = 0; i < kTileArea; ++i) {
@@ -172,9 +182,12 @@ class TileFilm {
 
   const PreparedScene& prepared_;
   const std::vector<InstantView>& instants_;
-  const int samples_;
+  const Eigen::Vector2f offset_px_;
+  const int num_looks_;
+  const float weight_;
   const int splits_;
-  float total_weight_ = 0.0F;
+  float mean_light_ = 0.0F;
+  TileLook look_;
   BodyLayer layer_;
   alignas(32) float picture_[kTileArea];
   alignas(32) float backdrop_[kTileArea];
@@ -183,16 +196,20 @@ class TileFilm {
 
 }  // namespace
 
-Image<float> film(const PreparedScene& prepared, const Instants& instants) {
+Image<float> film(const PreparedScene& prepared, const Instants& instants, const Lens& lens) {
   const auto order = drawing_order(prepared, instants.start_s + 0.5 * instants.step_s * instants.count);
-  std::vector<InstantView> views;
-  for (int i = 0; i < instants.count; ++i) {
-    views.push_back(view_instant(prepared, order, instants.at(i), instants.count));
+  Image<float> seen(prepared.grid.width(), prepared.grid.height(), 0.0F);
+  Image<float> blurred(prepared.grid.width(), prepared.grid.height(), 0.0F);
+  for (int look = 0; look < lens.num_looks(); ++look) {
+    std::vector<InstantView> views;
+    for (int i = look; i < instants.count; i += lens.num_looks()) {
+      views.push_back(view_instant(prepared, order, instants, i));
+    }
+    TileFilm tile_film(prepared, views, lens.offset_px(look), lens.num_looks());
+    for (const Tile& tile : prepared.grid.tiles()) tile_film.expose(tile, seen);
+    lens.add(seen, look, blurred);
   }
-  Image<float> out(prepared.grid.width(), prepared.grid.height(), 0.0F);
-  TileFilm tile_film(prepared, views);
-  for (const Tile& tile : prepared.grid.tiles()) tile_film.expose(tile, out);
-  return out;
+  return blurred;
 }
 
 }  // namespace apriltrack

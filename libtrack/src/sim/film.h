@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "apriltrack/sim/renderer.h"
+#include "lens.h"
 #include "panel_view.h"
 #include "room_view.h"
 
@@ -35,11 +36,13 @@ struct Instants {
   double at(int index) const { return start_s + step_s * (index + 0.5); }
 };
 
-/// As many as the longest path seen asks for.
+/// As many as the longest path seen asks for, rounded up to a multiple of `multiple_of`. exposure_s = 0: that
+/// many at once.
 Instants choose_instants(const PreparedScene& prepared, double middle_s, double exposure_s,
-                         const RenderOptions& options);
+                         const RenderOptions& options, int multiple_of);
 
-/// Mean radiance of every pixel over its area and over the instants.
-Image<float> film(const PreparedScene& prepared, const Instants& instants);
+/// Mean radiance of every pixel over its area, the instants and the blur of the lens, whose looks take turns:
+/// the instants' number must be a multiple of the looks'.
+Image<float> film(const PreparedScene& prepared, const Instants& instants, const Lens& lens);
 
 }  // namespace apriltrack

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/random.h"
@@ -16,76 +15,6 @@ void check_range(const char* name, double value, double low, double high) {
   APRILTRACK_CHECK(value >= low && value <= high, std::string(name) + " must lie in [" + std::to_string(low) +
                                                       ", " + std::to_string(high) + "] (is " +
                                                       std::to_string(value) + ")");
-}
-
-using Kernel = std::vector<float>;  // weights of pixels 0, 1, ... radius; symmetric
-
-std::vector<double> sampled_gaussian(double s, int radius) {
-  std::vector<double> weights;
-  double sum = 0.0;
-  for (int k = 0; k <= radius; ++k) {
-    weights.push_back(std::exp(-0.5 * k * k / (s * s)));
-    sum += k == 0 ? weights.back() : 2.0 * weights.back();
-  }
-  for (double& weight : weights) weight /= sum;
-  return weights;
-}
-
-double variance(const std::vector<double>& weights) {
-  double sum = 0.0;
-  for (std::size_t k = 1; k < weights.size(); ++k) sum += 2.0 * static_cast<double>(k * k) * weights[k];
-  return sum;
-}
-
-Kernel kernel_of_variance(double sigma_px) {
-  const int radius = std::max(2, static_cast<int>(std::ceil(4.5 * sigma_px)));
-  double low = 0.05;
-  double high = 2.0 * sigma_px + 0.5;
-  for (int i = 0; i < 60; ++i) {
-    const double s = 0.5 * (low + high);
-    (variance(sampled_gaussian(s, radius)) < sigma_px * sigma_px ? low : high) = s;
-  }
-  const std::vector<double> weights = sampled_gaussian(0.5 * (low + high), radius);
-  return {weights.begin(), weights.end()};
-}
-
-/// line: padded by the kernel's radius on both sides.
-void convolve(const float* line, const Kernel& kernel, float* out, int count) {
-  const int radius = static_cast<int>(kernel.size()) - 1;
-  for (int x = 0; x < count; ++x) out[x] = kernel[0] * line[x + radius];
-  for (int k = 1; k <= radius; ++k) {
-    const float weight = kernel[static_cast<std::size_t>(k)];
-    for (int x = 0; x < count; ++x) out[x] += weight * (line[x + radius - k] + line[x + radius + k]);
-  }
-}
-
-Image<float> blur_rows(const Image<float>& in, const Kernel& kernel) {
-  const int radius = static_cast<int>(kernel.size()) - 1;
-  std::vector<float> padded(static_cast<std::size_t>(in.width() + 2 * radius));
-  Image<float> out(in.width(), in.height());
-  for (int y = 0; y < in.height(); ++y) {
-    const float* row = in.row(y);
-    std::fill_n(padded.begin(), radius, row[0]);
-    std::copy_n(row, in.width(), padded.begin() + radius);
-    std::fill_n(padded.end() - radius, radius, row[in.width() - 1]);
-    convolve(padded.data(), kernel, out.row(y), in.width());
-  }
-  return out;
-}
-
-Image<float> blur_columns(const Image<float>& in, const Kernel& kernel) {
-  const int last = in.height() - 1;
-  Image<float> out(in.width(), in.height());
-  for (int y = 0; y < in.height(); ++y) {
-    float* row = out.row(y);
-    for (int k = 0; k < static_cast<int>(kernel.size()); ++k) {
-      const float weight = kernel[static_cast<std::size_t>(k)] * (k == 0 ? 0.5F : 1.0F);
-      const float* above = in.row(std::max(0, y - k));
-      const float* below = in.row(std::min(last, y + k));
-      for (int x = 0; x < in.width(); ++x) row[x] += weight * (above[x] + below[x]);
-    }
-  }
-  return out;
 }
 
 /// The code whose light is nearest: what rounding does in codes, as far as the curve is straight between
@@ -119,19 +48,13 @@ class Encoder {
 }  // namespace
 
 void ImageFormation::check() const {
-  check_range("lens_blur_sigma_px", lens_blur_sigma_px, 0.0, 20.0);
+  if (lens_blur_sigma_px != 0.0) check_range("lens_blur_sigma_px, if not 0,", lens_blur_sigma_px, 0.2, 20.0);
   check_range("vignetting", vignetting, 0.0, 0.95);
   check_range("sensor_gain", sensor_gain, 1e-3, 1e3);
   check_range("full_well", full_well, 1.0, 1e9);
   check_range("read_noise", read_noise, 0.0, 1e6);
   check_range("noise", noise, 0.0, 100.0);
   check_range("amplification", amplification, 1e-3, 1e4);
-}
-
-Image<float> blur_by_lens(const Image<float>& light, double sigma_px) {
-  if (sigma_px <= 0.0) return light;
-  const Kernel kernel = kernel_of_variance(sigma_px);
-  return blur_columns(blur_rows(light, kernel), kernel);
 }
 
 void expose_sensor(Image<float>& light, const ImageFormation& formation) {

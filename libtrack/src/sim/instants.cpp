@@ -101,8 +101,8 @@ double longest_path_px(const PreparedScene& prepared, const Followed& followed, 
 }  // namespace
 
 Instants choose_instants(const PreparedScene& prepared, double middle_s, double exposure_s,
-                         const RenderOptions& options) {
-  if (exposure_s <= 0.0) return {.start_s = middle_s, .step_s = 0.0, .count = 1};
+                         const RenderOptions& options, int multiple_of) {
+  if (exposure_s <= 0.0) return {.start_s = middle_s, .step_s = 0.0, .count = multiple_of};
   double path_px = 0.0;
   if (prepared.scene->room && !prepared.is_camera_fixed) {
     path_px = longest_path_px(prepared, points_of_room(prepared, middle_s), middle_s, exposure_s);
@@ -112,7 +112,8 @@ Instants choose_instants(const PreparedScene& prepared, double middle_s, double 
     path_px = std::max(path_px, longest_path_px(prepared, points_of_body(body), middle_s, exposure_s));
   }
   const double wanted = std::min(std::ceil(options.instants_per_px * path_px), 1.0 * options.max_instants);
-  const int count = std::max(options.min_instants, static_cast<int>(wanted)) * options.instants_factor;
+  const int least = std::max(options.min_instants, static_cast<int>(wanted));
+  const int count = (least + multiple_of - 1) / multiple_of * multiple_of * options.instants_factor;
   return {.start_s = middle_s - 0.5 * exposure_s, .step_s = exposure_s / count, .count = count};
 }
 

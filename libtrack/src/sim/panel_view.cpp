@@ -206,10 +206,11 @@ bool PanelView::trace_row(const Tile& tile, const float* ray_x, const float* ray
   return num_touched > 0;
 }
 
-void PanelView::draw(const Tile& tile, const ViewGrid& grid, int splits, BodyLayer& layer) const {
+void PanelView::draw(const TileLook& look, int splits, BodyLayer& layer) const {
+  const Tile& tile = look.tile;
   RowOfAreas row;
   for (int y = 0; y < tile.height; ++y) {
-    if (!trace_row(tile, grid.ray_x(tile.y + y) + tile.x, grid.ray_y(tile.y + y) + tile.x, row)) continue;
+    if (!trace_row(tile, look.ray_x(y), look.ray_y(y), row)) continue;
     for (int x = 0; x < tile.width; ++x) {
       if (row.is_touched[x] == 0) continue;
       const Shown shown = show(row.u[x], row.v[x], {row.a[x], row.b[x], row.c[x], row.d[x]}, splits);

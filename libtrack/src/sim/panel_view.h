@@ -34,7 +34,7 @@ class PanelView {
   const RayBounds& bounds() const { return bounds_; }
 
   /// splits: a pixel whose area holds an edge is cut into splits x splits parts.
-  void draw(const Tile& tile, const ViewGrid& grid, int splits, BodyLayer& layer) const;
+  void draw(const TileLook& look, int splits, BodyLayer& layer) const;
 
  private:
   struct Footprint;

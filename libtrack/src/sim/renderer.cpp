@@ -68,11 +68,20 @@ PreparedScene::PreparedScene(const Scene& the_scene)
 
 struct Renderer::State {
   State(Scene the_scene, const RenderOptions& the_options)
-      : scene(std::move(the_scene)), options(the_options), prepared(scene) {}
+      : scene(std::move(the_scene)),
+        options(the_options),
+        prepared(scene),
+        lens(scene.formation.lens_blur_sigma_px) {}
+
+  Image<float> film(double middle_s, double exposure_s, const Lens& through) const {
+    const Instants instants = choose_instants(prepared, middle_s, exposure_s, options, through.num_looks());
+    return apriltrack::film(prepared, instants, through);
+  }
 
   const Scene scene;
   const RenderOptions options;
   const PreparedScene prepared;
+  const Lens lens;
 };
 
 Renderer::Renderer(Scene scene, const RenderOptions& options) {
@@ -89,14 +98,12 @@ const Scene& Renderer::scene() const {
 }
 
 Image<float> Renderer::radiance(Timestamp middle, double exposure_s) const {
-  const double middle_s = seconds_between(Timestamp{}, middle);
-  return film(state_->prepared, choose_instants(state_->prepared, middle_s, exposure_s, state_->options));
+  return state_->film(seconds_between(Timestamp{}, middle), exposure_s, Lens(0.0));
 }
 
 Image<float> Renderer::sensor_light(Timestamp middle, double exposure_s) const {
-  const ImageFormation& formation = state_->scene.formation;
-  Image<float> light = blur_by_lens(radiance(middle, exposure_s), formation.lens_blur_sigma_px);
-  expose_sensor(light, formation);
+  Image<float> light = state_->film(seconds_between(Timestamp{}, middle), exposure_s, state_->lens);
+  expose_sensor(light, state_->scene.formation);
   return light;
 }
 
@@ -107,15 +114,16 @@ RenderedFrame Renderer::render(std::size_t index) const {
   frame.exposure_s = scene.exposure_s;
   frame.truth = scene.truth_pose(frame.timestamp);
   const double middle_s = seconds_between(Timestamp{}, frame.timestamp);
-  const Instants instants = choose_instants(state_->prepared, middle_s, scene.exposure_s, state_->options);
+  const Instants instants = choose_instants(state_->prepared, middle_s, scene.exposure_s, state_->options,
+                                            state_->lens.num_looks());
   frame.num_instants = instants.count;
   frame.light = 0.0;
-  for (int i = 0; i < instants.count; ++i)
-    frame.light += scene.flicker.light(instants.at(i)) / instants.count;
+  for (int i = 0; i < instants.count; ++i) frame.light += scene.flicker.light(instants.at(i));
+  frame.light /= instants.count;
 
   Image<float> light(scene.camera.width, scene.camera.height, 0.0F);
   if (!scene.is_blacked_out(index)) {
-    light = blur_by_lens(film(state_->prepared, instants), scene.formation.lens_blur_sigma_px);
+    light = film(state_->prepared, instants, state_->lens);
     expose_sensor(light, scene.formation);
   }
   frame.pixels = develop(light, scene.camera.response, scene.formation, state_->options.seed, index);

@@ -123,16 +123,17 @@ int RoomView::level_of_detail(const Wall& wall, const Tile& tile) {
   return std::min(level, wall.radiance->num_levels() - 1);
 }
 
-void RoomView::draw_wall(const Wall& wall, const Tile& tile, const ViewGrid& grid, float* out) {
+void RoomView::draw_wall(const Wall& wall, const TileLook& look, float* out) {
+  const Tile& tile = look.tile;
   const LevelScale level(*wall.radiance, level_of_detail(wall, tile));
   for (int y = 0; y < tile.height; ++y) {
-    sample_row(wall.column, wall.row, wall.inverse_depth, level, grid.ray_x(tile.y + y) + tile.x,
-               grid.ray_y(tile.y + y) + tile.x, tile.width, out + y * kTileWidth);
+    sample_row(wall.column, wall.row, wall.inverse_depth, level, look.ray_x(y), look.ray_y(y), tile.width,
+               out + y * kTileWidth);
   }
 }
 
-void RoomView::draw_edges(const Tile& tile, const ViewGrid& grid, int num_samples, int instant,
-                          float* out) const {
+void RoomView::draw_edges(const TileLook& look, int num_samples, int instant, float* out) const {
+  const Tile& tile = look.tile;
   std::array<int, 6> levels{};
   for (std::size_t i = 0; i < 6; ++i) levels[i] = level_of_detail(walls_[i], tile);
   std::fill_n(out, kTileArea, 0.0F);
@@ -140,8 +141,8 @@ void RoomView::draw_edges(const Tile& tile, const ViewGrid& grid, int num_sample
   for (int s = 0; s < num_samples; ++s) {
     const Eigen::Vector2f aside = tile.ray_per_px * spread_point(instant * num_samples + s);
     for (int y = 0; y < tile.height; ++y) {
-      const float* ray_x = grid.ray_x(tile.y + y) + tile.x;
-      const float* ray_y = grid.ray_y(tile.y + y) + tile.x;
+      const float* ray_x = look.ray_x(y);
+      const float* ray_y = look.ray_y(y);
       for (int x = 0; x < tile.width; ++x) {
         const float rx = ray_x[x] + aside.x();
         const float ry = ray_y[x] + aside.y();
@@ -156,16 +157,17 @@ void RoomView::draw_edges(const Tile& tile, const ViewGrid& grid, int num_sample
   }
 }
 
-void RoomView::draw(const Tile& tile, const ViewGrid& grid, int num_samples, int instant, float* out) const {
+void RoomView::draw(const TileLook& look, int num_samples, int instant, float* out) const {
+  const Tile& tile = look.tile;
   // A wall's outline is convex in the plane of rays, so a tile with its corners on one wall lies on it.
   const int hit = wall_hit(tile.corners[0].x(), tile.corners[0].y());
   const bool is_one_wall =
       std::all_of(tile.corners.begin() + 1, tile.corners.end(),
                   [&](const Eigen::Vector2f& c) { return wall_hit(c.x(), c.y()) == hit; });
   if (is_one_wall) {
-    draw_wall(walls_[static_cast<std::size_t>(hit)], tile, grid, out);
+    draw_wall(walls_[static_cast<std::size_t>(hit)], look, out);
   } else {
-    draw_edges(tile, grid, num_samples, instant, out);
+    draw_edges(look, num_samples, instant, out);
   }
 }
 

@@ -30,7 +30,7 @@ class RoomView {
 
   /// Radiance of the tile's pixels, row by row with stride kTileWidth. Where walls meet in the tile, each
   /// pixel is the mean of num_samples points, which differ from instant to instant.
-  void draw(const Tile& tile, const ViewGrid& grid, int num_samples, int instant, float* out) const;
+  void draw(const TileLook& look, int num_samples, int instant, float* out) const;
 
  private:
   struct Wall {
@@ -42,8 +42,8 @@ class RoomView {
 
   int wall_hit(float ray_x, float ray_y) const;
   static int level_of_detail(const Wall& wall, const Tile& tile);
-  static void draw_wall(const Wall& wall, const Tile& tile, const ViewGrid& grid, float* out);
-  void draw_edges(const Tile& tile, const ViewGrid& grid, int num_samples, int instant, float* out) const;
+  static void draw_wall(const Wall& wall, const TileLook& look, float* out);
+  void draw_edges(const TileLook& look, int num_samples, int instant, float* out) const;
 
   std::array<Wall, 6> walls_;
 };

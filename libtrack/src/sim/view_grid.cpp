@@ -42,6 +42,25 @@ void ViewGrid::trace_pixels(const CameraModel& model) {
   }
 }
 
+void ViewGrid::look(const Tile& tile, const Eigen::Vector2f& offset_px, TileLook& out) const {
+  const Eigen::Vector2f aside = tile.ray_per_px * offset_px;
+  out.tile = tile;
+  out.tile.bounds.min_x += aside.x();
+  out.tile.bounds.max_x += aside.x();
+  out.tile.bounds.min_y += aside.y();
+  out.tile.bounds.max_y += aside.y();
+  out.tile.centre += aside;
+  for (Eigen::Vector2f& corner : out.tile.corners) corner += aside;
+  for (int y = 0; y < tile.height; ++y) {
+    const float* row_x = ray_x_.row(tile.y + y) + tile.x;
+    const float* row_y = ray_y_.row(tile.y + y) + tile.x;
+    for (int x = 0; x < tile.width; ++x) {
+      out.rays_x[y * kTileWidth + x] = row_x[x] + aside.x();
+      out.rays_y[y * kTileWidth + x] = row_y[x] + aside.y();
+    }
+  }
+}
+
 void ViewGrid::make_tile(int x, int y) {
   Tile tile{.x = x,
             .y = y,

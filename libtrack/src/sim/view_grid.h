@@ -38,6 +38,16 @@ struct Tile {
   Eigen::Matrix2f ray_per_px = Eigen::Matrix2f::Identity();
 };
 
+/// A tile seen a little aside of its pixels' centres.
+struct TileLook {
+  Tile tile;  ///< With bounds, corners and centre moved aside.
+  alignas(32) float rays_x[kTileArea];
+  alignas(32) float rays_y[kTileArea];
+
+  const float* ray_x(int row) const { return rays_x + row * kTileWidth; }
+  const float* ray_y(int row) const { return rays_y + row * kTileWidth; }
+};
+
 /// The ray of every pixel of a camera, with the lens undone once and for all.
 class ViewGrid {
  public:
@@ -46,8 +56,7 @@ class ViewGrid {
   int width() const { return ray_x_.width(); }
   int height() const { return ray_x_.height(); }
   const std::vector<Tile>& tiles() const { return tiles_; }
-  const float* ray_x(int y) const { return ray_x_.row(y); }
-  const float* ray_y(int y) const { return ray_y_.row(y); }
+  void look(const Tile& tile, const Eigen::Vector2f& offset_px, TileLook& out) const;
   /// False outside the lens model's domain: such pixels stay black.
   bool is_seen(int x, int y) const { return is_seen_(x, y) != 0; }
   bool sees_everywhere() const { return sees_everywhere_; }

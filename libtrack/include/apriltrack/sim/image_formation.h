@@ -9,7 +9,8 @@ namespace apriltrack {
 
 /// From the light on the lens to the bytes of the file.
 struct ImageFormation {
-  double lens_blur_sigma_px = 0.5;  ///< Gaussian; 0 = none.
+  /// Of a Gaussian, beside the mean over a pixel's area; 0 = none, else from 0.2 on.
+  double lens_blur_sigma_px = 0.5;
   double vignetting = 0.24;    ///< Light lost in the farthest corner; falls with the square of the radius.
   double sensor_gain = 0.85;   ///< Image light, 1 = full scale, of a surface of radiance 1.
   double full_well = 9000.0;   ///< Electrons at full scale: shot noise.
@@ -20,11 +21,6 @@ struct ImageFormation {
   /// Throws MisuseError that names the field, its value and its range.
   void check() const;
 };
-
-/// The lens blur, on pixel means. The kernel is a Gaussian sampled at the pixels whose variance is EXACTLY
-/// sigma^2, so that small sigmas blur as much as they say; light beyond the image's border is taken as the
-/// border's.
-Image<float> blur_by_lens(const Image<float>& light, double sigma_px);
 
 /// Vignetting and gain: light on the sensor as a share of full scale, not yet clipped.
 void expose_sensor(Image<float>& light, const ImageFormation& formation);
