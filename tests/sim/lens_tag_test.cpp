@@ -11,10 +11,10 @@ namespace {
 
 using namespace test;
 
-constexpr double kTagEdge_px = 28.0;  // of the black border's outer edge, where it faces the camera
-constexpr double kCells = 8.0;        // along that edge
-constexpr double kPaperCells = 11.0;  // ten are printed, with half a cell of margin on either side
-constexpr double kMaxTagError = 2.5e-3;  // of full light, where the edges of cells meet in a pixel
+constexpr double kTagEdge_px = 28.0;      // of the black border's outer edge, where it faces the camera
+constexpr double kCells = 8.0;            // along that edge
+constexpr double kPaperCells = 11.0;      // ten are printed, with half a cell of margin on either side
+constexpr double kMaxTagError = 2.5e-3;   // of full light, where the edges of cells meet in a pixel
 constexpr double kMaxTiltedError = 8e-3;  // as pixels are then made of upright parts
 
 struct TagPlace {
@@ -40,7 +40,8 @@ Scene tag_scene(const TagPlace& place, double sigma_px) {
 double printed_light(double u, double v) {
   static const TagPattern pattern = TagFamily::get("tag36h11").pattern(7);
   const double paper = 0.5 * kPaperCells;
-  return std::abs(u) > paper || std::abs(v) > paper ? 0.0 : pattern.brightness(2 * u / kCells, 2 * v / kCells);
+  return std::abs(u) > paper || std::abs(v) > paper ? 0.0
+                                                    : pattern.brightness(2 * u / kCells, 2 * v / kCells);
 }
 
 /// Where a tag stands upright in the picture: centre and edges, px.
@@ -93,7 +94,7 @@ TEST(LensOnATag, KeepsThePlaceAndTheSizeOfAnUprightOne) {
       TagPlace place;
       const Eigen::Vector2d place_px(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5));
       place.T_camera_tag = {Eigen::Quaterniond::Identity(),
-                           {place_px.x() / place.focal_px, place_px.y() / place.focal_px, 1.0}};
+                            {place_px.x() / place.focal_px, place_px.y() / place.focal_px, 1.0}};
       const Image<float> light = light_behind(tag_scene(place, sigma_px));
       const Frame4 truth(0.5 * kLensWidth + place_px.x(), 0.5 * kLensHeight + place_px.y(), kTagEdge_px,
                          kTagEdge_px);
@@ -167,7 +168,7 @@ class TiltedTag {
 
   static double off_centre(int point, int pixels) { return (point + 0.5) / kFine - 0.5 - 0.5 * pixels; }
 
-  Image<double> points_{kWidth * kFine, kHeight * kFine};
+  Image<double> points_{kWidth * kFine, kHeight* kFine};
 };
 
 TEST(LensOnATag, KeepsTheSizeOfATiltedOne) {
@@ -177,7 +178,7 @@ TEST(LensOnATag, KeepsTheSizeOfATiltedOne) {
     TagPlace place;
     const Eigen::Quaterniond tilt = rotation_exp(Eigen::Vector3d(0, M_PI / 4, 0));
     place.T_camera_tag = {rotation_exp(Eigen::Vector3d(0, 0, random.uniform(0.1, 0.6))) * tilt,
-                         {random.uniform(-1, 1) * 1e-3, random.uniform(-1, 1) * 1e-3, 1.0}};
+                          {random.uniform(-1, 1) * 1e-3, random.uniform(-1, 1) * 1e-3, 1.0}};
     const TiltedTag exact(place, 1.0), larger(place, 1.01), smaller(place, 0.99);
     for (const double sigma_px : {0.35, 0.5, 1.0}) {
       const Image<float> light = light_behind(tag_scene(place, sigma_px));
@@ -187,8 +188,9 @@ TEST(LensOnATag, KeepsTheSizeOfATiltedOne) {
       for (int y = TiltedTag::kRim; y < TiltedTag::kHeight - TiltedTag::kRim; ++y) {
         for (int x = TiltedTag::kRim; x < TiltedTag::kWidth - TiltedTag::kRim; ++x) {
           const double slope = (more(x, y) - less(x, y)) / (0.02 * kTagEdge_px);
-          const double error = light(x + (kLensWidth - TiltedTag::kWidth) / 2,
-                                     y + (kLensHeight - TiltedTag::kHeight) / 2) - truth(x, y);
+          const double error =
+              light(x + (kLensWidth - TiltedTag::kWidth) / 2, y + (kLensHeight - TiltedTag::kHeight) / 2) -
+              truth(x, y);
           EXPECT_NEAR(error, 0.0, kMaxTiltedError) << x << ' ' << y;
           normal += slope * slope;
           pull += slope * error;

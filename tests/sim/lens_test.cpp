@@ -12,7 +12,7 @@ using namespace test;
 
 constexpr double kLensSigmas_px[] = {0.2, 0.3, 0.35, 0.4, 0.47, 0.5, 0.7, 1.0, 1.2};
 constexpr double kMaxStepError = 1.1e-3;  // of full light
-constexpr double kFar_px = 100.0;     // beyond the picture
+constexpr double kFar_px = 100.0;         // beyond the picture
 
 double phase_px(int i) {  // Places in a pixel that hit no lattice's points alone.
   return 0.377 * i - std::floor(0.377 * i);
@@ -33,18 +33,22 @@ TEST(Lens, MakesOfAnEdgeTheIntegratedNormalDistribution) {
     const BlurredStep step(sigma_px);
     for (int i = 0; i < 8; ++i) {
       const double edge = phase_px(i);
-      const auto upright = light_behind(lens_scene(sigma_px, white_panel({edge + kFar_px, 0}, {kFar_px, kFar_px})));
-      const auto level = light_behind(lens_scene(sigma_px, white_panel({0, edge + kFar_px}, {kFar_px, kFar_px})));
-      EXPECT_LT(largest_light_error(upright, [&](double x, double) { return step.upright(x - edge); }), kMaxStepError)
+      const auto upright =
+          light_behind(lens_scene(sigma_px, white_panel({edge + kFar_px, 0}, {kFar_px, kFar_px})));
+      const auto level =
+          light_behind(lens_scene(sigma_px, white_panel({0, edge + kFar_px}, {kFar_px, kFar_px})));
+      EXPECT_LT(largest_light_error(upright, [&](double x, double) { return step.upright(x - edge); }),
+                kMaxStepError)
           << sigma_px << ' ' << edge;
-      EXPECT_LT(largest_light_error(level, [&](double, double y) { return step.upright(y - edge); }), kMaxStepError)
+      EXPECT_LT(largest_light_error(level, [&](double, double y) { return step.upright(y - edge); }),
+                kMaxStepError)
           << sigma_px << ' ' << edge;
     }
   }
 }
 
-/// A turned pixel is made of upright parts, whose shape adds to the error: of 2 x 2 of them where lenses of 32
-/// looks share the exposure, else of 4 x 4.
+/// A turned pixel is made of upright parts, whose shape adds to the error: of 2 x 2 of them where lenses of
+/// 32 looks share the exposure, else of 4 x 4.
 TEST(Lens, MakesOfATurnedEdgeTheIntegratedNormalDistribution) {
   for (const double sigma_px : kLensSigmas_px) {
     const BlurredStep step(sigma_px);
@@ -56,7 +60,8 @@ TEST(Lens, MakesOfATurnedEdgeTheIntegratedNormalDistribution) {
       const auto truth = [&](double x, double y) {
         return step.over_boxes(c * x + s * y - edge, std::abs(c), std::abs(s));
       };
-      EXPECT_LT(largest_light_error(light, truth), sigma_px < 0.35 ? 3.5e-3 : 2e-3) << sigma_px << ' ' << turn;
+      EXPECT_LT(largest_light_error(light, truth), sigma_px < 0.35 ? 3.5e-3 : 2e-3)
+          << sigma_px << ' ' << turn;
     }
   }
 }
@@ -83,8 +88,8 @@ TEST(Lens, LeavesABarItsEdges) {
     for (const double width : {2.0, 2.7, 3.5}) {
       for (int i = 0; i < 8; ++i, ++count) {
         const double left = phase_px(i), right = left + width;
-        const auto light =
-            light_behind(lens_scene(sigma_px, white_panel({0.5 * (left + right), 0}, {0.5 * width, kFar_px})));
+        const auto light = light_behind(
+            lens_scene(sigma_px, white_panel({0.5 * (left + right), 0}, {0.5 * width, kFar_px})));
         // One step of least squares for both edges, from the truth.
         Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
         Eigen::Vector2d pull = Eigen::Vector2d::Zero();
@@ -138,8 +143,8 @@ TEST(Lens, LeavesAnEvenPictureEvenUpToTheBorder) {
   }
 }
 
-/// An edge that moves evenly, across or down: its blurred step meets the box of the way. The looks take turns, so
-/// that few of them meet the edge near a pixel; but they pull it neither way.
+/// An edge that moves evenly, across or down: its blurred step meets the box of the way. The looks take
+/// turns, so that few of them meet the edge near a pixel; but they pull it neither way.
 TEST(Lens, AddsToTheWayOfTheExposure) {
   constexpr double kExposure_s = 0.02;
   constexpr double kMaxErrorOnTheWay = 0.02;
@@ -182,7 +187,8 @@ TEST(Lens, BlursLightAndNotCodes) {
   int num_clipped = 0;
   for (int x = 8; x < kLensWidth - 8; ++x) {
     const double light = kBright * step.upright(from_middle_x(x));
-    EXPECT_NEAR(frame.pixels(x, 24), 255.0 * std::min(light, 1.0), 0.5 + 255.0 * kBright * kMaxStepError) << x;
+    EXPECT_NEAR(frame.pixels(x, 24), 255.0 * std::min(light, 1.0), 0.5 + 255.0 * kBright * kMaxStepError)
+        << x;
     num_clipped += light > 1.0 && light < kBright - 0.1 ? 1 : 0;
   }
   EXPECT_EQ(num_clipped, 2);  // on the edge and beside it: codes blurred would show less

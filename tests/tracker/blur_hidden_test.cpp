@@ -59,13 +59,13 @@ TEST_P(HiddenTagsOfTheMap, CostNoFrameAndMakeNoPoseSurer) {
 }
 
 /// Every frame that is read as the first of a recording.
-TEST(AFewHiddenTags, MakeNoFirstPoseSurerThanItIsRight) {
+TEST_P(HiddenTagsOfTheMap, MakeNoFirstPoseSurerThanItIsRight) {
   const BlurFilm& film = shaken_camera();
   double sum = 0.0;
   int num_starts = 0;
   for (std::size_t i = 0; i < film.size(); ++i) {
     if (film.detections[i].empty()) continue;
-    BlurTracker crowded(film.scene.camera, map_with_hidden_tags(2), with_small_clouds());
+    BlurTracker crowded(film.scene.camera, map_with_hidden_tags(GetParam()), with_small_clouds());
     const TrackResult result = crowded.track(film.frames[i].frame(), film.detections[i]);
     ASSERT_TRUE(result.pose && result.covariance) << "frame " << i << ": " << result.reason;
     const Vector6d error = ((*result.pose).inverse() * film.frames[i].truth).log();

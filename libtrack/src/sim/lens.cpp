@@ -6,9 +6,9 @@
 namespace apriltrack {
 namespace {
 
-/// Points (i + 1/2) (1, x, y) / count of the time in the exposure and of the place in a pixel, wrapped. As many
-/// as keep the error of a step of light at rest below 0.11 %; x and y near count / 2, so that slow motion, which
-/// shifts the places from look to look, leaves them spread.
+/// Points (i + 1/2) (1, x, y) / count of the time in the exposure and of the place in a pixel, wrapped. As
+/// many as keep the error of a step of light at rest below 0.11 %; x and y near count / 2, so that slow
+/// motion, which shifts the places from look to look, leaves them spread.
 struct Lattice {
   double min_sigma_px;
   int count, x, y;

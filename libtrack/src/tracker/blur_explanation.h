@@ -18,6 +18,9 @@ class BlurExplainer {
                                    const std::vector<MotionHypothesis>& hypotheses) const;
 
  private:
+  std::vector<Explanation> explain_all(const BlurFrame& frame,
+                                       const std::vector<MotionHypothesis>& hypotheses) const;
+
   StartFit start_fit_;
 };
 
