@@ -80,11 +80,18 @@ bool TagConsensus::leaves_one_out(const BlurFrame& frame, const Explanation& bes
   const std::vector<Doubted> doubted = doubted_tags();
   if (doubted.empty()) return false;
   is_torn_ = num_examined_++ == kMostLeftOut || doubted[0].doubt < doubted[1].doubt + kDoubtAlike;
-  if (is_torn_)
-    trust_.disagree({doubted[0].tag_index}, {doubted[1].tag_index});
-  else
+  if (!is_torn_)
     left_out_.insert(doubted[0].tag_index);
+  else if (is_told_of(frame, best, doubted[0].tag_index) && is_told_of(frame, best, doubted[1].tag_index))
+    trust_.disagree({doubted[0].tag_index}, {doubted[1].tag_index});
   return !is_torn_;
+}
+
+/// A tag that a start has somewhere, and nobody read, may look like it by chance: that speaks against no
+/// other.
+bool TagConsensus::is_told_of(const BlurFrame& frame, const Explanation& best, int tag_index) {
+  return !best.is_cold ||
+         std::ranges::find(frame.read, tag_index, &TagObservation::tag_index) != frame.read.end();
 }
 
 /// Those that may be the reason of a strain, the most doubtful first; none where there is no strain.

@@ -64,6 +64,7 @@ class TagConsensus {
   }
   bool is_in_fit(const TagStrain& strain) const { return !world_.tag_at(strain.tag_index).is_hidden; }
   void unmark();
+  static bool is_told_of(const BlurFrame& frame, const Explanation& best, int tag_index);
   std::vector<Doubted> doubted_tags() const;
   std::vector<int> strained_tags() const;
   bool jumps_alone(const Explanation& best, const std::vector<MotionHypothesis>& expected);
