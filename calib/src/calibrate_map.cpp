@@ -8,6 +8,8 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <string_view>
+#include <utility>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
@@ -258,24 +260,61 @@ int merge_frames_at_rest(Observations& observations, const CalibrationOptions& o
   return resting.merged;
 }
 
-}  // namespace
-
-CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const CameraRig& rig,
-                                const TagSizes& sizes, const CalibrationOptions& options,
-                                const LogSink& log) {
-  options.check();
-  const ParallelFor parallel = parallel_for(options.num_threads);
-  Findings findings;
-  Observations observations = collect_observations(frames, rig, sizes, options, findings, log);
-  const std::set<Timestamp> kept = times_with_gravity(options);
+/// What films that stand still, and frames at rest, repeat counts once. kept: as merge_frames_at_rest's. How
+/// many frames at rest there were.
+int count_repetitions_once(Observations& observations, const CalibrationOptions& options,
+                           const std::set<Timestamp>& kept, Findings& findings, const LogSink& log) {
   if (const int repeated = drop_repeated_frames(observations, kept); repeated > 0)
     findings.warnings.push_back(
         fmt::format("{} exactly the corners of an earlier one, and {} not counted: a film that stands "
                     "still, or frames that were copied, say no more than one picture",
                     repeated == 1 ? "1 frame shows" : fmt::format("{} frames show", repeated),
                     repeated == 1 ? "is" : "are"));
+  return merge_frames_at_rest(observations, options, kept, findings, log);
+}
+
+/// How well the part was seen, and what it was seen in.
+void take_statistics(const Observations& observations, const PartSolution& solution,
+                     const CalibrationOptions& options, CalibrationResult& result) {
+  result.residual_rms_px = solution.total_rms_px;
+  result.frames_used = static_cast<int>(frames_of(observations, solution.part.views).size());
+  result.observations_used = static_cast<int>(solution.part.views.size());
+  result.observations_rejected = static_cast<int>(solution.views_offered - solution.part.views.size());
+  result.evidence = part_evidence(observations, solution, options);
+}
+
+/// What all parts are solved with.
+struct PartsTask {
+  const Observations& observations;
+  const std::vector<ViewCandidates>& candidates;
+  const CalibrationOptions& options;
+  const ParallelFor& parallel;
+  const LogSink& log;
+};
+
+/// A map of its own, named `number`; where there is none, the main map stands without it.
+void add_part(const PartsTask& task, const Part& part, int held_tag, std::size_t number,
+              CalibrationResult& result, Findings& findings) {
+  try {
+    const PartSolution other = solve_part(task.observations, part, held_tag, task.candidates, task.options,
+                                          {}, task.parallel, task.log);
+    report_quality(task.observations, other, task.options, findings);
+    result.other_parts.push_back(
+        to_map(task.observations, other, fmt::format("{}_part_{}", task.options.map_frame, number)));
+    result.evidence_of_other_parts.push_back(part_evidence(task.observations, other, task.options));
+  } catch (const Error& error) {
+    leave_out(task.observations, part.tags, error.what(), findings);
+  }
+}
+
+CalibrationResult calibrated(std::span<const FrameDetections> frames, const CameraRig& rig,
+                             const TagSizes& sizes, const CalibrationOptions& options, Findings& findings,
+                             const LogSink& log) {
+  const ParallelFor parallel = parallel_for(options.num_threads);
+  Observations observations = collect_observations(frames, rig, sizes, options, findings);
   CalibrationResult result;
-  result.frames_at_rest = merge_frames_at_rest(observations, options, kept, findings, log);
+  result.frames_at_rest =
+      count_repetitions_once(observations, options, times_with_gravity(options), findings, log);
   const std::vector<MapConstraint> constraints =
       with_families(options.constraints, observations.tags, findings.left_out);
   require_camera_frames(constraints, observations);
@@ -295,31 +334,36 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   result.held_tag = key_of(observations, main.held_tag);
   result.map = to_map(observations, main, options.map_frame);
   take_constraints(main, result, findings);
-  result.residual_rms_px = main.total_rms_px;
-  result.frames_used = static_cast<int>(frames_of(observations, main.part.views).size());
+  take_statistics(observations, main, options, result);
   result.rig_poses = rig_poses(observations, main);
   take_cameras(observations, rig, main, result, findings);
-  result.observations_used = static_cast<int>(main.part.views.size());
-  result.observations_rejected = static_cast<int>(main.views_offered - main.part.views.size());
-  result.evidence = part_evidence(observations, main, options);
   if (options.cross_validate) result.cross_validation = cross_validate(observations, main, options);
-
-  for (std::size_t i = 1; i < parts.size(); ++i) {
-    try {
-      const PartSolution other =
-          solve_part(observations, parts[i], held_tags[i], candidates, options, {}, parallel, log);
-      report_quality(observations, other, options, findings);
-      result.other_parts.push_back(
-          to_map(observations, other, fmt::format("{}_part_{}", options.map_frame, i + 1)));
-      result.evidence_of_other_parts.push_back(part_evidence(observations, other, options));
-    } catch (const Error& error) {  // the main map stands without it
-      leave_out(observations, parts[i].tags, error.what(), findings);
-    }
-  }
-  result.warnings = std::move(findings.warnings);
-  result.left_out = std::move(findings.left_out);
-  std::sort(result.left_out.begin(), result.left_out.end());
+  for (std::size_t i = 1; i < parts.size(); ++i)
+    add_part({observations, candidates, options, parallel, log}, parts[i], held_tags[i], i + 1, result,
+             findings);
   return result;
+}
+
+}  // namespace
+
+CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const CameraRig& rig,
+                                const TagSizes& sizes, const CalibrationOptions& options,
+                                const LogSink& log) {
+  options.check();
+  Findings findings;
+  try {
+    CalibrationResult result = calibrated(frames, rig, sizes, options, findings, log);
+    result.warnings = std::move(findings.warnings);
+    result.left_out = std::move(findings.left_out);
+    std::sort(result.left_out.begin(), result.left_out.end());
+    return result;
+  } catch (const Error& error) {  // what was found before may be why
+    for (const std::string& warning : findings.warnings) {
+      if (std::string_view(error.what()).find(warning) == std::string_view::npos)
+        log(LogLevel::kWarning, warning);
+    }
+    throw;
+  }
 }
 
 }  // namespace apriltrack

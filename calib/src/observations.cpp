@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -232,7 +233,7 @@ Observations number_views(const std::vector<UsableFrame>& frames,
 
 Observations collect_observations(std::span<const FrameDetections> frames, const CameraRig& rig,
                                   const TagSizes& sizes, const CalibrationOptions& options,
-                                  Findings& findings, const LogSink& log) {
+                                  Findings& findings) {
   std::set<std::string> used;
   std::size_t detections = 0;
   for (const FrameDetections& frame : frames) {
@@ -244,7 +245,7 @@ Observations collect_observations(std::span<const FrameDetections> frames, const
                     fmt::format("no tags were seen in {} frames; check the tag family and that tags are "
                                 "sharp and at least 20 pixels wide",
                                 frames.size()));
-  for (const std::string& warning : check_picture_sizes(frames, rig)) log(LogLevel::kWarning, warning);
+  std::ranges::move(check_picture_sizes(frames, rig), std::back_inserter(findings.warnings));
   std::size_t unusable = 0;
   const std::vector<UsableFrame> usable = usable_frames(frames, rig, unusable);
   if (unusable == detections)

@@ -44,12 +44,12 @@ struct Findings {
 };
 
 /// Drops corners that no tag can show (not finite, folded, mirrored, tiny, outside the lens model's domain)
-/// and ids that are not unique, and says so in `findings`; `log` hears at once of corners that may be of
-/// pictures of another size. Throws Error(kNoResult) when nothing is left, Error(kInvalidInput) when a camera
+/// and ids that are not unique, and says so in `findings`, and of corners that may be of pictures of another
+/// size. Throws Error(kNoResult) when nothing is left, Error(kInvalidInput) when a camera
 /// is unknown, corners lie outside its pictures, or one of several has two images of one time.
 Observations collect_observations(std::span<const FrameDetections> frames, const CameraRig& rig,
                                   const TagSizes& sizes, const CalibrationOptions& options,
-                                  Findings& findings, const LogSink& log = silent_log());
+                                  Findings& findings);
 
 /// Mean length of the four edges.
 double mean_edge_px(const CornersPx& corners);

@@ -22,6 +22,31 @@ using test::tag36h11;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
+/// A corner far outside one of the pictures, as a misread tag has.
+std::vector<FrameDetections> with_a_stray_corner(const SyntheticWorld& world) {
+  auto frames = test::exact_detections(world);
+  frames[3].detections.front().corners_px[0].x() += 3.0 * world.rig.cameras[0].width;
+  return frames;
+}
+
+TEST(CalibrateMap, KeepsTheWarningOfAStrayCornerInItsResult) {
+  const SyntheticWorld world = test::make_room(6, 60, test::perspective_camera());
+  const CalibrationResult result = calibrate(world, with_a_stray_corner(world));
+  EXPECT_THAT(result.warnings, ::testing::Contains(HasSubstr("1 of 58 frames")));
+}
+
+TEST(CalibrateMap, TellsWhatItFoundBeforeItFails) {
+  const SyntheticWorld world = test::make_room(6, 60, test::perspective_camera());
+  std::vector<std::string> heard;
+  const LogSink log = [&](LogLevel level, std::string_view text) {
+    if (level == LogLevel::kWarning) heard.emplace_back(text);
+  };
+  error_of(ErrorKind::kInvalidInput, [&] {
+    calibrate_map(with_a_stray_corner(world), world.rig, world.sizes(), {.held_tag = tag36h11(99)}, log);
+  });
+  EXPECT_THAT(heard, ::testing::Contains(HasSubstr("1 of 58 frames")));
+}
+
 // Whoever reads a map looks for the printed pattern: what nobody can look for must not get into one.
 TEST(CalibrateMap, RefusesTagsThatNoMapCanHold) {
   const SyntheticWorld world = test::make_room(4, 12, test::perspective_camera());
