@@ -81,6 +81,10 @@ void report_quality(const Observations& observations, const PartSolution& soluti
   leave_out(observations, solution.undecided,
             "its views agree with two poses about equally well: film it from further aside, and nearer",
             findings);
+  leave_out(observations, solution.contradicted,
+            "most of its views contradict those of the other tags: a wrong size, a bend, or a tag that moved "
+            "may be the cause",
+            findings);
   leave_out(observations, solution.lost_tags,
             solution.culprit ? "tied to the others by that tag, or by frames that contradict them"
                              : "tied to the others by frames that contradict them",

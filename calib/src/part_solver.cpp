@@ -11,6 +11,7 @@
 #include "apriltrack/base/error.h"
 #include "block_scatter.h"
 #include "camera_gravity.h"
+#include "contradicted_tags.h"
 #include "corner_views.h"
 #include "culprit_search.h"
 #include "error_scale.h"
@@ -238,6 +239,7 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   leave_out_undecided(task, part, solved);
   solution.cameras = better_cameras(task, part, solved);
   solution.findings = examine_tags(task, part, solved);
+  solution.contradicted = leave_out_contradicted(task, part, solved);
   solution.held_tag = solved.held_tag;
   solution.culprit = solved.culprit;
   solution.undecided = solved.undecided;
@@ -255,6 +257,7 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   if (solution.culprit) std::erase(solution.lost_tags, *solution.culprit);
   std::erase_if(solution.lost_tags, [&](int tag) {
     return std::ranges::binary_search(solution.undecided, tag) ||
+           std::ranges::binary_search(solution.contradicted, tag) ||
            std::ranges::any_of(solution.findings, [&](const TagFinding& finding) {
              return finding.tag == tag && finding.is_left_out;
            });

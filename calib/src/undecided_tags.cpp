@@ -26,6 +26,15 @@ bool hold_another(const PartTask& task, const std::set<int>& go, AdjustedPart& s
   return true;
 }
 
+bool adjust_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved) {
+  std::vector<std::size_t> views = part.views;
+  std::erase_if(views, [&](std::size_t v) { return gone.contains(task.observations.views[v].tag); });
+  const Part rest = connected_to(task.observations, views, solved.held_tag, task.options.min_views);
+  if (rest.tags.size() < 2) return false;
+  solved.part = adjust_cleanly(task, rest, solved.held_tag, solved.state);
+  return true;
+}
+
 void leave_out_undecided(const PartTask& task, const Part& part, AdjustedPart& solved) {
   std::set<int> gone;
   for (int round = 0; round < kMaxRoundsOfDoubt; ++round) {
@@ -41,15 +50,11 @@ void leave_out_undecided(const PartTask& task, const Part& part, AdjustedPart& s
                       "another tag (--held-tag)",
                       to_string(task.observations.tags[static_cast<std::size_t>(solved.held_tag)])));
     gone.insert(undecided.begin(), undecided.end());
-    std::vector<std::size_t> views = part.views;
-    std::erase_if(views, [&](std::size_t v) { return gone.contains(task.observations.views[v].tag); });
-    const Part rest = connected_to(task.observations, views, solved.held_tag, task.options.min_views);
-    if (rest.tags.size() < 2)
+    if (!adjust_without(task, part, gone, solved))
       throw no_result(
           "calibrate",
           "how the tags lie to each other is open: their views agree with two poses about equally "
           "well; film them from further aside, and nearer");
-    solved.part = adjust_cleanly(task, rest, solved.held_tag, solved.state);
   }
   solved.undecided.assign(gone.begin(), gone.end());
 }

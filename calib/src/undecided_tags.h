@@ -16,4 +16,8 @@ void leave_out_undecided(const PartTask& task, const Part& part, AdjustedPart& s
 /// no other.
 bool hold_another(const PartTask& task, const std::set<int>& go, AdjustedPart& solved);
 
+/// The tags of `part` but those that are `gone`, adjusted anew, as far as they connect to the held one, which
+/// must stay. False, and nothing done, where fewer than two are left.
+bool adjust_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved);
+
 }  // namespace apriltrack
