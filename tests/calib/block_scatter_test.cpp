@@ -6,6 +6,7 @@
 
 #include <Eigen/QR>
 #include <numeric>
+#include <string>
 
 #include "apriltrack/base/random.h"
 
@@ -13,7 +14,7 @@ namespace apriltrack {
 namespace {
 
 constexpr int kNumTags = 5, kFrames = 80, kTagsOfFrame = 3;
-constexpr int kFramesOfBlock = 13;  // no divisor of the frames in a block of the estimate
+constexpr int kSameBlocks = 10, kOtherBlocks = 13;  // frames: those of the estimate, and no divisor of them
 constexpr int kTrials = 150;
 
 template <typename Matrix>
@@ -51,25 +52,31 @@ Recording make_recording() {
   return made;
 }
 
-/// Errors of views, one below the other: unit noise, and a pull of `spread` that is another one in each block
+/// Errors of views: unit noise, and a pull of `spread` that is another one in each block
 /// of frames: of each tag's pose, or of the parameter.
 enum class Pulled { kTags, kParameter };
 
-Eigen::VectorXd draw_errors(const Recording& recording, Pulled pulled, double spread, RandomStream& random) {
+struct Errors {
+  Pulled pulled = Pulled::kTags;
+  double spread = 0.0;
+  int frames_of_block = kOtherBlocks;
+};
+
+Eigen::VectorXd draw(const Errors& drawn, const Recording& recording, RandomStream& random) {
   Eigen::VectorXd errors(8 * static_cast<Eigen::Index>(recording.views.size()));
   Eigen::MatrixXd of_tags;
   double of_parameter = 0.0;
   int block = -1;
   for (std::size_t v = 0; v < recording.views.size(); ++v) {
     const LinearView& view = recording.views[v];
-    if (view.frame / kFramesOfBlock != block) {
-      of_parameter = spread * random.normal();
-      of_tags = spread * normal_matrix<Eigen::MatrixXd>(6, kNumTags, random);
-      block = view.frame / kFramesOfBlock;
+    if (view.frame / drawn.frames_of_block != block) {
+      of_parameter = drawn.spread * random.normal();
+      of_tags = drawn.spread * normal_matrix<Eigen::MatrixXd>(6, kNumTags, random);
+      block = view.frame / drawn.frames_of_block;
     }
     Eigen::VectorXd error = normal_matrix<Eigen::VectorXd>(8, 1, random);
-    if (pulled == Pulled::kTags) error += view.by_tag * of_tags.col(view.tag);
-    if (pulled == Pulled::kParameter) error += recording.columns[v].by_parameter * of_parameter;
+    if (drawn.pulled == Pulled::kTags) error += view.by_tag * of_tags.col(view.tag);
+    if (drawn.pulled == Pulled::kParameter) error += recording.columns[v].by_parameter * of_parameter;
     errors.segment<8>(8 * static_cast<Eigen::Index>(v)) = error;
   }
   return errors;
@@ -119,81 +126,85 @@ struct Scatter {
   double factor = 0.0;    ///< As it is told, in the mean.
 };
 
-Scatter scatter_of_parameter(double spread) {
+double of_parameter(const Recording& recording, const PoseInformation& poses, const Eigen::VectorXd& solution,
+                    Scatter& sum) {
+  const ParameterInformation left = poses.eliminate_poses(recording.columns);
+  const double estimate = solution[solution.size() - 1];
+  sum.variance += estimate * estimate * left.information(0, 0);
+  return BlockScatter(recording.views, poses).parameters_factor(recording.columns, left, 1.0);
+}
+
+double of_tags(const Recording& recording, const PoseInformation& poses, const Eigen::VectorXd& solution,
+               Scatter& sum) {
+  const Eigen::Index size = poses.size();
+  const Eigen::MatrixXd covariance = poses.solve(Eigen::MatrixXd::Identity(size, size));
+  for (Eigen::Index i = 0; i < size; i += 6) {
+    const Vector6d estimate = solution.segment<6>(i);
+    sum.variance +=
+        estimate.dot(covariance.block<6, 6>(i, i).ldlt().solve(estimate)) / static_cast<double>(size);
+  }
+  return BlockScatter(recording.views, poses).tags_factor(1.0);
+}
+
+Scatter scatter_of(const Errors& drawn) {
   Recording recording = make_recording();
-  const BruteForceFit fit(recording, true);
-  Scatter result;
+  const bool with_parameter = drawn.pulled == Pulled::kParameter;
+  const BruteForceFit fit(recording, with_parameter);
+  Scatter sum;
   for (int trial = 0; trial < kTrials; ++trial) {
     RandomStream random(59, static_cast<std::uint64_t>(trial));
-    const Eigen::VectorXd errors = draw_errors(recording, Pulled::kParameter, spread, random);
+    const Eigen::VectorXd errors = draw(drawn, recording, random);
     const Eigen::VectorXd solution = fit.solve(errors);
     take(fit.residuals(errors, solution), recording);
     const PoseInformation poses = information_of(recording, 0);
-    const ParameterInformation left = poses.eliminate_poses(recording.columns);
-    const double estimate = solution[solution.size() - 1];
-    result.variance += estimate * estimate * left.information(0, 0) / kTrials;
-    result.factor +=
-        BlockScatter(recording.views, poses).parameters_factor(recording.columns, left, 1.0) / kTrials;
+    sum.factor += (with_parameter ? of_parameter : of_tags)(recording, poses, solution, sum);
   }
-  return result;
+  return {sum.variance / kTrials, sum.factor / kTrials};
 }
 
-Scatter scatter_of_tags(double spread) {
-  Recording recording = make_recording();
-  const BruteForceFit fit(recording, false);
-  const PoseInformation poses = information_of(recording, 0);
-  const Eigen::Index size = poses.size();
-  const Eigen::MatrixXd covariance = poses.solve(Eigen::MatrixXd::Identity(size, size));
-  Scatter result;
-  for (int trial = 0; trial < kTrials; ++trial) {
-    RandomStream random(61, static_cast<std::uint64_t>(trial));
-    const Eigen::VectorXd errors = draw_errors(recording, Pulled::kTags, spread, random);
-    const Eigen::VectorXd solution = fit.solve(errors);
-    take(fit.residuals(errors, solution), recording);
-    for (Eigen::Index i = 0; i < size; i += 6) {
-      const Vector6d estimate = solution.segment<6>(i);
-      result.variance += estimate.dot(covariance.block<6, 6>(i, i).ldlt().solve(estimate)) /
-                         (kTrials * static_cast<double>(size));
-    }
-    result.factor += BlockScatter(recording.views, poses).tags_factor(1.0) / kTrials;
-  }
-  return result;
-}
+struct Claim {
+  const char* name;
+  Errors errors;
+  double least, most;  ///< Of what is claimed over what is so.
+};
 
-TEST(BlockScatterStatistics, ClaimsWhatBlocksThatDifferLeaveOfAParameter) {
-  const Scatter scatter = scatter_of_parameter(0.3);
+class BlockScatterStatistics : public ::testing::TestWithParam<Claim> {};
+
+TEST_P(BlockScatterStatistics, ClaimsWhatBlocksThatDifferLeave) {
+  const Scatter scatter = scatter_of(GetParam().errors);
   EXPECT_GT(scatter.variance, 5.0);
-  // Of one number in few blocks the factor 1 counts as well, and blocks that begin elsewhere hide a half.
-  EXPECT_GT(scatter.factor / scatter.variance, 0.25);
-  EXPECT_LT(scatter.factor / scatter.variance, 1.4);
+  EXPECT_GT(scatter.factor, 5.0);
+  EXPECT_GT(scatter.factor / scatter.variance, GetParam().least);
+  EXPECT_LT(scatter.factor / scatter.variance, GetParam().most);
 }
 
-TEST(BlockScatterStatistics, LeavesIndependentNoiseOfAParameterAsItIs) {
-  const Scatter scatter = scatter_of_parameter(0.0);
-  EXPECT_NEAR(scatter.variance, 1.0, 0.35);
+// Of one number in few blocks the factor 1 counts as well, and blocks that begin elsewhere hide a half.
+INSTANTIATE_TEST_SUITE_P(
+    Of, BlockScatterStatistics,
+    ::testing::Values(Claim{"AParameter", {Pulled::kParameter, 0.3, kSameBlocks}, 0.5, 1.4},
+                      Claim{"AParameterInOtherBlocks", {Pulled::kParameter, 0.3, kOtherBlocks}, 0.25, 1.4},
+                      Claim{"Tags", {Pulled::kTags, 0.3, kSameBlocks}, 0.8, 1.4},
+                      Claim{"TagsInOtherBlocks", {Pulled::kTags, 0.3, kOtherBlocks}, 0.6, 1.4}),
+    [](const auto& one) { return std::string(one.param.name); });
+
+class BlockScatterNoise : public ::testing::TestWithParam<Pulled> {};
+
+TEST_P(BlockScatterNoise, StatisticsLeaveItAsItIsWhereItIsIndependent) {
+  const Scatter scatter = scatter_of({.pulled = GetParam(), .spread = 0.0});
   EXPECT_GE(scatter.factor, 1.0);
-  EXPECT_LT(scatter.factor, 1.25);
+  EXPECT_LT(scatter.factor, GetParam() == Pulled::kTags ? 1.35 : 1.25);
+  EXPECT_NEAR(scatter.factor / scatter.variance, 1.0, 0.35);
 }
 
-TEST(BlockScatterStatistics, ClaimsWhatBlocksThatDifferLeaveOfTags) {
-  const Scatter scatter = scatter_of_tags(0.3);
-  EXPECT_GT(scatter.variance, 3.0);
-  EXPECT_GT(scatter.factor / scatter.variance, 0.6);
-  EXPECT_LT(scatter.factor / scatter.variance, 1.4);
-}
-
-TEST(BlockScatterStatistics, LeavesIndependentNoiseOfTagsAsItIs) {
-  const Scatter scatter = scatter_of_tags(0.0);
-  EXPECT_NEAR(scatter.variance, 1.0, 0.1);
-  EXPECT_GE(scatter.factor, 1.0);
-  EXPECT_LT(scatter.factor, 1.35);
-}
+INSTANTIATE_TEST_SUITE_P(Of, BlockScatterNoise, ::testing::Values(Pulled::kTags, Pulled::kParameter),
+                         [](const auto& one) {
+                           return std::string(one.param == Pulled::kTags ? "Tags" : "AParameter");
+                         });
 
 TEST(BlockScatter, SaysTheSameWhicheverTagIsHeld) {
   Recording recording = make_recording();
   RandomStream random(67);
-  const Eigen::VectorXd errors = draw_errors(recording, Pulled::kTags, 0.3, random);
-  take(errors, recording);
+  take(draw({Pulled::kTags, 0.3}, recording, random), recording);
   const PoseInformation poses = information_of(recording, 0);
   const double factor = BlockScatter(recording.views, poses).tags_factor(1.0);
   EXPECT_GT(factor, 2.0);
