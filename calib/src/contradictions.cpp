@@ -26,18 +26,29 @@ struct FrameTags {
   std::set<int> accused() const { return rejected.empty() || fitting.size() >= 2 ? rejected : all(); }
 };
 
+/// Of a coin of the first chance from one of the second (Kullback and Leibler); 0 where the first is less.
+double divergence(double share, double chance) {
+  if (share <= chance) return 0.0;
+  const double rest = share < 1.0 ? (1.0 - share) * std::log((1.0 - share) / (1.0 - chance)) : 0.0;
+  return share * std::log(share / chance) + rest;
+}
+
 /// Of the frames that show one tag, or two.
 struct Count {
   std::size_t frames = 0;
   std::size_t contradicting = 0;
   std::size_t bad = 0;
 
-  /// Whether so many bad frames among these would be chance, if the outliers here were as many as elsewhere.
+  /// Whether so many bad frames among these would be chance, if the outliers here were as many as elsewhere:
+  /// Chernoff's bound of the binomial's tail.
   bool is_more_than_chance(double max_share, const Contradictions& all) const {
     if (static_cast<double>(bad) <= max_share * static_cast<double>(frames)) return false;
     const double others = static_cast<double>(std::max<std::size_t>(all.frames - frames, 1));
     const double elsewhere = static_cast<double>(all.contradicting - contradicting) / others;
-    return static_cast<double>(bad) * -std::log(std::clamp(elsewhere, kMinOutlierShare, 1.0)) > kLogChance;
+    return divergence(static_cast<double>(bad) / static_cast<double>(frames),
+                      std::clamp(elsewhere, kMinOutlierShare, 1.0 - kMinOutlierShare)) *
+               static_cast<double>(frames) >
+           kLogChance;
   }
 };
 
