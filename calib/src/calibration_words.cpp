@@ -20,10 +20,8 @@ std::string in_words(const CameraCorrection& one) {
 
 void warn_of_rejected_tags(const Observations& observations, const PartSolution& solution,
                            Findings& findings) {
-  std::map<int, int> kept;
-  for (const std::size_t v : solution.part.views) ++kept[observations.views[v].tag];
   std::string names;
-  for (const auto& [tag, views] : kept) {
+  for (const auto& [tag, views] : count_views(observations, solution.part)) {
     const int offered = solution.views_offered_by_tag[static_cast<std::size_t>(tag)];
     if (offered - views > kRejectedOfOneTag * offered)
       names += fmt::format("{}{} ({} of {})", names.empty() ? "" : ", ", to_string(key_of(observations, tag)),
@@ -48,6 +46,16 @@ void report_findings(const Observations& observations, const PartSolution& solut
               "its views contradict those of the other tags (a wrong size? moved while filming? an id that "
               "hangs in two places?)",
               findings);
+}
+
+/// What was asked for in vain.
+void report_cameras(const CameraRefinement& cameras, const CalibrationOptions& options, Findings& findings) {
+  const std::string what = options.intrinsics != Intrinsics::kRefine ? "places of the cameras"
+                           : options.refine_extrinsics               ? "intrinsics and places of the cameras"
+                                                                     : "intrinsics";
+  if ((options.intrinsics == Intrinsics::kRefine || options.refine_extrinsics) && !cameras.reason.empty())
+    findings.warnings.push_back(
+        fmt::format("the {} stay as the camera file has them: {}", what, cameras.reason));
 }
 
 }  // namespace
@@ -78,6 +86,7 @@ void report_quality(const Observations& observations, const PartSolution& soluti
                     "and the matrix to invert grows with the square of their number (at most {} tags)",
                     solution.part.tags.size(), options.max_tags_with_covariance));
   report_findings(observations, solution, findings);
+  report_cameras(solution.cameras, options, findings);
   leave_out(observations, solution.undecided,
             "its views agree with two poses about equally well: film it from further aside, and nearer",
             findings);

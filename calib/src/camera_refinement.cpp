@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "apriltrack/base/error.h"
@@ -20,23 +22,24 @@ constexpr int kMaxSteps = 8;
 constexpr double kSettled = 0.02;  // of a standard deviation
 constexpr int kFramesOfGroup = 5;  // neighbours repeat their errors: they are held out together
 constexpr int kHeldOut = 4;        // every so many groups, one
-constexpr int kLeastGroups = 4;    // of those held out
+constexpr int kLeastGroups = 3;    // of those held out
+constexpr int kEnoughGroups = 10;  // where one fold has fewer, all are held out in turn
 constexpr double kWorthTrying = 0.001;
-constexpr double kClear = 2.0;              // standard deviations of the mean improvement
+constexpr double kClear = 2.0;              // standard deviations, of a normal distribution
 constexpr double kMostOfView = 8.0 * 16.0;  // a view counts no more than at four sigmas
 
 struct Split {
   std::vector<std::size_t> others, held_out;
 };
 
-/// By the rank of their frames in time.
-Split split(const Observations& observations, const std::vector<std::size_t>& views) {
+/// By the rank of their frames in time. fold: which of the groups are held out.
+Split split(const Observations& observations, const std::vector<std::size_t>& views, int fold) {
   Split result;
   int rank = -1, last_frame = -1;
   for (const std::size_t v : views) {
     if (observations.views[v].frame != last_frame) ++rank;
     last_frame = observations.views[v].frame;
-    const bool is_held_out = rank / kFramesOfGroup % kHeldOut == kHeldOut - 1;
+    const bool is_held_out = rank / kFramesOfGroup % kHeldOut == fold;
     (is_held_out ? result.held_out : result.others).push_back(v);
   }
   return result;
@@ -173,27 +176,34 @@ std::map<int, double> disagreements(const PartTask& task, const std::vector<std:
   return of_frames;
 }
 
-/// Before and after, of the held-out views; whether the second is clearly less.
-bool is_better(const std::map<int, double>& before, const std::map<int, double>& after, std::size_t num_views,
-               CameraRefinement& result) {
-  double sum_before = 0.0, sum_after = 0.0;
-  std::vector<double> gains;  // of each group
+/// Where Student's distribution of so many degrees of freedom is as unlikely as the normal one at `place`
+/// (Wallace, 1959).
+double student_place(double place, double degrees) {
+  const double shrink = (degrees - 5.0 / 6.0) / (degrees - 2.0 / 3.0 + 0.1 / degrees);
+  return std::sqrt(degrees * std::expm1(place * place * shrink / degrees));
+}
+
+/// Squared disagreement of neighbouring frames that are held out together, appended to `sums`.
+void add_groups(const std::map<int, double>& of_frames, std::vector<double>& sums) {
   int rank = 0;
-  for (const auto& [frame, squares] : before) {
-    sum_before += squares;
-    sum_after += after.at(frame);
-    if (rank++ % kFramesOfGroup == 0) gains.push_back(0.0);
-    gains.back() += squares - after.at(frame);
+  for (const auto& [frame, squares] : of_frames) {
+    if (rank++ % kFramesOfGroup == 0) sums.push_back(0.0);
+    sums.back() += squares;
   }
-  const double count = 8.0 * static_cast<double>(num_views);
-  result.held_out_before = std::sqrt(sum_before / count);
-  result.held_out_after = std::sqrt(sum_after / count);
-  if (gains.size() < kLeastGroups) return false;
-  const auto num = static_cast<double>(gains.size());
-  const double mean = (sum_before - sum_after) / num;
-  double squares = 0.0;
-  for (const double gain : gains) squares += (gain - mean) * (gain - mean);
-  return mean > kClear * std::sqrt(squares / (num * (num - 1.0)));
+}
+
+/// Whether groups fall by more than chance: their logarithms, for one that is far off outweighs all others.
+bool is_clearly_less(const std::vector<double>& before, const std::vector<double>& after) {
+  constexpr double kLeast = 1e-9;
+  const auto num = static_cast<double>(before.size());
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double gain = std::log((before[i] + kLeast) / (after[i] + kLeast));
+    sum += gain;
+    squares += gain * gain;
+  }
+  const double variance_of_mean = (squares - sum * sum / num) / (num * (num - 1.0));
+  return sum / num > student_place(kClear, num - 1.0) * std::sqrt(std::max(0.0, variance_of_mean));
 }
 
 /// The share by which the residuals would fall, to first order.
@@ -212,34 +222,58 @@ double promised_gain(const PartTask& task, const std::vector<CameraParameter>& p
   return 1.0 - std::sqrt(std::max(0.0, 1.0 - of_cameras.gradient.dot(step) / std::max(squares, 1e-12)));
 }
 
-bool stands_the_test(const PartTask& task, const std::vector<CameraParameter>& parameters, double least_gain,
-                     const AdjustedPart& solved, CameraRefinement& result) {
-  Split views = split(task.observations, solved.part.views);
+/// How much frames disagree that a map was not made from, by groups: with the cameras as they are, and with
+/// cameras refined from the same frames as the map.
+struct HeldOut {
+  std::vector<double> before, after;
+  std::size_t num_views = 0;
+
+  double rms(const std::vector<double>& sums) const {
+    return std::sqrt(std::reduce(sums.begin(), sums.end()) / (8.0 * static_cast<double>(num_views)));
+  }
+  bool is_clearly_better() const {
+    return before.size() >= kLeastGroups && rms(after) < rms(before) && is_clearly_less(before, after);
+  }
+};
+
+/// Why not, where it cannot be done.
+std::optional<std::string> hold_out(const PartTask& task, const std::vector<CameraParameter>& parameters,
+                                    const AdjustedPart& solved, int fold, HeldOut& result) {
+  Split views = split(task.observations, solved.part.views, fold);
   const Part others = connected_to(task.observations, views.others, solved.held_tag, task.options.min_views);
   std::erase_if(views.held_out, [&](std::size_t v) {
     return !std::ranges::binary_search(others.tags, task.observations.views[v].tag);
   });
-  if (others.tags.size() < 2 || views.held_out.empty()) {
-    result.reason = "too few frames to hold some out";
-    return false;
-  }
+  if (others.tags.size() < 2 || views.held_out.empty()) return "too few frames to hold some out";
   MapState before = solved.state;
   adjust(task.observations, others.views, all_but(others.tags, solved.held_tag),
          {.loss_scale = 0.0, .max_iterations = task.options.max_iterations}, before);
   MapState after = before;
-  if (!Fit(task, parameters, others, solved.held_tag).run(after)) {
-    result.reason = "the views do not determine them";
+  if (!Fit(task, parameters, others, solved.held_tag).run(after)) return "the views do not determine them";
+  add_groups(disagreements(task, views.held_out, before), result.before);
+  add_groups(disagreements(task, views.held_out, after), result.after);
+  result.num_views += views.held_out.size();
+  return std::nullopt;
+}
+
+bool stands_the_test(const PartTask& task, const std::vector<CameraParameter>& parameters, double least_gain,
+                     const AdjustedPart& solved, CameraRefinement& result) {
+  HeldOut held_out;
+  std::optional<std::string> failure;
+  for (int fold = kHeldOut - 1; fold >= 0 && held_out.before.size() < kEnoughGroups; --fold)
+    if (auto reason = hold_out(task, parameters, solved, fold, held_out)) failure = std::move(reason);
+  if (held_out.num_views == 0) {
+    result.reason = *failure;
     return false;
   }
-  if (!is_better(disagreements(task, views.held_out, before), disagreements(task, views.held_out, after),
-                 views.held_out.size(), result) ||
-      result.held_out_after > (1.0 - least_gain) * result.held_out_before) {
-    result.reason =
-        fmt::format("frames that were held out agree no better ({:.3f} sigmas before, {:.3f} after)",
-                    result.held_out_before, result.held_out_after);
-    return false;
-  }
-  return true;
+  result.held_out_before = held_out.rms(held_out.before);
+  result.held_out_after = held_out.rms(held_out.after);
+  if (held_out.is_clearly_better() && result.held_out_after <= (1.0 - least_gain) * result.held_out_before)
+    return true;
+  result.reason =
+      fmt::format("frames that were held out agree no better ({:.3f} sigmas before, {:.3f} after)",
+                  result.held_out_before, result.held_out_after);
+  return false;
 }
 
 }  // namespace

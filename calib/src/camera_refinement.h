@@ -17,7 +17,7 @@ struct EstimatedParameter {
 
 struct CameraRefinement {
   bool is_accepted = false;
-  std::string reason;  ///< Why not.
+  std::string reason;  ///< Why not, or not all that was asked for.
   std::vector<EstimatedParameter> estimates;
   /// How far frames that the map was not made from disagree with it, in standard deviations (root mean
   /// square): before, and with a map and cameras refined from the others.

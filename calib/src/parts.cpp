@@ -83,6 +83,31 @@ bool DisjointSets::join(std::size_t a, std::size_t b) {
   return true;
 }
 
+std::map<int, int> count_views(const Observations& observations, const Part& part) {
+  std::map<int, int> count;
+  for (const std::size_t v : part.views) ++count[observations.views[v].tag];
+  return count;
+}
+
+Part narrowed_to(const Observations& observations, const Part& part, const std::vector<int>& tags) {
+  std::map<int, int> tags_of_frame;
+  std::vector<std::size_t> views;
+  for (const std::size_t v : part.views) {
+    if (!std::binary_search(tags.begin(), tags.end(), observations.views[v].tag)) continue;
+    ++tags_of_frame[observations.views[v].frame];
+    views.push_back(v);
+  }
+  std::erase_if(views, [&](std::size_t v) { return tags_of_frame.at(observations.views[v].frame) < 2; });
+  return {tags, std::move(views)};
+}
+
+std::vector<std::size_t> views_without(const Observations& observations, const Part& part,
+                                       const std::set<int>& tags) {
+  std::vector<std::size_t> views = part.views;
+  std::erase_if(views, [&](std::size_t v) { return tags.contains(observations.views[v].tag); });
+  return views;
+}
+
 Connectivity find_parts(const Observations& observations, const std::vector<std::size_t>& views,
                         int min_views) {
   Connectivity result;

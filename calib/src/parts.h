@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "observations.h"
@@ -25,6 +27,17 @@ struct Part {
   std::vector<std::size_t>
       views;  ///< Into Observations::views; only of frames that show two tags of the part or more.
 };
+
+/// How many of the part's views show each of its tags, by tag.
+std::map<int, int> count_views(const Observations& observations, const Part& part);
+
+/// What of the part counts where only `tags` (sorted) are mapped: their views in frames that show two of
+/// them.
+Part narrowed_to(const Observations& observations, const Part& part, const std::vector<int>& tags);
+
+/// The part's views but those of `tags`.
+std::vector<std::size_t> views_without(const Observations& observations, const Part& part,
+                                       const std::set<int>& tags);
 
 struct Connectivity {
   std::vector<Part> parts;     ///< Most tags first; equal ones by their first tag.

@@ -21,9 +21,9 @@ struct Filmed {
   std::vector<FrameDetections> frames;
 };
 
-Filmed film(const Camera& camera, double sigma_px = 0.1) {
+Filmed film(const Camera& camera, double sigma_px = 0.1, int num_frames = 120) {
   Filmed result;
-  result.truth = test::make_room(14, 120, camera);
+  result.truth = test::make_room(14, num_frames, camera);
   result.stated = result.truth;
   result.frames = test::exact_detections(result.truth);
   RandomStream random(41);
@@ -68,6 +68,24 @@ TEST(CameraRefinement, LeavesARightCameraAlone) {
     EXPECT_THAT(result.warnings, IsEmpty());
     EXPECT_EQ(result.rig.cameras[0].model.pinhole().fx, camera.model.pinhole().fx);
   }
+}
+
+TEST(CameraRefinement, FindsAWrongFocalLengthInFewFrames) {
+  Filmed filmed = film(test::perspective_camera(), 0.1, 50);
+  scale_focal_length(filmed.stated.rig.cameras[0], 1.04);
+  const CalibrationResult result = calibrate(filmed.stated, filmed.frames);
+  const CameraCorrection* focal = correction(result, "focal length");
+  ASSERT_NE(focal, nullptr);
+  EXPECT_NEAR(focal->value, 1.0 / 1.04 - 1.0, 5.0 * focal->sigma);
+}
+
+TEST(CameraRefinement, SaysWhyACameraThatWasToBeRefinedStays) {
+  const Filmed filmed = film(test::perspective_camera());
+  const CalibrationResult result =
+      calibrate(filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kRefine});
+  EXPECT_THAT(result.corrections, IsEmpty());
+  EXPECT_THAT(result.warnings,
+              ::testing::ElementsAre(HasSubstr("the intrinsics stay as the camera file has them: ")));
 }
 
 TEST(CameraRefinement, KeepsTheCameraWhereToldTo) {
