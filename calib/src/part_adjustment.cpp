@@ -10,6 +10,7 @@
 #include "apriltrack/base/error.h"
 #include "bundle_adjustment.h"
 #include "mirror_test.h"
+#include "mirrored_frames.h"
 #include "noise_scale.h"
 
 namespace apriltrack {
@@ -142,6 +143,8 @@ AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, c
     result.part = {};
   }
   if (result.part.tags.empty()) result.part = adjust_cleanly(task, part, held_tag, result.state);
+  if (turn_mirrored_frames(task, narrowed_to(observations, part, result.part.tags), result.state))
+    result.part = adjust_cleanly(task, part, held_tag, result.state);
   result.contradictions =
       find_contradictions(observations, part, gross_outliers(observations, part.views, result.state));
   return result;

@@ -4,36 +4,15 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <numeric>
-
-#include "calibrating.h"
+#include "adjusted_world.h"
 
 namespace apriltrack {
 namespace {
 
-using test::SyntheticWorld;
+using test::AdjustedWorld;
 
-/// A part as it was offered, and adjusted to the views that are left of it.
-struct Case {
-  SyntheticWorld world = test::make_room(6, 60, test::perspective_camera());
-  Findings findings;
-  CalibrationOptions options;
-  Observations observations =
-      collect_observations(test::exact_detections(world), world.rig, world.sizes(), options, findings);
-  std::vector<ViewCandidates> candidates;
-  Part offered;
-  AdjustedPart solved;
-
-  Case() {
-    std::vector<std::size_t> views(observations.views.size());
-    std::iota(views.begin(), views.end(), std::size_t{0});
-    candidates = solve_views(observations, views, parallel_for(1));
-    offered = find_parts(observations, views, options.min_views).parts.front();
-    solved = adjust_part(task(), offered, offered.tags.front(), parallel_for(1));
-  }
-
-  PartTask task() const { return {observations, candidates, options}; }
+struct Case : AdjustedWorld {
+  Case() : AdjustedWorld(test::make_room(6, 60, test::perspective_camera())) {}
 
   /// Of every four views of a tag, `rejected` are; the rest of the map stays.
   void reject(int tag, int rejected) {

@@ -1,0 +1,112 @@
+#include "mirrored_frames.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "corner_views.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kLoss = 8.0;          // Cauchy's scale on a view's whitened norm; a good one's is sqrt(8)
+constexpr double kFarOff = 8.0 * 9.0;  // squares: three sigmas in the mean
+constexpr double kUnseen = 400.0;      // cost of a view that cannot be projected
+constexpr double kClearlyLess = 10.0;  // of half the robust sum of squares
+constexpr int kMaxSteps = 6;
+constexpr std::size_t kMaxTrials = 3;
+
+/// One frame of the part, to be moved in `state`.
+class Frame {
+ public:
+  Frame(const PartTask& task, const std::vector<std::size_t>& views, MapState& state)
+      : task_(task),
+        views_(views),
+        state_(state),
+        pose_(state.T_map_rig[static_cast<std::size_t>(task.observations.views[views.front()].frame)]) {}
+
+  bool turn() {
+    bool has_far_view = false;
+    double least = cost(&has_far_view);
+    if (!has_far_view) return false;
+    Pose best = pose_;
+    const double before = least;
+    for (const Pose& proposal : best_proposals()) {
+      pose_ = proposal;
+      settle();
+      const double of_this = cost();
+      if (of_this > least - kClearlyLess) continue;
+      least = of_this;
+      best = pose_;
+    }
+    pose_ = best;
+    return least < before;
+  }
+
+ private:
+  double cost(bool* has_far_view = nullptr) const {
+    double sum = 0.0;
+    for (const std::size_t v : views_) {
+      bool is_valid = false;
+      const double squares =
+          whitened_residual(task_.observations, task_.observations.views[v], state_, is_valid).squaredNorm();
+      sum += is_valid ? 0.5 * kLoss * kLoss * std::log1p(squares / (kLoss * kLoss)) : kUnseen;
+      if (has_far_view != nullptr && (!is_valid || squares > kFarOff)) *has_far_view = true;
+    }
+    return sum;
+  }
+
+  /// Of the poses that the tags' candidates propose those that explain the views best as they are.
+  std::vector<Pose> best_proposals() {
+    std::vector<std::pair<double, Pose>> all;
+    for (const std::size_t v : views_) {
+      const Pose& T_map_tag = state_.T_map_tag[static_cast<std::size_t>(task_.observations.views[v].tag)];
+      for (const auto& candidate : task_.candidates[v].candidates) {
+        pose_ = T_map_tag * candidate.T_rig_tag.inverse();
+        all.emplace_back(cost(), pose_);
+      }
+    }
+    std::ranges::stable_sort(all, {}, &std::pair<double, Pose>::first);
+    all.resize(std::min(all.size(), kMaxTrials));
+    std::vector<Pose> best;
+    for (const auto& [of_this, pose] : all) best.push_back(pose);
+    return best;
+  }
+
+  /// By Gauss and Newton, views that are far off counting little.
+  void settle() {
+    for (int step = 0; step < kMaxSteps; ++step) {
+      Matrix6d information = Matrix6d::Zero();
+      Vector6d gradient = Vector6d::Zero();
+      for (const LinearView& view : corner_views(task_.observations, views_, state_)) {
+        const double weight = 1.0 / (1.0 + view.residual.squaredNorm() / (kLoss * kLoss));
+        information += weight * view.by_rig.transpose() * view.by_rig;
+        gradient += weight * view.by_rig.transpose() * view.residual;
+      }
+      const Vector6d change = -information.ldlt().solve(gradient);
+      if (!change.allFinite()) return;
+      pose_ = pose_ * Pose::exp(change);
+    }
+  }
+
+  const PartTask& task_;
+  const std::vector<std::size_t>& views_;
+  MapState& state_;
+  Pose& pose_;
+};
+
+}  // namespace
+
+bool turn_mirrored_frames(const PartTask& task, const Part& part, MapState& state) {
+  std::map<int, std::vector<std::size_t>> views_of_frame;
+  for (const std::size_t v : part.views) views_of_frame[task.observations.views[v].frame].push_back(v);
+  bool has_turned = false;
+  for (const auto& [frame, views] : views_of_frame)
+    if (Frame(task, views, state).turn()) has_turned = true;
+  return has_turned;
+}
+
+}  // namespace apriltrack
