@@ -5,23 +5,17 @@
 #include <map>
 #include <set>
 
-#include "undecided_tags.h"
+#include "part_without.h"
 
 namespace apriltrack {
 namespace {
 
 constexpr double kMostRejected = 0.5;
 
-std::map<int, int> views_by_tag(const Observations& observations, const Part& part) {
-  std::map<int, int> count;
-  for (const std::size_t v : part.views) ++count[observations.views[v].tag];
-  return count;
-}
-
 std::set<int> contradicted_tags(const Observations& observations, const Part& part, const Part& kept) {
-  const std::map<int, int> offered = views_by_tag(observations, part);
+  const std::map<int, int> offered = count_views(observations, narrowed_to(observations, part, kept.tags));
   std::set<int> contradicted;
-  for (const auto& [tag, views] : views_by_tag(observations, kept)) {
+  for (const auto& [tag, views] : count_views(observations, kept)) {
     if (offered.at(tag) - views > kMostRejected * offered.at(tag)) contradicted.insert(tag);
   }
   return contradicted;
@@ -31,7 +25,8 @@ std::set<int> contradicted_tags(const Observations& observations, const Part& pa
 
 std::vector<int> leave_out_contradicted(const PartTask& task, const Part& part, AdjustedPart& solved) {
   std::set<int> contradicted = contradicted_tags(task.observations, part, solved.part);
-  if (!contradicted.empty() && !hold_another(task, contradicted, solved)) contradicted.erase(solved.held_tag);
+  const auto h = static_cast<std::size_t>(solved.held_tag);
+  if (task.options.held_tag == task.observations.tags[h]) contradicted.erase(solved.held_tag);
   if (contradicted.empty()) return {};
   std::set<int> gone = contradicted;
   std::ranges::set_difference(part.tags, solved.part.tags, std::inserter(gone, gone.end()));

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "part_without.h"
 #include "tag_fault.h"
 
 namespace apriltrack {
@@ -17,21 +18,11 @@ namespace {
 
 /// The same without one tag; nullopt where nothing is left, where it is held by choice, and where what is
 /// left contradicts itself.
-std::optional<AdjustedPart> adjust_without(const PartTask& task, const Part& part, int tag, int held_tag) {
-  const auto& [observations, candidates, options] = task;
-  std::vector<std::size_t> views = part.views;
-  std::erase_if(views, [&](std::size_t v) { return task.observations.views[v].tag == tag; });
-  Part rest;
-  if (tag != held_tag) {
-    rest = connected_to(observations, views, held_tag, options.min_views);
-  } else if (!options.held_tag || observations.tags[static_cast<std::size_t>(tag)] != *options.held_tag) {
-    std::vector<Part> parts = find_parts(observations, views, options.min_views).parts;
-    if (!parts.empty()) rest = std::move(parts.front());
-  }
-  if (rest.tags.size() < 2) return std::nullopt;
+std::optional<AdjustedPart> adjust_anew(const PartTask& task, const Part& part, int tag, int held_tag) {
+  const std::optional<HeldPart> rest = part_without(task, part, {tag}, held_tag);
+  if (!rest) return std::nullopt;
   try {
-    AdjustedPart result =
-        adjust_part(task, rest, tag == held_tag ? rest.tags.front() : held_tag, parallel_for(1));
+    AdjustedPart result = adjust_part(task, rest->part, rest->held_tag, parallel_for(1));
     if (result.contradictions.are_there()) return std::nullopt;
     return result;
   } catch (const Error&) {  // contradictory, or not converged: so this tag is not the cause
@@ -42,19 +33,29 @@ std::optional<AdjustedPart> adjust_without(const PartTask& task, const Part& par
 struct Trial {
   std::optional<AdjustedPart> rest;
   std::optional<TagFinding> finding;  ///< What is wrong with the tag that was left out.
+  std::size_t accusations = 0;        ///< Of that tag.
 
   bool is_explained() const { return finding && finding->is_complete(); }
 };
 
 /// A tag whose fault can be named from the map without it, the more wrong the better; else one whose absence
-/// keeps many tags.
-std::tuple<bool, double, std::size_t> merit(const Trial& trial) {
+/// keeps many tags, and of such the one that is accused most.
+std::tuple<bool, double, std::size_t, std::size_t> merit(const Trial& trial) {
   return {trial.is_explained(), trial.is_explained() ? trial.finding->gain() : 0.0,
-          trial.rest ? trial.rest->part.tags.size() : 0};
+          trial.rest ? trial.rest->part.tags.size() : 0, trial.rest ? trial.accusations : 0};
 }
 
-Trial try_without(const PartTask& task, const Part& part, int tag, int held_tag) {
-  Trial trial{adjust_without(task, part, tag, held_tag), std::nullopt};
+/// How often the contradictions name the tag, by itself or with another.
+std::size_t count_accusations(const Contradictions& contradictions, int tag) {
+  return static_cast<std::size_t>(std::ranges::count(contradictions.tags, tag) +
+                                  std::ranges::count_if(contradictions.links, [&](const auto& link) {
+                                    return link.first == tag || link.second == tag;
+                                  }));
+}
+
+Trial try_without(const PartTask& task, const Part& part, const Contradictions& contradictions, int tag,
+                  int held_tag) {
+  Trial trial{adjust_anew(task, part, tag, held_tag), std::nullopt, count_accusations(contradictions, tag)};
   if (trial.rest) trial.finding = look_at(task, probe_views(task, part, *trial.rest, tag), tag).finding;
   return trial;
 }
@@ -91,7 +92,8 @@ std::optional<AdjustedPart> adjust_without_culprit(const PartTask& task, const P
   if (part.tags.size() < 3) return std::nullopt;
   const std::vector<int> tags = suspects(part, contradictions);
   std::vector<Trial> trials(tags.size());
-  parallel(tags.size(), [&](std::size_t i) { trials[i] = try_without(task, part, tags[i], held_tag); });
+  parallel(tags.size(),
+           [&](std::size_t i) { trials[i] = try_without(task, part, contradictions, tags[i], held_tag); });
   const auto best = std::ranges::max_element(trials, {}, merit);
   const bool needs_a_name = 2 * contradictions.contradicting > contradictions.frames;  // most frames disagree
   if (best == trials.end() || !best->rest || (needs_a_name && !best->is_explained()) ||

@@ -15,7 +15,7 @@ NoiseScale measure_noise(const Observations& observations, const std::vector<std
 
 /// How much noisier than the others each frame is (blurred ones are), from views without outliers; 1 for all
 /// where frames differ by no more than chance. Every frame is drawn towards the others, the more so the less
-/// it says. (docs/algorithms/calibration.md, equation 6d.)
+/// it says. (docs/algorithms/calibration.md, equation 6.)
 std::vector<double> measure_frame_noise(const Observations& observations,
                                         const std::vector<std::size_t>& views, const MapState& state);
 

@@ -74,6 +74,15 @@ std::vector<int> cameras_of(const Observations& observations, const Part& part) 
   return {cameras.begin(), cameras.end()};
 }
 
+/// What may be mapped still.
+Part without_left_out(const Observations& observations, const Part& part, const AdjustedPart& solved) {
+  std::set<int> out(solved.undecided.begin(), solved.undecided.end());
+  if (solved.culprit) out.insert(*solved.culprit);
+  Part rest{{}, views_without(observations, part, out)};
+  std::ranges::set_difference(part.tags, out, std::back_inserter(rest.tags));
+  return rest;
+}
+
 /// Edge offsets alone first, which are most often what is wrong with corners from elsewhere; then lenses, and
 /// cameras' places.
 CameraRefinement better_cameras(const PartTask& task, const Part& part, AdjustedPart& solved) {
@@ -108,6 +117,7 @@ CameraRefinement better_cameras(const PartTask& task, const Part& part, Adjusted
   const bool is_asked_for = options.intrinsics == Intrinsics::kRefine || options.refine_extrinsics;
   CameraRefinement of_all = refine_cameras(task, part, parameters, is_asked_for ? 0.0 : kClearGain, solved);
   if (of_all.is_accepted || !result.is_accepted) return of_all;
+  result.reason = of_all.reason;
   return result;
 }
 
@@ -237,7 +247,7 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   AdjustedPart solved = adjust_without_contradictions(task, part, held_tag, parallel, log);
   PartSolution solution;
   leave_out_undecided(task, part, solved);
-  solution.cameras = better_cameras(task, part, solved);
+  solution.cameras = better_cameras(task, without_left_out(observations, part, solved), solved);
   solution.findings = examine_tags(task, part, solved);
   solution.contradicted = leave_out_contradicted(task, part, solved);
   solution.held_tag = solved.held_tag;
@@ -248,10 +258,11 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   measure_covariances(observations, options, constraints, solution);
   measure_residuals(observations, solution);
 
-  solution.views_offered = part.views.size();
+  const Part offered = narrowed_to(observations, part, solution.part.tags);
+  solution.views_offered = offered.views.size();
   solution.views_offered_by_tag.assign(observations.tags.size(), 0);
-  for (const std::size_t v : part.views)
-    ++solution.views_offered_by_tag[static_cast<std::size_t>(observations.views[v].tag)];
+  for (const auto& [tag, views] : count_views(observations, offered))
+    solution.views_offered_by_tag[static_cast<std::size_t>(tag)] = views;
   std::set_difference(part.tags.begin(), part.tags.end(), solution.part.tags.begin(),
                       solution.part.tags.end(), std::back_inserter(solution.lost_tags));
   if (solution.culprit) std::erase(solution.lost_tags, *solution.culprit);

@@ -1,13 +1,16 @@
 #include "tag_examination.h"
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "apriltrack/base/error.h"
-#include "undecided_tags.h"
+#include "part_without.h"
+#include "tag_shapes.h"
 
 namespace apriltrack {
 namespace {
@@ -15,16 +18,36 @@ namespace {
 constexpr int kMostFaults = 4;
 constexpr std::size_t kMostSuspects = 6;
 constexpr double kSuspicious = 2.5;
+constexpr double kManyRejected = 1.0 / 3.0;  // of a tag's views
 
-/// Tags that are not `known` to be at fault: those with a fault that can be named, and those whose views no
-/// fault explains as the map is, worst first.
+TagLook look_by(const PartTask& task, const Part& part, const AdjustedPart& solved, int tag) {
+  return look_at(task, probe_views(task, part, solved, tag), tag);
+}
+
+/// Tags of the map of which many views were rejected.
+std::set<int> tags_rejected_often(const Observations& observations, const Part& part,
+                                  const AdjustedPart& solved) {
+  const std::map<int, int> offered =
+      count_views(observations, narrowed_to(observations, part, solved.part.tags));
+  std::set<int> tags;
+  for (const auto& [tag, kept] : count_views(observations, solved.part)) {
+    if (offered.at(tag) - kept > kManyRejected * offered.at(tag)) tags.insert(tag);
+  }
+  return tags;
+}
+
+/// Tags that are not `known` to be at fault: those with a fault that can be named, those whose views no
+/// fault explains as the map is, and those of which many views were rejected, with frames that might have
+/// told why; worst first.
 std::vector<int> suspects_in(const PartTask& task, const Part& part, const AdjustedPart& solved,
                              const std::set<int>& known) {
+  const std::set<int> rejected = tags_rejected_often(task.observations, part, solved);
   std::vector<std::pair<double, int>> suspects;
   for (const int tag : part.tags) {
     if (known.contains(tag) || std::ranges::binary_search(solved.undecided, tag)) continue;
-    const TagLook look = look_at(task, probe_views(task, part, solved, tag), tag);
-    if (look.misfit > kSuspicious || look.finding) suspects.emplace_back(-look.misfit, tag);
+    const TagLook look = look_by(task, part, solved, tag);
+    if (look.misfit > kSuspicious || look.finding || rejected.contains(tag))
+      suspects.emplace_back(-look.misfit, tag);
   }
   std::ranges::sort(suspects);
   std::vector<int> tags;
@@ -38,31 +61,28 @@ struct Absence {
   std::size_t num_others = 0;  ///< That still seem at fault.
 };
 
-/// What is left to map without `tag`, and without those that were left out before.
-std::vector<std::size_t> views_without(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                                       int tag, const std::set<int>& known) {
-  std::vector<std::size_t> views = part.views;
-  std::erase_if(views, [&](std::size_t v) {
-    const int of_view = task.observations.views[v].tag;
-    return of_view == tag || std::ranges::binary_search(solved.undecided, of_view) ||
-           (known.contains(of_view) && !std::ranges::binary_search(solved.part.tags, of_view));
-  });
-  return views;
+/// The tags that stay out of the map besides `tag`.
+std::set<int> tags_out(const AdjustedPart& solved, int tag, const std::set<int>& known) {
+  std::set<int> out(solved.undecided.begin(), solved.undecided.end());
+  out.insert(tag);
+  std::ranges::copy_if(known, std::inserter(out, out.end()),
+                       [&](int one) { return !std::ranges::binary_search(solved.part.tags, one); });
+  return out;
 }
 
 /// The map without a tag, from the start, for with the tag it may have been folded; by the cameras of
 /// `solved`, which may have been refined. False where too little is left that agrees.
 bool solve_without(const PartTask& task, const Part& part, int tag, const std::set<int>& known,
                    AdjustedPart& solved) {
-  if (!hold_another(task, {tag}, solved)) return false;
-  const Part rest = connected_to(task.observations, views_without(task, part, solved, tag, known),
-                                 solved.held_tag, task.options.min_views);
-  if (rest.tags.size() < 2) return false;
+  const std::optional<HeldPart> rest =
+      part_without(task, part, tags_out(solved, tag, known), solved.held_tag);
+  if (!rest) return false;
   Observations by_cameras = task.observations;
   by_cameras.cameras = solved.state.cameras;
   try {
     AdjustedPart anew =
-        adjust_part({by_cameras, task.candidates, task.options}, rest, solved.held_tag, parallel_for(1));
+        adjust_part({by_cameras, task.candidates, task.options}, rest->part, rest->held_tag, parallel_for(1));
+    solved.held_tag = rest->held_tag;
     solved.part = std::move(anew.part);
     solved.state = std::move(anew.state);
     return true;
@@ -71,15 +91,17 @@ bool solve_without(const PartTask& task, const Part& part, int tag, const std::s
   }
 }
 
-/// Null where nothing is wrong with the tag by the map without it, or where there is none.
+/// Null where nothing is wrong with the tag by the map without it, nor by the one with it: without a tag that
+/// joins two pieces of the map, few views of it are left to look at.
 std::unique_ptr<Absence> look_without(const PartTask& task, const Part& part, const AdjustedPart& solved,
                                       int tag, std::set<int> known) {
   auto trial = std::make_unique<Absence>();
   trial->rest = solved;
   if (!solve_without(task, part, tag, known, trial->rest)) return nullptr;
-  const TagLook look = look_at(task, probe_views(task, part, trial->rest, tag), tag);
+  TagLook look = look_by(task, part, trial->rest, tag);
+  if (!look.finding) look = look_by(task, part, solved, tag);
   if (!look.finding) return nullptr;
-  trial->finding = *look.finding;
+  trial->finding = std::move(*look.finding);
   known.insert(tag);
   trial->num_others = suspects_in(task, part, trial->rest, known).size();
   return trial;
@@ -88,12 +110,32 @@ std::unique_ptr<Absence> look_without(const PartTask& task, const Part& part, co
 /// Of a tag that was left out before, for the frames contradicted each other with it.
 std::optional<TagFinding> look_at_culprit(const PartTask& task, const Part& part,
                                           const AdjustedPart& solved) {
-  auto finding = look_at(task, probe_views(task, part, solved, *solved.culprit), *solved.culprit).finding;
+  auto finding = look_by(task, part, solved, *solved.culprit).finding;
   if (finding && !finding->is_left_out) {
     finding->words += ". It is left out";
     finding->is_left_out = true;
   }
   return finding;
+}
+
+/// What no frame tells by itself. Tags that were found bent stay in the map; but others are held against a
+/// map without them.
+void examine_shapes(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
+                    std::vector<TagFinding>& findings) {
+  AdjustedPart sound = solved;
+  for (const int tag : known) {
+    if (std::ranges::binary_search(sound.part.tags, tag) && !solve_without(task, part, tag, known, sound))
+      return;
+  }
+  for (int round = 0; round < kMostFaults; ++round) {
+    auto finding = find_odd_shape(task, sound);
+    if (!finding) return;
+    const int tag = finding->tag;
+    if (finding->is_left_out && !solve_without(task, part, tag, known, solved)) return;
+    known.insert(tag);
+    findings.push_back(std::move(*finding));
+    if (!solve_without(task, part, tag, known, sound)) return;
+  }
 }
 
 }  // namespace
@@ -121,6 +163,7 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
     if (best->finding.is_left_out) solved = std::move(best->rest);
     findings.push_back(std::move(best->finding));
   }
+  examine_shapes(task, part, solved, known, findings);
   return findings;
 }
 

@@ -12,15 +12,11 @@ namespace {
 using Kind = TagFinding::Kind;
 
 constexpr std::size_t kLeastProbes = 4;
-// Clear: by so many standard deviations, so much of the tag's size, and so much of half the sum of squares.
-constexpr double kClearSigmas = 5.0;
-constexpr double kClearOfKept = 3.0;  // of the errors that a tag keeps
-constexpr double kClearScale = 0.012;
-constexpr double kClearBend = 0.006;
+constexpr double kClearOfKept = 5.0;   // of the errors that a tag keeps
 constexpr double kTwistPerEdge = 2.0;  // a twist shows where the tag is seen from aside, and there by half
-constexpr double kClearGain = 20.0;
-constexpr double kClearShare = 0.25;  // of what is beyond the usual
-constexpr double kMostLeft = 2.5;     // of the usual
+constexpr double kClearGain = 20.0;    // of half the sum of squares
+constexpr double kClearShare = 0.25;   // of what is beyond the usual
+constexpr double kMostLeft = 2.5;      // of the usual
 // Misfit of one place, below which no second one is asked for.
 constexpr double kMisfitOfTwo = 1.2;
 constexpr double kMisfitOfMoved = 2.5;  // lens errors look like small moves
@@ -103,14 +99,16 @@ TagLook look_at(const PartTask& task, const std::vector<ProbeView>& probes, int 
                     .words = describe(*best, probes, task.observations, name),
                     .is_left_out = best->kind != Kind::kNotFlat,
                     .misfit_before = look.misfit,
-                    .misfit_after = best->cost / usual};
+                    .misfit_after = best->cost / usual,
+                    .num_views = probes.size()};
   } else if (look.misfit > kMisfitOfLoose && is_loose(probes, one)) {
     look.finding = {.tag = tag,
                     .kind = Kind::kLoose,
                     .words = words_of_loose(name),
                     .is_left_out = true,
                     .misfit_before = look.misfit,
-                    .misfit_after = kMisfitOfLoose};
+                    .misfit_after = kMisfitOfLoose,
+                    .num_views = probes.size()};
   }
   return look;
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "apriltrack/base/degrees.h"
@@ -9,7 +10,9 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::size_t kLeastOfPlace = 3;  // views
+constexpr std::size_t kLeastOfMoved = 3;  // views at each of the places
+constexpr std::size_t kLeastOfCopy = 2;   // of two wrong views, hardly any agree on a place
+constexpr double kMostOfPlace = 2.5, kLeastElsewhere = 40.0;  // of the usual cost
 // Apart: by so much, so clearly.
 constexpr double kClearSquares = 45.0;  // of six numbers: chance in a million
 constexpr double kClearMove = 0.02;     // of the tag's size; and at least
@@ -47,11 +50,11 @@ std::size_t best_change(const std::vector<ProbeView>& probes, const TagFit& firs
   return best;
 }
 
-/// Both places fitted to the views that are said to show them.
+/// Both places fitted to the views that are said to show them, at least so many each.
 std::optional<TwoPlaces> fit_two(const std::vector<ProbeView>& probes, std::vector<bool> at_second,
-                                 double size_m) {
+                                 double size_m, std::size_t least) {
   const auto first = where(probes, at_second, false), second = where(probes, at_second, true);
-  if (first.size() < kLeastOfPlace || second.size() < kLeastOfPlace) return std::nullopt;
+  if (first.size() < least || second.size() < least) return std::nullopt;
   TwoPlaces result{0.0, fit_tag_anew(first, size_m), fit_tag_anew(second, size_m), std::move(at_second)};
   result.cost = result.fit.cost + result.second.cost;
   return result;
@@ -73,6 +76,15 @@ bool are_apart(const TwoPlaces& two, double least_m) {
   return squares > kClearSquares && change.translation().norm() > least_m;
 }
 
+/// Of a place with few views: whether one tag there explains them, in frames that are beyond doubt, and
+/// nothing at the other place does.
+bool is_a_place(const TagFit& fit, const TagFit& other, const std::vector<ProbeView>& views) {
+  if (views.size() >= kLeastOfMoved) return true;
+  const double usual = usual_probe_cost() * static_cast<double>(views.size());
+  return fit.cost < kMostOfPlace * usual && cost_at(views, other) > kLeastElsewhere * usual &&
+         std::ranges::all_of(views, &ProbeView::is_frame_sure);
+}
+
 }  // namespace
 
 std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double size_m) {
@@ -83,7 +95,7 @@ std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double
     for (int round = 0; round < 4; ++round) {
       std::vector<bool> at_second(probes.size());
       for (std::size_t i = 0; i < probes.size(); ++i) at_second[i] = i >= change;
-      auto next = fit_two(probes, std::move(at_second), size_m);
+      auto next = fit_two(probes, std::move(at_second), size_m, kLeastOfMoved);
       if (!next) break;
       trial = std::move(next);
       const std::size_t better = best_change(probes, trial->fit, trial->second);
@@ -106,7 +118,7 @@ std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const 
     at_second[i] = probe_cost(probes[i], one.T_map_tag, one.shape) > 4.0 * usual_probe_cost();
   std::optional<TwoPlaces> result;
   for (int round = 0; round < 4; ++round) {
-    auto next = fit_two(probes, at_second, size_m);
+    auto next = fit_two(probes, at_second, size_m, kLeastOfCopy);
     if (!next) break;
     result = std::move(next);
     for (std::size_t i = 0; i < probes.size(); ++i)
@@ -115,18 +127,26 @@ std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const 
     if (at_second == result->is_at_second) break;
   }
   if (!result || !are_apart(*result, kTwoTags * size_m)) return std::nullopt;
-  allow_another_size(where(probes, result->is_at_second, false), result->fit);
-  allow_another_size(where(probes, result->is_at_second, true), result->second);
+  const auto at_first = where(probes, result->is_at_second, false),
+             elsewhere = where(probes, result->is_at_second, true);
+  allow_another_size(at_first, result->fit);
+  allow_another_size(elsewhere, result->second);
+  if (!is_a_place(result->fit, result->second, at_first) ||
+      !is_a_place(result->second, result->fit, elsewhere))
+    return std::nullopt;
   result->cost = result->fit.cost + result->second.cost;
-  const auto minority = static_cast<double>(std::min(std::ranges::count(result->is_at_second, true),
-                                                     std::ranges::count(result->is_at_second, false)));
+  const auto minority = static_cast<double>(std::min(at_first.size(), elsewhere.size()));
   result->cost += 6.0 * kFeeOfUnknown + minority;
   return result;
 }
 
-/// Of the views: many that no one place explains, though each by itself is a tag's.
-bool is_loose(const std::vector<ProbeView>& probes, const TagFit& one) {
+// A frame that rests on one tag may be mirrored with it: where others are enough, it does not count.
+bool is_loose(const std::vector<ProbeView>& all_probes, const TagFit& one) {
   constexpr double kFarOff = 30.0, kAsUsual = 12.0;  // squares; 8 and 2 are expected
+  constexpr std::size_t kEnough = 8;
+  std::vector<ProbeView> probes;
+  std::ranges::copy_if(all_probes, std::back_inserter(probes), &ProbeView::is_frame_sure);
+  if (probes.size() < kEnough) probes = all_probes;
   std::size_t far = 0, explained = 0;
   for (const ProbeView& probe : probes) {
     const double cost = probe_cost(probe, one.T_map_tag, one.shape);

@@ -160,6 +160,7 @@ TagFit best_proposal(const std::vector<ProbeView>& views, double size_m) {
 struct FrameByOthers {
   Pose T_map_rig;
   Matrix6d information = Matrix6d::Zero();
+  bool is_sure = false;  ///< By two views or more that agree.
 };
 
 /// Each once, sorted: views are in the order of their frames.
@@ -222,12 +223,14 @@ std::map<int, FrameByOthers> frames_by_others(const PartTask& task, const Part& 
   for (const auto& [frame, views] : views_of_others(task, part, solved, tag, probed)) {
     Pose& pose = state.T_map_rig[static_cast<std::size_t>(frame)];
     // A frame that shows one other tag may have been mirrored with it to please the tag in question.
-    if (views.size() == 1 || !std::ranges::binary_search(solved_frames, frame)) {
+    const bool is_sure = views.size() > 1 && std::ranges::binary_search(solved_frames, frame);
+    if (!is_sure) {
       const auto alone = pose_by_one(task, solved, views);
       if (!alone) continue;
       pose = *alone;
     }
     FrameByOthers& of_frame = result[frame];
+    of_frame.is_sure = is_sure;
     for (int step = 0; step < kMaxFrameSteps; ++step) {
       of_frame.information.setZero();
       Vector6d gradient = Vector6d::Zero();
@@ -245,6 +248,15 @@ std::map<int, FrameByOthers> frames_by_others(const PartTask& task, const Part& 
 }
 
 }  // namespace
+
+Eigen::Matrix<double, 8, 3> residual_by_shape(const ProbeView& probe, const Pose& T_map_tag, double size_m) {
+  Vector8d residual;
+  Matrix8x9d jacobian = Matrix8x9d::Zero();
+  TagShape shape;
+  shape.size_m = size_m;
+  if (!probe_residual(probe, T_map_tag, shape, &residual, &jacobian)) jacobian.setZero();
+  return jacobian.rightCols<3>();
+}
 
 std::array<Eigen::Vector3d, 4> TagShape::corners() const {
   std::array<Eigen::Vector3d, 4> result = tag_corners(size_m);
@@ -265,8 +277,11 @@ std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const
     const TagView& view = task.observations.views[v];
     const auto frame = others.find(view.frame);
     if (frame == others.end()) continue;
-    ProbeView probe{&view, &solved.state.cameras[static_cast<std::size_t>(view.camera)],
-                    frame->second.T_map_rig, task.observations.frames[static_cast<std::size_t>(view.frame)],
+    ProbeView probe{&view,
+                    &solved.state.cameras[static_cast<std::size_t>(view.camera)],
+                    frame->second.is_sure,
+                    frame->second.T_map_rig,
+                    task.observations.frames[static_cast<std::size_t>(view.frame)],
                     Matrix8d::Identity()};
     const auto& candidates = task.candidates[v].candidates;
     Vector8d residual_px;

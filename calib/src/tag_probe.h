@@ -14,6 +14,7 @@ inline constexpr double kFeeOfUnknown = 2.0;
 struct ProbeView {
   const TagView* view = nullptr;
   const RigCamera* camera = nullptr;
+  bool is_frame_sure = false;  ///< Two other tags or more agree on where it is.
   Pose T_map_rig;
   Timestamp timestamp;
   /// Turns reprojection errors (px) into independent numbers of unit variance, the frame's own error
@@ -55,6 +56,9 @@ struct TagFit {
 TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom freedom);
 /// From the best of the poses that the largest views propose.
 TagFit fit_tag_anew(const std::vector<ProbeView>& views, double size_m);
+/// The whitened residual's derivatives by a tag's scale, aspect and twist, where it is as stated; zero where
+/// the tag cannot be projected.
+Eigen::Matrix<double, 8, 3> residual_by_shape(const ProbeView& probe, const Pose& T_map_tag, double size_m);
 /// Of one view.
 double probe_cost(const ProbeView& view, const Pose& T_map_tag, const TagShape& shape);
 /// What a view costs that errs as expected.

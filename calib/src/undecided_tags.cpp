@@ -3,52 +3,56 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <set>
 
 #include "apriltrack/base/error.h"
 #include "mirror_test.h"
+#include "part_without.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr int kMaxRoundsOfDoubt = 4;
+int views_of(const std::map<int, int>& views, const std::vector<int>& tags) {
+  int sum = 0;
+  for (const int tag : tags) {
+    if (const auto of_tag = views.find(tag); of_tag != views.end()) sum += of_tag->second;
+  }
+  return sum;
+}
+
+/// Of two sides of a joint that is open, the one with fewer views goes; where a tag is held by wish, the
+/// other side of it.
+std::set<int> tags_to_go(const PartTask& task, const AdjustedPart& solved) {
+  const std::vector<std::vector<int>> groups = undecided_groups(task.observations, solved.part, solved.state);
+  const std::map<int, int> views = count_views(task.observations, solved.part);
+  std::set<int> undecided;
+  for (const std::vector<int>& group : groups) undecided.insert(group.begin(), group.end());
+  if (task.options.held_tag || groups.empty()) return undecided;
+  const auto largest = std::ranges::max_element(
+      groups, {}, [&](const std::vector<int>& group) { return views_of(views, group); });
+  if (2 * views_of(views, *largest) <= views_of(views, solved.part.tags) || largest->size() < 2)
+    return undecided;
+  std::set<int> others;
+  std::ranges::set_difference(solved.part.tags, *largest, std::inserter(others, others.end()));
+  return others;
+}
 
 }  // namespace
 
-bool hold_another(const PartTask& task, const std::set<int>& go, AdjustedPart& solved) {
-  if (!go.contains(solved.held_tag)) return true;
-  const TagKey& held = task.observations.tags[static_cast<std::size_t>(solved.held_tag)];
-  const auto other = std::ranges::find_if(solved.part.tags, [&](int tag) { return !go.contains(tag); });
-  if (other == solved.part.tags.end() || (task.options.held_tag && *task.options.held_tag == held))
-    return false;
-  solved.held_tag = *other;
-  move_origin_to(solved.state, *other);
-  return true;
-}
-
-bool adjust_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved) {
-  std::vector<std::size_t> views = part.views;
-  std::erase_if(views, [&](std::size_t v) { return gone.contains(task.observations.views[v].tag); });
-  const Part rest = connected_to(task.observations, views, solved.held_tag, task.options.min_views);
-  if (rest.tags.size() < 2) return false;
-  solved.part = adjust_cleanly(task, rest, solved.held_tag, solved.state);
-  return true;
-}
-
 void leave_out_undecided(const PartTask& task, const Part& part, AdjustedPart& solved) {
   std::set<int> gone;
-  for (int round = 0; round < kMaxRoundsOfDoubt; ++round) {
-    std::set<int> undecided;
-    for (const std::vector<int>& group : undecided_groups(task.observations, solved.part, solved.state))
-      undecided.insert(group.begin(), group.end());
-    if (undecided.empty()) break;
-    if (!hold_another(task, undecided, solved))
+  for (std::set<int> undecided = tags_to_go(task, solved); !undecided.empty();
+       undecided = tags_to_go(task, solved)) {
+    const TagKey& held = task.observations.tags[static_cast<std::size_t>(solved.held_tag)];
+    if (undecided.contains(solved.held_tag) && task.options.held_tag == held)
       throw no_result(
           "calibrate",
           fmt::format("how {} lies to the other tags is open: its views agree with two poses about "
                       "equally well. Film it from further aside, together with others, or hold "
                       "another tag (--held-tag)",
-                      to_string(task.observations.tags[static_cast<std::size_t>(solved.held_tag)])));
+                      to_string(held)));
     gone.insert(undecided.begin(), undecided.end());
     if (!adjust_without(task, part, gone, solved))
       throw no_result(

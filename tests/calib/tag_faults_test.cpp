@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 
+#include "adjusted_world.h"
 #include "apriltrack/geometry/rotation.h"
-#include "apriltrack/geometry/tag_corners.h"
 #include "calibrating.h"
 
 // What is wrong with a tag is named, and the map of the others is right.
@@ -108,29 +108,36 @@ TEST(TagFaults, NamesAnIdThatHangsTwice) {
   expect_the_others_right(world, result);
 }
 
-/// The faulty tag's corners, moved in its own frame, differently in each frame.
-std::vector<FrameDetections> filmed_with(
-    const SyntheticWorld& world, const std::function<Eigen::Vector3d(Eigen::Vector3d, std::size_t)>& moved) {
-  std::vector<FrameDetections> frames = test::exact_detections(world);
-  const MapTag& tag = *world.map.find(tag36h11(kFaulty));
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    for (Detection& detection : frames[i].detections) {
-      if (detection.tag.id != kFaulty) continue;
-      const auto corners = tag_corners(tag.size_m);
-      for (std::size_t c = 0; c < corners.size(); ++c)
-        detection.corners_px[c] = *world.rig.cameras[0].model.project(world.T_world_rig[i].inverse() *
-                                                                      tag.T_map_tag * moved(corners[c], i));
+TEST(TagFaults, NamesAnIdOfWhichASecondCopyIsSeenInTwoFrames) {
+  const SyntheticWorld world = room();
+  SyntheticWorld copy = room();
+  Pose& pose = faulty_tag(copy).T_map_tag;
+  pose = pose * Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(0.5, 0.3, 0.0));
+  std::vector<FrameDetections> frames = test::exact_detections(world), others = test::exact_detections(copy);
+  int copies = 0;
+  for (std::size_t i = frames.size() / 4; i < frames.size() && copies < 2; ++i) {
+    if (frames[i].detections.size() < 3 || others[i].detections.size() < 3) continue;
+    const std::size_t before = frames[i].detections.size();
+    take_from(others, i, frames);
+    if (frames[i].detections.size() == before && frames[i].detections.back().tag.id == kFaulty) {
+      ++copies;
+      i += frames.size() / 4;
     }
   }
-  return frames;
+  ASSERT_EQ(copies, 2);
+  add_noise(frames);
+  const CalibrationResult result = calibrate(world, frames);
+  EXPECT_THAT(result.warnings, complaint("two places"));
+  expect_the_others_right(world, result);
 }
 
 TEST(TagFaults, NamesALiftedCorner) {
   const SyntheticWorld world = room();
-  std::vector<FrameDetections> frames = filmed_with(world, [](Eigen::Vector3d corner, std::size_t) {
-    if (corner.x() > 0.0 && corner.y() > 0.0) corner.z() -= 0.012;
-    return corner;
-  });
+  std::vector<FrameDetections> frames =
+      test::filmed_with(world, kFaulty, [](Eigen::Vector3d corner, std::size_t) {
+        if (corner.x() > 0.0 && corner.y() > 0.0) corner.z() -= 0.012;
+        return corner;
+      });
   add_noise(frames);
   const CalibrationResult result = calibrate(world, frames);
   EXPECT_THAT(result.warnings, complaint("is bent"));
@@ -139,22 +146,24 @@ TEST(TagFaults, NamesALiftedCorner) {
 
 TEST(TagFaults, NamesACurledPrint) {
   const SyntheticWorld world = room();
-  std::vector<FrameDetections> frames = filmed_with(world, [](Eigen::Vector3d corner, std::size_t) {
-    corner.x() *= 0.96;
-    return corner;
-  });
+  std::vector<FrameDetections> frames =
+      test::filmed_with(world, kFaulty, [](Eigen::Vector3d corner, std::size_t) {
+        corner.x() *= 0.96;
+        return corner;
+      });
   add_noise(frames);
   EXPECT_THAT(calibrate(world, frames).warnings, complaint("narrower than high"));
 }
 
 TEST(TagFaults, NamesATagThatFlaps) {
   const SyntheticWorld world = room();
-  std::vector<FrameDetections> frames = filmed_with(world, [](const Eigen::Vector3d& corner, std::size_t i) {
-    const double t = 0.9 * static_cast<double>(i);
-    const Pose flap(rotation_exp({0.12 * std::sin(t), 0.10 * std::cos(1.3 * t), 0.0}),
-                    Eigen::Vector3d(0.02 * std::sin(0.7 * t), 0.02 * std::cos(t), 0.0));
-    return Eigen::Vector3d(flap * corner);
-  });
+  std::vector<FrameDetections> frames =
+      test::filmed_with(world, kFaulty, [](const Eigen::Vector3d& corner, std::size_t i) {
+        const double t = 0.9 * static_cast<double>(i);
+        const Pose flap(rotation_exp({0.12 * std::sin(t), 0.10 * std::cos(1.3 * t), 0.0}),
+                        Eigen::Vector3d(0.02 * std::sin(0.7 * t), 0.02 * std::cos(t), 0.0));
+        return Eigen::Vector3d(flap * corner);
+      });
   add_noise(frames);
   const CalibrationResult result = calibrate(world, frames);
   EXPECT_THAT(result.warnings, complaint("hangs loosely"));

@@ -1,0 +1,39 @@
+#include "part_without.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace apriltrack {
+
+std::optional<HeldPart> part_without(const PartTask& task, const Part& part, const std::set<int>& gone,
+                                     int held_tag) {
+  const auto& [observations, candidates, options] = task;
+  const std::vector<std::size_t> views = views_without(observations, part, gone);
+  const auto is_held_by_wish = [&](int tag) {
+    return options.held_tag && observations.tags[static_cast<std::size_t>(tag)] == *options.held_tag;
+  };
+  if (is_held_by_wish(held_tag)) {
+    if (gone.contains(held_tag)) return std::nullopt;
+    Part rest = connected_to(observations, views, held_tag, options.min_views);
+    if (rest.tags.size() < 2) return std::nullopt;
+    return HeldPart{std::move(rest), held_tag};
+  }
+  std::vector<Part> parts = find_parts(observations, views, options.min_views).parts;
+  if (parts.empty()) return std::nullopt;
+  Part& largest = parts.front();
+  const bool is_held_there = std::ranges::binary_search(largest.tags, held_tag);
+  const int held = is_held_there ? held_tag : largest.tags.front();
+  return HeldPart{std::move(largest), held};
+}
+
+bool adjust_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved) {
+  const std::optional<HeldPart> rest = part_without(task, part, gone, solved.held_tag);
+  if (!rest) return false;
+  if (rest->held_tag != solved.held_tag) move_origin_to(solved.state, rest->held_tag);
+  solved.held_tag = rest->held_tag;
+  solved.part = adjust_cleanly(task, rest->part, solved.held_tag, solved.state);
+  return true;
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <set>
+
+#include "part_adjustment.h"
+
+namespace apriltrack {
+
+/// Tags that hang together, and the one that is held.
+struct HeldPart {
+  Part part;
+  int held_tag = 0;
+};
+
+/// What of `part` hangs together without the tags that are `gone`: with the tag that the user holds, if there
+/// is one; else of several pieces the one with most tags, held by `held_tag` where that is among them.
+/// nullopt where fewer than two tags are left, and where the user's would go.
+std::optional<HeldPart> part_without(const PartTask& task, const Part& part, const std::set<int>& gone,
+                                     int held_tag);
+
+/// Adjusts that, from where `solved` is. part: before outliers were removed. False, and `solved` as it was,
+/// where too little is left.
+bool adjust_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved);
+
+}  // namespace apriltrack

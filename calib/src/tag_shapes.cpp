@@ -1,0 +1,133 @@
+#include "tag_shapes.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "corner_views.h"
+#include "error_scale.h"
+#include "pose_information.h"
+#include "tag_fault_words.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kMostTags = 1.0 / 3.0;  // more of them, and it is the lens that is wrong
+constexpr std::size_t kManyTags = 200;   // the system is solved anew for each
+
+/// One tag's, from what is left of the normal equations of its shape.
+struct ShapeEstimate {
+  int tag = 0;
+  TagFit scaled, bent;
+  double gain_of_size = 0.0, gain_of_bend = 0.0;  ///< Half the squares they explain, in units of the noise.
+
+  bool is_size_clear() const {
+    return std::abs(scaled.shape.log_scale) > std::max(kClearScale, kClearSigmas * scaled.scale_sigma);
+  }
+  bool is_bend_clear() const { return bent.is_aspect_clear || bent.is_twist_clear; }
+  bool is_clear() const { return is_size_clear() || is_bend_clear(); }
+  /// Unknowns that a bend has beside the size must pay for themselves.
+  bool is_bend_likelier() const {
+    return is_bend_clear() && (!is_size_clear() || gain_of_bend - 2.0 * kFeeOfUnknown > gain_of_size);
+  }
+  double gain() const { return is_bend_likelier() ? gain_of_bend : gain_of_size; }
+};
+
+/// How the tag's views, linearised, depend on the three numbers of its shape.
+std::vector<ParameterView> shape_columns(const PartTask& task, const AdjustedPart& solved, int tag) {
+  const auto t = static_cast<std::size_t>(tag);
+  std::vector<ParameterView> columns;
+  for (std::size_t i = 0; i < solved.part.views.size(); ++i) {
+    const TagView& view = task.observations.views[solved.part.views[i]];
+    if (view.tag != tag) continue;
+    const auto frame = static_cast<std::size_t>(view.frame);
+    const ProbeView probe{&view,
+                          &solved.state.cameras[static_cast<std::size_t>(view.camera)],
+                          true,
+                          solved.state.T_map_rig[frame],
+                          task.observations.frames[frame],
+                          whitening(view, solved.state)};
+    columns.push_back({i, residual_by_shape(probe, solved.state.T_map_tag[t], task.observations.sizes_m[t])});
+  }
+  return columns;
+}
+
+/// The spread of the gradient, by noise and by the errors that tags keep.
+Eigen::Matrix3d spread_of(const ParameterInformation& of_shape, const ErrorScale& scale) {
+  Eigen::Matrix3d spread = scale.noise_variance * of_shape.information;
+  for (const auto& [tag, gradient] : of_shape.gradient_by_errors)
+    spread += scale.bias_variance * gradient * gradient.transpose();
+  return spread;
+}
+
+bool is_clear(double value, double sigma) {
+  return std::abs(value) > std::max(kClearBend, kClearSigmas * sigma);
+}
+
+ShapeEstimate estimate_shape(const ParameterInformation& of_shape, const ErrorScale& scale, double size_m) {
+  const Eigen::Matrix3d information = of_shape.information, spread = spread_of(of_shape, scale);
+  const Eigen::Vector3d gradient = of_shape.gradient;
+  ShapeEstimate result;
+  TagShape& scaled = result.scaled.shape;
+  scaled.size_m = size_m;
+  scaled.log_scale = -gradient[0] / information(0, 0);
+  result.scaled.scale_sigma = std::sqrt(spread(0, 0)) / information(0, 0);
+  result.gain_of_size = -0.5 * gradient[0] * scaled.log_scale / scale.noise_variance;
+
+  const Eigen::FullPivLU<Eigen::Matrix3d> factor(information);
+  if (!factor.isInvertible()) return result;
+  const Eigen::Matrix3d inverse = factor.inverse();
+  const Eigen::Vector3d value = -inverse * gradient;
+  const Eigen::Vector3d sigma = (inverse * spread * inverse).diagonal().cwiseMax(0.0).cwiseSqrt();
+  TagFit& bent = result.bent;
+  bent.shape = {size_m, value[0], value[1], value[2]};
+  bent.scale_sigma = sigma[0];
+  bent.aspect_sigma = sigma[1];
+  bent.twist_sigma = sigma[2];
+  bent.is_aspect_clear = is_clear(value[1], sigma[1]);
+  bent.is_twist_clear = is_clear(value[2], sigma[2]);
+  result.gain_of_bend = -0.5 * gradient.dot(value) / scale.noise_variance;
+  return result;
+}
+
+std::vector<ShapeEstimate> estimate_shapes(const PartTask& task, const AdjustedPart& solved) {
+  std::vector<ShapeEstimate> result;
+  if (solved.part.tags.size() > kManyTags) return result;
+  const std::vector<LinearView> views = corner_views(task.observations, solved.part.views, solved.state);
+  const auto poses = PoseInformation::of(views, solved.part.tags, solved.held_tag);
+  if (!poses || views.size() != solved.part.views.size()) return result;
+  const double bias = task.options.corner_bias_px / task.options.corner_sigma_px;
+  const ErrorScale scale = error_scale(views, *poses, bias * bias);
+  for (const int tag : solved.part.tags) {
+    const ParameterInformation of_shape = poses->eliminate_poses(shape_columns(task, solved, tag));
+    if (!(of_shape.information(0, 0) > 0.0)) continue;
+    result.push_back(
+        estimate_shape(of_shape, scale, task.observations.sizes_m[static_cast<std::size_t>(tag)]));
+    result.back().tag = tag;
+  }
+  return result;
+}
+
+TagFinding to_finding(const PartTask& task, const ShapeEstimate& one) {
+  const std::string name = to_string(task.observations.tags[static_cast<std::size_t>(one.tag)]);
+  if (one.is_bend_likelier())
+    return {.tag = one.tag, .kind = TagFinding::Kind::kNotFlat, .words = words_of_bend(one.bent, name)};
+  return {.tag = one.tag,
+          .kind = TagFinding::Kind::kSize,
+          .words = words_of_size(one.scaled, name),
+          .is_left_out = true};
+}
+
+}  // namespace
+
+std::optional<TagFinding> find_odd_shape(const PartTask& task, const AdjustedPart& solved) {
+  std::vector<ShapeEstimate> shapes = estimate_shapes(task, solved);
+  const double num_tags = static_cast<double>(shapes.size());
+  std::erase_if(shapes, [](const ShapeEstimate& one) { return !one.is_clear(); });
+  if (shapes.empty() || static_cast<double>(shapes.size()) > kMostTags * num_tags) return std::nullopt;
+  return to_finding(task, *std::ranges::max_element(shapes, {}, &ShapeEstimate::gain));
+}
+
+}  // namespace apriltrack

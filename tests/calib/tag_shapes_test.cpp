@@ -1,0 +1,89 @@
+// Sizes and bends of a few parts in a hundred, from corners with the noise that a detector has.
+#include "tag_shapes.h"
+
+#include <gmock/gmock.h>
+
+#include "adjusted_world.h"
+
+namespace apriltrack {
+namespace {
+
+using test::AdjustedWorld;
+using test::SyntheticWorld;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+
+constexpr int kOdd = 9;
+using Moved = std::function<Eigen::Vector3d(Eigen::Vector3d, std::size_t)>;
+
+SyntheticWorld room() {
+  return test::make_room(10, 80, test::perspective_camera());
+}
+
+std::optional<TagFinding> finding_of(const Moved& moved) {
+  const SyntheticWorld world = room();
+  std::vector<FrameDetections> frames = test::filmed_with(world, kOdd, moved);
+  RandomStream random(5);
+  test::add_edge_noise(frames, 0.1, -0.45, random);
+  const AdjustedWorld one(world, frames, {.corner_bias_px = 0.02});
+  const auto finding = find_odd_shape(one.task(), one.solved);
+  if (finding) {
+    EXPECT_EQ(finding->tag, one.index_of(kOdd));
+  }
+  return finding;
+}
+
+TEST(TagShapes, FindTheSizeThatATagHas) {
+  const auto larger = finding_of([](const Eigen::Vector3d& corner, std::size_t) { return 1.015 * corner; });
+  ASSERT_TRUE(larger);
+  EXPECT_TRUE(larger->is_left_out);
+  EXPECT_THAT(larger->words, ContainsRegex("tag36h11/9 looks 1\\.[2-8] % larger"));
+  const auto smaller = finding_of([](const Eigen::Vector3d& corner, std::size_t) { return 0.98 * corner; });
+  ASSERT_TRUE(smaller);
+  EXPECT_THAT(smaller->words, ContainsRegex("tag36h11/9 looks (1\\.[7-9]|2\\.[0-3]) % smaller"));
+}
+
+TEST(TagShapes, FindAPrintThatIsNotSquare) {
+  const auto finding = finding_of([](Eigen::Vector3d corner, std::size_t) {
+    corner.x() *= 0.98;
+    return corner;
+  });
+  ASSERT_TRUE(finding);
+  EXPECT_FALSE(finding->is_left_out);
+  EXPECT_THAT(finding->words, ContainsRegex("it is (1\\.[6-9]|2\\.[0-4]) %"));
+  EXPECT_THAT(finding->words, HasSubstr("narrower than high"));
+}
+
+TEST(TagShapes, FindATwist) {
+  const double lift_m = 0.0024;
+  const auto finding = finding_of([&](Eigen::Vector3d corner, std::size_t) {
+    corner.z() += (corner.x() > 0.0) == (corner.y() > 0.0) ? lift_m : -lift_m;
+    return corner;
+  });
+  ASSERT_TRUE(finding);
+  EXPECT_THAT(finding->words, ContainsRegex("its corners lie 2\\.[0-8] mm"));
+}
+
+TEST(TagShapes, AreAsStatedWhereCornersAreAndWhereTheyErr) {
+  EXPECT_FALSE(finding_of([](const Eigen::Vector3d& corner, std::size_t) { return corner; }));
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const SyntheticWorld world = room();
+    std::vector<FrameDetections> frames = test::exact_detections(world);
+    RandomStream random(seed);
+    test::add_edge_noise(frames, 0.2, -0.45, random);
+    test::add_edge_biases(frames, 0.05, -0.45, random);
+    const AdjustedWorld one(world, frames);
+    EXPECT_FALSE(find_odd_shape(one.task(), one.solved)) << seed;
+  }
+}
+
+TEST(TagShapes, BlameNoTagWhereManyAreOdd) {
+  SyntheticWorld printed = room();
+  for (std::size_t i = 0; i < printed.map.tags.size(); ++i)
+    printed.map.tags[i].size_m *= i % 2 == 0 ? 0.98 : 1.02;
+  const AdjustedWorld one(room(), test::exact_detections(printed));
+  EXPECT_FALSE(find_odd_shape(one.task(), one.solved));
+}
+
+}  // namespace
+}  // namespace apriltrack
