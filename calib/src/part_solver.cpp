@@ -252,7 +252,9 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   solution.contradicted = leave_out_contradicted(task, part, solved);
   solution.held_tag = solved.held_tag;
   solution.culprit = solved.culprit;
-  solution.undecided = solved.undecided;
+  std::ranges::copy_if(solved.undecided, std::back_inserter(solution.undecided), [&](int tag) {
+    return std::ranges::find(solution.findings, tag, &TagFinding::tag) == solution.findings.end();
+  });
   solution.part = std::move(solved.part);
   solution.state = std::move(solved.state);
   measure_covariances(observations, options, constraints, solution);

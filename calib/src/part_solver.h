@@ -28,7 +28,7 @@ struct PartSolution {
   std::optional<int> culprit;             ///< Left out, for with it the frames contradict each other.
   CameraRefinement cameras;
   std::vector<TagFinding> findings;
-  std::vector<int> undecided;     ///< Left out, for the views leave them two poses.
+  std::vector<int> undecided;     ///< Left out, for the views leave them two poses, and no fault says why.
   std::vector<int> contradicted;  ///< Left out, for most of their views were rejected.
   std::vector<int> lost_tags;     ///< Others that nothing trusted ties to the held tag.
 };

@@ -44,7 +44,7 @@ std::vector<int> suspects_in(const PartTask& task, const Part& part, const Adjus
   const std::set<int> rejected = tags_rejected_often(task.observations, part, solved);
   std::vector<std::pair<double, int>> suspects;
   for (const int tag : part.tags) {
-    if (known.contains(tag) || std::ranges::binary_search(solved.undecided, tag)) continue;
+    if (known.contains(tag)) continue;
     const TagLook look = look_by(task, part, solved, tag);
     if (look.misfit > kSuspicious || look.finding || rejected.contains(tag))
       suspects.emplace_back(-look.misfit, tag);
@@ -63,8 +63,7 @@ struct Absence {
 
 /// The tags that stay out of the map besides `tag`.
 std::set<int> tags_out(const AdjustedPart& solved, int tag, const std::set<int>& known) {
-  std::set<int> out(solved.undecided.begin(), solved.undecided.end());
-  out.insert(tag);
+  std::set<int> out{tag};
   std::ranges::copy_if(known, std::inserter(out, out.end()),
                        [&](int one) { return !std::ranges::binary_search(solved.part.tags, one); });
   return out;
@@ -107,10 +106,10 @@ std::unique_ptr<Absence> look_without(const PartTask& task, const Part& part, co
   return trial;
 }
 
-/// Of a tag that was left out before, for the frames contradicted each other with it.
-std::optional<TagFinding> look_at_culprit(const PartTask& task, const Part& part,
-                                          const AdjustedPart& solved) {
-  auto finding = look_by(task, part, solved, *solved.culprit).finding;
+/// Of a tag that was left out before: the frames contradicted each other with it, or leave it two poses.
+std::optional<TagFinding> look_at_left_out(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                                           int tag) {
+  auto finding = look_by(task, part, solved, tag).finding;
   if (finding && !finding->is_left_out) {
     finding->words += ". It is left out";
     finding->is_left_out = true;
@@ -144,9 +143,11 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
   std::vector<TagFinding> findings;
   if (part.tags.size() < 3) return findings;  // of two that disagree, either may be wrong
   std::set<int> known;
-  if (solved.culprit) {
-    known.insert(*solved.culprit);
-    if (auto finding = look_at_culprit(task, part, solved)) findings.push_back(std::move(*finding));
+  std::vector<int> left_out = solved.undecided;
+  if (solved.culprit) left_out.insert(left_out.begin(), *solved.culprit);
+  for (const int tag : left_out) {
+    known.insert(tag);
+    if (auto finding = look_at_left_out(task, part, solved, tag)) findings.push_back(std::move(*finding));
   }
   for (int round = 0; round < kMostFaults; ++round) {
     std::vector<int> suspects = suspects_in(task, part, solved, known);

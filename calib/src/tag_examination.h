@@ -7,8 +7,8 @@
 namespace apriltrack {
 
 /// Holds every tag of the part against the others, names what is wrong with it, and takes tags out of
-/// `solved` that would be wrong in the map. part: before outliers were removed. Also of the culprit that was
-/// left out before, if there is one.
+/// `solved` that would be wrong in the map. part: before outliers were removed. Also of
+/// those that were left out before.
 std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, AdjustedPart& solved);
 
 }  // namespace apriltrack
