@@ -48,8 +48,15 @@ void report_findings(const Observations& observations, const PartSolution& solut
               findings);
 }
 
-/// What was asked for in vain.
-void report_cameras(const CameraRefinement& cameras, const CalibrationOptions& options, Findings& findings) {
+/// What was asked for in vain, and what was not to be taken.
+void report_cameras(const PartSolution& solution, const CalibrationOptions& options, Findings& findings) {
+  const CameraRefinement& cameras = solution.cameras;
+  if (solution.lens_not_taken)
+    findings.warnings.push_back(fmt::format(
+        "the camera file does not fit: with other intrinsics, frames that were held out agree better ({:.2f} "
+        "sigmas before, {:.2f} after). It is kept, as --intrinsics keep says: calibrate the camera anew, or "
+        "leave that option away",
+        solution.lens_not_taken->held_out_before, solution.lens_not_taken->held_out_after));
   const std::string what = options.intrinsics != Intrinsics::kRefine ? "places of the cameras"
                            : options.refine_extrinsics               ? "intrinsics and places of the cameras"
                                                                      : "intrinsics";
@@ -86,7 +93,7 @@ void report_quality(const Observations& observations, const PartSolution& soluti
                     "and the matrix to invert grows with the square of their number (at most {} tags)",
                     solution.part.tags.size(), options.max_tags_with_covariance));
   report_findings(observations, solution, findings);
-  report_cameras(solution.cameras, options, findings);
+  report_cameras(solution, options, findings);
   leave_out(observations, solution.undecided,
             "its views agree with two poses about equally well: film it from further aside, and nearer",
             findings);
@@ -138,11 +145,18 @@ std::string corrections_in_words(const CameraRefinement& cameras,
   std::string words;
   for (const CameraCorrection& one : corrections)
     words += fmt::format("{}{}: {}", words.empty() ? "" : "; ", one.camera, in_words(one));
+  const std::string why =
+      cameras.held_out_before > 0.0
+          ? fmt::format(
+                "with other intrinsics, frames that were held out agree better ({:.2f} sigmas before, "
+                "{:.2f} after)",
+                cameras.held_out_before, cameras.held_out_after)
+          : std::string("with another focal length, far more of the views agree with each other");
   return fmt::format(
-      "the camera file does not fit: with other intrinsics, frames that were held out agree better ({:.2f} "
-      "sigmas before, {:.2f} after). The map rests on these: {}. Track with the refined camera, or calibrate "
-      "it anew; --intrinsics keep takes the file as it is",
-      cameras.held_out_before, cameras.held_out_after, words);
+      "the camera file does not fit: {}. The map rests on these intrinsics: {}. Track with the refined "
+      "camera, "
+      "or calibrate it anew; --intrinsics keep takes the file as it is",
+      why, words);
 }
 
 }  // namespace apriltrack

@@ -121,6 +121,16 @@ CameraRefinement better_cameras(const PartTask& task, const Part& part, Adjusted
   return result;
 }
 
+/// A lens that agrees clearly better than the file's, which the user keeps all the same; `solved` is a copy.
+std::optional<CameraRefinement> lens_not_taken(const PartTask& task, const Part& part, AdjustedPart solved) {
+  if (task.options.intrinsics != Intrinsics::kKeep) return std::nullopt;
+  CameraRefinement lens = refine_cameras(
+      task, part, intrinsic_parameters(cameras_of(task.observations, solved.part), task.observations.cameras),
+      kClearGain, solved);
+  if (!lens.is_accepted) return std::nullopt;
+  return lens;
+}
+
 /// Of the views, but for those of a culprit.
 double kept_share(const Observations& observations, const Part& part,
                   const std::optional<AdjustedPart>& solved) {
@@ -247,7 +257,9 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   AdjustedPart solved = adjust_without_contradictions(task, part, held_tag, parallel, log);
   PartSolution solution;
   leave_out_undecided(task, part, solved);
-  solution.cameras = better_cameras(task, without_left_out(observations, part, solved), solved);
+  const Part to_map = without_left_out(observations, part, solved);
+  solution.cameras = better_cameras(task, to_map, solved);
+  solution.lens_not_taken = lens_not_taken(task, to_map, solved);
   solution.findings = examine_tags(task, part, solved);
   solution.contradicted = leave_out_contradicted(task, part, solved);
   solution.held_tag = solved.held_tag;

@@ -27,6 +27,7 @@ struct PartSolution {
   std::vector<int> views_offered_by_tag;  ///< Indexed like observations.tags.
   std::optional<int> culprit;             ///< Left out, for with it the frames contradict each other.
   CameraRefinement cameras;
+  std::optional<CameraRefinement> lens_not_taken;  ///< That agrees clearly better, where the user keeps his.
   std::vector<TagFinding> findings;
   std::vector<int> undecided;     ///< Left out, for the views leave them two poses, and no fault says why.
   std::vector<int> contradicted;  ///< Left out, for most of their views were rejected.

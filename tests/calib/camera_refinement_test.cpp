@@ -90,8 +90,9 @@ TEST(CameraRefinement, SaysWhyACameraThatWasToBeRefinedStays) {
 
 TEST(CameraRefinement, KeepsTheCameraWhereToldTo) {
   Filmed filmed = film(test::perspective_camera());
-  scale_focal_length(filmed.stated.rig.cameras[0], 1.01);
+  scale_focal_length(filmed.stated.rig.cameras[0], 1.03);
   const CalibrationResult result = calibrate(filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep});
+  EXPECT_THAT(result.warnings, ::testing::Contains(HasSubstr("It is kept, as --intrinsics keep says")));
   EXPECT_THAT(result.corrections, IsEmpty());
   EXPECT_EQ(result.rig.cameras[0].model.pinhole().fx, filmed.stated.rig.cameras[0].model.pinhole().fx);
 }
