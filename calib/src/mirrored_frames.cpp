@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -28,35 +29,45 @@ class Frame {
         state_(state),
         pose_(state.T_map_rig[static_cast<std::size_t>(task.observations.views[views.front()].frame)]) {}
 
+  /// To the pose of another minimum, if it explains the views clearly better.
   bool turn() {
-    bool has_far_view = false;
-    double least = cost(&has_far_view);
-    if (!has_far_view) return false;
-    Pose best = pose_;
-    const double before = least;
+    if (!has_far_view()) return false;
+    const Pose before = pose_;
+    settle();
+    Pose best = before;
+    double least = cost() - kClearlyLess;
     for (const Pose& proposal : best_proposals()) {
       pose_ = proposal;
       settle();
       const double of_this = cost();
-      if (of_this > least - kClearlyLess) continue;
+      if (of_this >= least) continue;
       least = of_this;
       best = pose_;
     }
     pose_ = best;
-    return least < before;
+    return !(best.matrix() == before.matrix());
   }
 
  private:
-  double cost(bool* has_far_view = nullptr) const {
+  double cost() const {
     double sum = 0.0;
     for (const std::size_t v : views_) {
-      bool is_valid = false;
-      const double squares =
-          whitened_residual(task_.observations, task_.observations.views[v], state_, is_valid).squaredNorm();
-      sum += is_valid ? 0.5 * kLoss * kLoss * std::log1p(squares / (kLoss * kLoss)) : kUnseen;
-      if (has_far_view != nullptr && (!is_valid || squares > kFarOff)) *has_far_view = true;
+      const double squares = squares_of(v);
+      sum += std::isfinite(squares) ? 0.5 * kLoss * kLoss * std::log1p(squares / (kLoss * kLoss)) : kUnseen;
     }
     return sum;
+  }
+
+  bool has_far_view() const {
+    return std::ranges::any_of(views_, [&](std::size_t v) { return squares_of(v) > kFarOff; });
+  }
+
+  /// Of the whitened residual; infinite for a view that cannot be projected.
+  double squares_of(std::size_t v) const {
+    bool is_valid = false;
+    const double squares =
+        whitened_residual(task_.observations, task_.observations.views[v], state_, is_valid).squaredNorm();
+    return is_valid ? squares : std::numeric_limits<double>::infinity();
   }
 
   /// Of the poses that the tags' candidates propose those that explain the views best as they are.
