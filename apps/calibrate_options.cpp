@@ -162,6 +162,18 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
   check_parts(a);
 }
 
+std::string name_of_intrinsics(Intrinsics intrinsics) {
+  switch (intrinsics) {
+    case Intrinsics::kKeep:
+      return "keep";
+    case Intrinsics::kAuto:
+      return "auto";
+    case Intrinsics::kRefine:
+      return "refine";
+  }
+  return "";
+}
+
 TagKey parse_held_tag(const CalibrateOptions& a, const Sightings& sightings) {
   const std::string& text = a.held_tag;
   const std::size_t slash = text.find('/');

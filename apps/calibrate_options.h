@@ -41,6 +41,9 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& options);
 /// Throws Error(kInvalidInput) that names the option, Error(kIo) when the output has no folder to go to.
 void check(const CLI::App& command, const CalibrateOptions& options);
 
+/// As the command line has it.
+std::string name_of_intrinsics(Intrinsics intrinsics);
+
 /// ID or family/ID as a key; a bare ID is of the family that was seen with it.
 TagKey parse_held_tag(const CalibrateOptions& options, const Sightings& sightings);
 

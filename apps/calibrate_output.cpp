@@ -33,10 +33,15 @@ std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptio
           {"inputs", fmt::format("{}", fmt::join(inputs, ", "))},
           {"camera", camera.string() + (a.camera_name.empty() ? "" : " " + a.camera_name)},
           {"options",
-           fmt::format("family {}; tag size {}; sizes file {}; constraints {}; min views {}; step {}",
-                       fmt::join(a.detector.families, " "), a.tag_size_m ? format_exact(*a.tag_size_m) : "-",
-                       a.tag_sizes.empty() ? "-" : a.tag_sizes, a.constraints.empty() ? "-" : a.constraints,
-                       a.calibration.min_views, a.source.step)},
+           fmt::format(
+               "family {}; tag size {}; sizes file {}; constraints {}; min views {}; step {}; max frames {}; "
+               "decimate {:g}; intrinsics {}; extrinsics {}; edge offset sigma {:g} px",
+               fmt::join(a.detector.families, " "), a.tag_size_m ? format_exact(*a.tag_size_m) : "-",
+               a.tag_sizes.empty() ? "-" : a.tag_sizes, a.constraints.empty() ? "-" : a.constraints,
+               a.calibration.min_views, a.source.step,
+               a.source.max_frames ? std::to_string(*a.source.max_frames) : "-", a.detector.decimate,
+               name_of_intrinsics(a.calibration.intrinsics),
+               a.calibration.refine_extrinsics ? "refine" : "keep", a.calibration.edge_offset_sigma_px)},
           {"gauge", gauge},
           {"observations", observations.filename().string()}};
 }

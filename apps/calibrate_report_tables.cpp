@@ -78,26 +78,14 @@ std::string or_dash(const std::string& text) {
   return text.empty() ? "-" : text;
 }
 
-std::string name_of_intrinsics(Intrinsics intrinsics) {
-  switch (intrinsics) {
-    case Intrinsics::kKeep:
-      return "keep";
-    case Intrinsics::kAuto:
-      return "auto";
-    case Intrinsics::kRefine:
-      return "refine";
-  }
-  return "";
-}
-
 }  // namespace
 
 std::string verdict(const CalibrateRun& run) {
   const CalibrationResult& result = run.result;
   std::string text = fmt::format(
-      "{} tags are in the map, from {} of {} frames; {} held at the origin. {} views of tags were used, {} "
+      "{} tags are in the map, from {} of {} frames; {}. {} views of tags were used, {} "
       "rejected; the corners agree with the map to {:.3f} px (root mean square per axis).",
-      result.map.tags.size(), result.frames_used, run.sightings.counts.readable, to_string(result.held_tag),
+      result.map.tags.size(), result.frames_used, run.sightings.counts.readable, result.gauge,
       result.observations_used, result.observations_rejected, result.residual_rms_px);
   text += claims(result.map);
   if (!result.left_out.empty()) {
