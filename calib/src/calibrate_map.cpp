@@ -202,6 +202,7 @@ void take_cameras(const Observations& observations, const CameraRig& rig, const 
                                   unit_of(one.parameter), one.value, one.sigma});
     is_lens_refined = is_lens_refined || one.parameter.kind != CameraParameter::Kind::kEdgeOffset;
   }
+  result.corrections_covariance = solution.cameras.covariance;
   std::vector<CameraParameter> parameters;
   for (const EstimatedParameter& one : solution.cameras.estimates) parameters.push_back(one.parameter);
   result.rig = with_corrections(rig, solution.state.cameras, parameters);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
+#include <numeric>
 #include <set>
 #include <variant>
 
@@ -159,6 +161,20 @@ std::vector<CameraParameter> extrinsic_parameters(const std::vector<int>& camera
   return parameters;
 }
 
+std::optional<CameraParameter> parameter_of(const CameraCorrection& correction,
+                                            const std::vector<RigCamera>& rig) {
+  std::vector<int> cameras(rig.size());
+  std::iota(cameras.begin(), cameras.end(), 0);
+  for (const auto& group : {edge_offset_parameters(cameras, 1.0), intrinsic_parameters(cameras, rig),
+                            extrinsic_parameters(cameras)}) {
+    for (const CameraParameter& one : group) {
+      const RigCamera& camera = rig[static_cast<std::size_t>(one.camera)];
+      if (camera.name == correction.camera && name_of(one, camera) == correction.parameter) return one;
+    }
+  }
+  return std::nullopt;
+}
+
 RigCamera moved(const RigCamera& camera, const CameraParameter& parameter, double step) {
   RigCamera result = camera;
   if (parameter.kind == Kind::kEdgeOffset) {
@@ -215,6 +231,18 @@ std::vector<ParameterView> camera_columns(const Observations& observations,
           whitening(view, state) * (residual_above - residual_below) * (0.5 * parameter.sigma / step);
     }
   }
+  return columns;
+}
+
+std::vector<ParameterView> with_independent_errors(std::vector<ParameterView> columns,
+                                                   const Eigen::MatrixXd& covariance) {
+  // Scaled, since shares of a focal length and pixels differ by many powers of ten.
+  const Eigen::VectorXd sigmas = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      (covariance.array() / (sigmas * sigmas.transpose()).array()).matrix());
+  const Eigen::MatrixXd root = sigmas.asDiagonal() * solver.eigenvectors() *
+                               solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  for (ParameterView& column : columns) column.by_parameter *= root;
   return columns;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,10 @@ std::vector<CameraParameter> intrinsic_parameters(const std::vector<int>& camera
 /// Of each but the first.
 std::vector<CameraParameter> extrinsic_parameters(const std::vector<int>& cameras);
 
+/// What a correction is of; nullopt where the rig has no such camera, or that no such parameter.
+std::optional<CameraParameter> parameter_of(const CameraCorrection& correction,
+                                            const std::vector<RigCamera>& rig);
+
 /// The camera with the parameter moved by `step`; throws Error(kInvalidInput) where no lens has that.
 RigCamera moved(const RigCamera& camera, const CameraParameter& parameter, double step);
 
@@ -41,5 +46,10 @@ CameraRig with_corrections(const CameraRig& rig, const std::vector<RigCamera>& c
 std::vector<ParameterView> camera_columns(const Observations& observations,
                                           const std::vector<std::size_t>& views, const MapState& state,
                                           const std::vector<CameraParameter>& parameters);
+
+/// The same in units in which the parameters' errors are independent and of variance one. columns: of
+/// parameters with a sigma of one; covariance: of these.
+std::vector<ParameterView> with_independent_errors(std::vector<ParameterView> columns,
+                                                   const Eigen::MatrixXd& covariance);
 
 }  // namespace apriltrack

@@ -83,6 +83,13 @@ class Fit {
     return result;
   }
 
+  /// Of the estimates, in their units.
+  Eigen::MatrixXd covariance() const {
+    Eigen::VectorXd units(covariance_.rows());
+    for (Eigen::Index i = 0; i < units.size(); ++i) units[i] = parameters_[static_cast<std::size_t>(i)].sigma;
+    return units.asDiagonal() * covariance_ * units.asDiagonal();
+  }
+
  private:
   /// Edge offsets and focal lengths that were found before are part of what is estimated now; all else starts
   /// as it was given.
@@ -129,10 +136,8 @@ class Fit {
     // With what was known before: mean 0, variance 1.
     const Eigen::LDLT<Eigen::MatrixXd> both(covariance + Eigen::MatrixXd::Identity(num, num));
     const Eigen::VectorXd target = both.solve(estimate);  // prior (prior + covariance)^-1 estimate
-    sigmas_ = (Eigen::MatrixXd::Identity(num, num) - both.solve(Eigen::MatrixXd::Identity(num, num)))
-                  .diagonal()
-                  .cwiseMax(1e-16)
-                  .cwiseSqrt();
+    covariance_ = Eigen::MatrixXd::Identity(num, num) - both.solve(Eigen::MatrixXd::Identity(num, num));
+    sigmas_ = covariance_.diagonal().cwiseMax(1e-16).cwiseSqrt();
     if (!target.allFinite()) return std::nullopt;
     return target - total_;
   }
@@ -155,6 +160,7 @@ class Fit {
   Part part_;
   int held_tag_;
   Eigen::VectorXd total_, sigmas_;
+  Eigen::MatrixXd covariance_;
   ErrorScale scale_;
   double noise_variance_ = 1.0;  ///< As the parameters of cameras follow it.
   int step_number_ = 0;
@@ -296,6 +302,7 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part,
   }
   refined.part = adjust_cleanly(task, part, solved.held_tag, refined.state);
   result.estimates = fit.estimates();
+  result.covariance = fit.covariance();
   result.is_accepted = true;
   solved = std::move(refined);
   return result;

@@ -19,6 +19,7 @@ struct CameraRefinement {
   bool is_accepted = false;
   std::string reason;  ///< Why not, or not all that was asked for.
   std::vector<EstimatedParameter> estimates;
+  Eigen::MatrixXd covariance;  ///< Of the estimates, in their order and units.
   /// How far frames that the map was not made from disagree with it, in standard deviations (root mean
   /// square): before, and with a map and cameras refined from the others.
   double held_out_before = 0.0, held_out_after = 0.0;

@@ -5,10 +5,8 @@
 namespace apriltrack {
 
 CovarianceOperator::CovarianceOperator(const PoseInformation& poses, const ErrorScale& scale,
-                                       const std::optional<SharedParameters>& shared)
-    : poses_(poses), scale_(scale) {
-  if (shared) shared_.emplace(*shared);
-}
+                                       const std::optional<SharedErrors>& shared)
+    : poses_(poses), scale_(scale), shared_(shared) {}
 
 Eigen::MatrixXd CovarianceOperator::times(const Eigen::MatrixXd& columns) const {
   const Eigen::MatrixXd solved = poses_.solve(columns);

@@ -12,7 +12,7 @@ class CovarianceOperator {
  public:
   /// Keeps references to `poses`.
   CovarianceOperator(const PoseInformation& poses, const ErrorScale& scale,
-                     const std::optional<SharedParameters>& shared = std::nullopt);
+                     const std::optional<SharedErrors>& shared = std::nullopt);
 
   std::optional<Eigen::Index> offset_of(int tag) const { return poses_.offset_of(tag); }
   Eigen::Index size() const { return poses_.size(); }

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "bundle_adjustment.h"
+#include "camera_parameters.h"
 #include "corner_views.h"
 #include "joint_tag_covariance.h"
 
@@ -24,7 +25,9 @@ constexpr std::size_t kLeastMoments = 20;
 struct Half {
   Part part;
   MapState state;
-  JointCovariance joint;  ///< Of all tags of the part; rows of those that the half does not have are zero.
+  // Of all tags of the part; rows of those that the half does not have are zero:
+  JointCovariance joint;
+  Eigen::MatrixXd by_cameras;  ///< Independent errors of variance one of what was estimated of cameras.
 };
 
 std::vector<int> moments_of(const Observations& observations, const std::vector<std::size_t>& views) {
@@ -79,6 +82,21 @@ bool solve_half(const Observations& observations, const PartSolution& solution, 
   return summary.is_usable && summary.has_converged;
 }
 
+/// How the poses follow errors of the cameras, which both halves take as the whole recording has them.
+Eigen::MatrixXd by_cameras(const Observations& observations, const PartSolution& solution, const Half& half,
+                           const PoseInformation& poses) {
+  if (!solution.cameras.is_accepted) return Eigen::MatrixXd::Zero(poses.size(), 0);
+  std::vector<CameraParameter> parameters;
+  for (const EstimatedParameter& one : solution.cameras.estimates) {
+    parameters.push_back(one.parameter);
+    parameters.back().sigma = 1.0;
+  }
+  return poses
+      .eliminate_poses(with_independent_errors(
+          camera_columns(observations, half.part.views, half.state, parameters), solution.cameras.covariance))
+      .poses_by_parameter;
+}
+
 bool measure_half(const Observations& observations, const PartSolution& solution, int held_tag, Half& half) {
   const std::vector<LinearView> views = corner_views(observations, half.part.views, half.state);
   const auto poses = PoseInformation::of(views, half.part.tags, held_tag);
@@ -86,13 +104,17 @@ bool measure_half(const Observations& observations, const PartSolution& solution
   std::vector<TagKey> keys;
   for (const int tag : solution.part.tags) keys.push_back(observations.tags[static_cast<std::size_t>(tag)]);
   half.joint = joint_tag_covariance(*poses, solution.part.tags, keys, solution.scale);
+  half.by_cameras = spread_rows(*poses, solution.part.tags, by_cameras(observations, solution, half, *poses));
   return true;
 }
 
-/// Errors that a tag keeps are the same in both halves: only what the two make of them differently counts.
+/// Errors that a tag keeps, and those of cameras, are the same in both halves: only what the two make of them
+/// differently counts.
 Eigen::MatrixXd covariance_of_difference(const Half& first, const Half& second) {
   const Eigen::MatrixXd kept = first.joint.by_errors - second.joint.by_errors;
-  return first.joint.by_noise + second.joint.by_noise + kept * kept.transpose();
+  const Eigen::MatrixXd cameras = first.by_cameras - second.by_cameras;
+  return first.joint.by_noise + second.joint.by_noise + kept * kept.transpose() +
+         cameras * cameras.transpose();
 }
 
 double squared_in(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& difference) {

@@ -6,9 +6,7 @@
 #include <utility>
 
 namespace apriltrack {
-namespace {
 
-/// Rows of the system of `poses` to those of `tags`, zero for the held one.
 Eigen::MatrixXd spread_rows(const PoseInformation& poses, const std::vector<int>& tags,
                             const Eigen::MatrixXd& rows) {
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(tags.size()), rows.cols());
@@ -18,6 +16,8 @@ Eigen::MatrixXd spread_rows(const PoseInformation& poses, const std::vector<int>
   }
   return result;
 }
+
+namespace {
 
 /// Columns of the inverse of the normal equations, six for each of `tags`: zero for the held one.
 Eigen::MatrixXd noise_columns(const PoseInformation& poses, std::span<const int> tags,
@@ -52,13 +52,11 @@ void make_symmetric(Eigen::MatrixXd& matrix) {
 
 JointCovariance joint_tag_covariance(const PoseInformation& poses, const std::vector<int>& tags,
                                      std::vector<TagKey> keys, const ErrorScale& scale,
-                                     const std::optional<SharedParameters>& shared) {
+                                     const std::optional<SharedErrors>& follow) {
   JointCovariance joint;
   joint.tags = std::move(keys);
   joint.noise_variance = scale.noise_variance / scale.views_per_independent_view;
   joint.bias_sigma = std::sqrt(scale.bias_variance);
-  std::optional<SharedErrors> follow;
-  if (shared) follow.emplace(*shared);
 
   const Eigen::Index size = 6 * static_cast<Eigen::Index>(tags.size());
   joint.by_noise = Eigen::MatrixXd::Zero(size, size);

@@ -12,7 +12,11 @@ namespace apriltrack {
 /// `scale` has them. tags: numbers as `poses` has them; keys: their names, in the same order.
 JointCovariance joint_tag_covariance(const PoseInformation& poses, const std::vector<int>& tags,
                                      std::vector<TagKey> keys, const ErrorScale& scale,
-                                     const std::optional<SharedParameters>& shared = std::nullopt);
+                                     const std::optional<SharedErrors>& shared = std::nullopt);
+
+/// Rows of the system of `poses` to those of `tags`, zero for the held one.
+Eigen::MatrixXd spread_rows(const PoseInformation& poses, const std::vector<int>& tags,
+                            const Eigen::MatrixXd& rows);
 
 /// What constraints know taken off, and the errors of a measured frame added. All that is left is then told
 /// as noise.

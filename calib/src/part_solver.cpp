@@ -50,10 +50,9 @@ void measure_residuals(const Observations& observations, PartSolution& solution)
 }
 
 /// Those of the cameras that were estimated with the poses. views: linearised, `poses` is made from them.
-std::optional<SharedParameters> shared_parameters(const Observations& observations,
-                                                  const PartSolution& solution,
-                                                  const std::vector<LinearView>& views,
-                                                  const PoseInformation& poses) {
+std::optional<SharedErrors> errors_of_cameras(const Observations& observations, const PartSolution& solution,
+                                              const std::vector<LinearView>& views,
+                                              const PoseInformation& poses) {
   if (!solution.cameras.is_accepted) return std::nullopt;
   std::vector<CameraParameter> parameters;
   for (const EstimatedParameter& one : solution.cameras.estimates) parameters.push_back(one.parameter);
@@ -65,7 +64,7 @@ std::optional<SharedParameters> shared_parameters(const Observations& observatio
   shared.prior_precision = Eigen::VectorXd::Constant(shared.information.gradient.size(), noise_variance);
   shared.noise_factor =
       BlockScatter(views, poses).parameters_factor(columns, shared.information, noise_variance);
-  return shared;
+  return SharedErrors(shared);
 }
 
 std::vector<int> cameras_of(const Observations& observations, const Part& part) {
@@ -232,7 +231,7 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
                     "with others");
   const double bias = options.corner_bias_px / options.corner_sigma_px;
   solution.scale = error_scale(views, *poses, bias * bias);
-  const auto shared = shared_parameters(observations, solution, views, *poses);
+  const auto shared = errors_of_cameras(observations, solution, views, *poses);
   solution.covariances = tag_covariances(*poses, solution.part.tags, shared);
   scale_by(solution.scale, solution.covariances);
   if (solution.part.tags.size() <= static_cast<std::size_t>(options.max_tags_with_joint_covariance)) {

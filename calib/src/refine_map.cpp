@@ -13,6 +13,7 @@
 #include "constrained_map.h"
 #include "joint_tag_covariance.h"
 #include "photometric_adjustment.h"
+#include "picture_cameras.h"
 #include "refinement_input.h"
 
 namespace apriltrack {
@@ -29,25 +30,22 @@ std::vector<bool> moments_where(int num_moments, bool is_held_out) {
   return chosen;
 }
 
-/// Root mean square, per number.
-double disagreement(const std::vector<LinearView>& views) {
+/// Root mean square, per number; nullopt where no picture is explained.
+std::optional<double> disagreement(const std::vector<LinearView>& views) {
+  if (views.empty()) return std::nullopt;
   double squares = 0.0, count = 0.0;
   for (const LinearView& view : views) {
     squares += view.residual.squaredNorm();
     count += static_cast<double>(view.residual.size());
   }
-  return std::sqrt(squares / std::max(count, 1.0));
+  return std::sqrt(squares / count);
 }
 
 class Refinement {
  public:
   Refinement(const RefinementInput& input, int held_tag, const CalibrationResult& calibration,
              ParallelFor parallel)
-      : input_(input),
-        held_tag_(held_tag),
-        constraints_(calibration.constraints),
-        has_joint_(!calibration.evidence.joint.is_empty()),
-        parallel_(std::move(parallel)) {}
+      : input_(input), held_tag_(held_tag), calibration_(calibration), parallel_(std::move(parallel)) {}
 
   /// What moments that are held out say of the calibration, and of a map refined without them. Both with the
   /// light and the lens of the latter, so that only places differ. False where the refinement fails.
@@ -74,7 +72,7 @@ class Refinement {
     if (!all.run({.held_tag = held_tag_}, kMostSteps)) return false;
     const std::vector<LinearView> views = all.linear_views();
     const TagMap before = result.map;
-    if (!take_places(all.state().T_map_tag, views, options, result)) {
+    if (!take_places(all.state(), views, options, result)) {
       result.map = before;
       result.joint = {};
       return false;
@@ -95,28 +93,33 @@ class Refinement {
   /// The tags' new poses with covariances, kept to the constraints. Maps too large for covariances
   /// (CalibrationOptions::max_tags_with_covariance) stay without. False where the views leave a pose
   /// undetermined, or contradict the constraints: result.reason.
-  bool take_places(const std::vector<Pose>& T_map_tag, const std::vector<LinearView>& views,
+  bool take_places(const PhotometricState& state, const std::vector<LinearView>& views,
                    const RefinementOptions& options, RefinementResult& result) const {
     const bool has_covariances = map_tag(0, result.map).covariance.has_value();
-    for (std::size_t i = 0; i < T_map_tag.size(); ++i) map_tag(i, result.map).T_map_tag = T_map_tag[i];
+    for (std::size_t i = 0; i < input_.map_index.size(); ++i)
+      map_tag(i, result.map).T_map_tag = state.T_map_tag[i];
     if (!has_covariances) return true;
     std::vector<int> tags(input_.map_index.size());
     std::iota(tags.begin(), tags.end(), 0);
     const auto poses = PoseInformation::of(views, tags, held_tag_);
     if (!poses) return false;
-    std::vector<TagCovariance> covariances = tag_covariances(*poses, tags);
     const ErrorScale scale = error_scale(views, *poses, options.picture_bias_px * options.picture_bias_px);
+    const auto cameras = errors_of_cameras(calibration_, input_.scene, state, views, *poses, scale);
+    std::vector<TagCovariance> covariances = tag_covariances(*poses, tags, cameras);
     scale_by(scale, covariances);
-    if (has_joint_) {
+    if (!calibration_.evidence.joint.is_empty()) {
       std::vector<TagKey> keys;
       for (std::size_t i = 0; i < tags.size(); ++i) keys.push_back(map_tag(i, result.map).key);
-      result.joint = joint_tag_covariance(*poses, tags, std::move(keys), scale);
+      result.joint = joint_tag_covariance(*poses, tags, std::move(keys), scale, cameras);
+      // What more views would bring is reckoned for their corners.
+      result.joint.noise_variance = calibration_.evidence.joint.noise_variance;
+      result.joint.bias_sigma /= calibration_.evidence.noise.sigma_px;
     }
     for (std::size_t i = 0; i < tags.size(); ++i)
       map_tag(i, result.map).covariance = covariances[i].by_noise + covariances[i].by_bias;
-    if (constraints_.empty()) return true;
+    if (calibration_.constraints.empty()) return true;
     try {
-      keep_to_constraints(CovarianceOperator(*poses, scale), tags, result);
+      keep_to_constraints(CovarianceOperator(*poses, scale, cameras), tags, result);
       return true;
     } catch (const Error& error) {  // the pictures claim more than the corners do; the corners' map stands
       result.reason = error.what();
@@ -134,7 +137,7 @@ class Refinement {
       map.T_held_tag.push_back(T_map_held.inverse() * tag.T_map_tag);
       map.covariances.push_back(*tag.covariance);
     }
-    ConstrainedMap constrained = constrain_map(constraints_, map, joint);
+    ConstrainedMap constrained = constrain_map(calibration_.constraints, map, joint);
     keep_to(constrained.change, result.joint);
     // Tags that were not refined move with the frame.
     for (MapTag& tag : result.map.tags)
@@ -160,7 +163,8 @@ class Refinement {
     }
   }
 
-  /// nullopt where their poses do not settle: what is left then says nothing of the map.
+  /// nullopt where their poses do not settle, or none is explained: what is left then says nothing of the
+  /// map.
   std::optional<double> disagreement_of_held_out(PhotometricState state) const {
     PhotometricAdjustment held_out(input_.scene, std::move(state), parallel_);
     held_out.choose_moments(moments_where(input_.num_moments, true));
@@ -170,8 +174,7 @@ class Refinement {
 
   const RefinementInput& input_;
   int held_tag_;
-  const std::vector<MapConstraint>& constraints_;
-  bool has_joint_;
+  const CalibrationResult& calibration_;
   ParallelFor parallel_;
   PhotometricState trained_;
 };

@@ -55,10 +55,13 @@ SharedErrors::SharedErrors(const SharedParameters& shared)
     parameters_by_errors[tag] = -gain * gradient;
 }
 
+SharedErrors::SharedErrors(const ParameterInformation& information, double variance)
+    : poses_by_parameter(information.poses_by_parameter),
+      covariance(variance * Eigen::MatrixXd::Identity(poses_by_parameter.cols(), poses_by_parameter.cols())) {
+}
+
 std::vector<TagCovariance> tag_covariances(const PoseInformation& poses, const std::vector<int>& tags,
-                                           const std::optional<SharedParameters>& parameters) {
-  std::optional<SharedErrors> shared;
-  if (parameters) shared.emplace(*parameters);
+                                           const std::optional<SharedErrors>& shared) {
   constexpr Eigen::Index kTagsAtOnce = 16;  // of the inverse: few enough to be small, enough to be fast
   std::map<Eigen::Index, TagCovariance> by_offset;
   for (Eigen::Index first = 0; first < poses.size(); first += 6 * kTagsAtOnce) {

@@ -29,6 +29,9 @@ struct SharedParameters {
 /// What they add: the poses follow their errors.
 struct SharedErrors {
   explicit SharedErrors(const SharedParameters& shared);
+  /// Of parameters that were estimated elsewhere, in units in which their errors are independent and of
+  /// variance `variance` (of the noise that the views have).
+  SharedErrors(const ParameterInformation& information, double variance);
 
   Eigen::MatrixXd poses_by_parameter;
   Eigen::MatrixXd covariance;
@@ -38,7 +41,7 @@ struct SharedErrors {
 /// In the order of `tags`: what ceres::Covariance gives, at a cost that a thousand frames do not raise. Only
 /// the system of the tags is inverted, a few columns at a time.
 std::vector<TagCovariance> tag_covariances(const PoseInformation& poses, const std::vector<int>& tags,
-                                           const std::optional<SharedParameters>& shared = std::nullopt);
+                                           const std::optional<SharedErrors>& shared = std::nullopt);
 
 /// Of unit errors, to those of the residuals.
 void scale_by(const ErrorScale& scale, std::vector<TagCovariance>& covariances);

@@ -138,6 +138,71 @@ TEST(RefinedMap, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
+/// Rotations are half a metre's worth of translation, that both may be judged in one number.
+double norm_m(const Vector6d& xi) {
+  return std::hypot(xi.head<3>().norm(), 0.5 * xi.tail<3>().norm());
+}
+
+TEST(RefinedMap, FollowsErrorsOfALensThatWasEstimatedWithIt) {
+  // The share of the covariances, against maps refined with the lens moved either way.
+  const Filmed& filmed = Filmed::once();
+  constexpr double kSigma = 0.001;  // of the focal length
+  constexpr double kCenterSigma_px = 0.3;
+  CalibrationResult given = filmed.by_corners;
+  given.constraints.clear();
+  const auto refined_with = [&](double focal_share, double center_px) {
+    CalibrationResult moved = given;
+    Pinhole pinhole = given.rig.cameras[0].model.pinhole();
+    pinhole.fx *= 1.0 + focal_share;
+    pinhole.fy *= 1.0 + focal_share;
+    pinhole.cx += center_px;
+    moved.rig.cameras[0].model = CameraModel(pinhole, given.rig.cameras[0].model.distortion());
+    const RefinementResult result = refine_map(moved, filmed.frames, moved.rig, {});
+    EXPECT_TRUE(result.is_accepted) << result.reason;
+    return result.map;
+  };
+  const auto by_difference = [&](const TagMap& above, const TagMap& below, const TagKey& key) {
+    return Vector6d(0.5 * (below.find(key)->T_map_tag.inverse() * above.find(key)->T_map_tag).log());
+  };
+  const TagMap longer = refined_with(kSigma, 0.0), shorter = refined_with(-kSigma, 0.0);
+  const TagMap right = refined_with(0.0, kCenterSigma_px), left = refined_with(0.0, -kCenterSigma_px);
+  const RefinementResult exact = refine_map(given, filmed.frames, given.rig, {});
+  ASSERT_TRUE(exact.is_accepted) << exact.reason;
+
+  const std::string& camera = given.rig.cameras[0].name;
+  given.corrections = {{camera, "edge offset", "px", 0.0, 0.1},
+                       {camera, "focal length", "1", 0.0, kSigma},
+                       {camera, "cx", "px", 0.0, kCenterSigma_px}};
+  given.corrections_covariance =
+      Eigen::Vector3d(0.01, kSigma * kSigma, kCenterSigma_px * kCenterSigma_px).asDiagonal();
+  const RefinementResult estimated = refine_map(given, filmed.frames, given.rig, {});
+  ASSERT_TRUE(estimated.is_accepted) << estimated.reason;
+
+  double expected2 = 0.0, squared_difference = 0.0;
+  for (const MapTag& tag : exact.map.tags) {
+    const Vector6d by_focal = by_difference(longer, shorter, tag.key);
+    const Vector6d by_center = by_difference(right, left, tag.key);
+    const double expected_m = std::hypot(norm_m(by_focal), norm_m(by_center));
+    const Matrix6d added = *estimated.map.find(tag.key)->covariance - *tag.covariance;
+    const double added_m =
+        std::sqrt(added.topLeftCorner<3, 3>().trace() + 0.25 * added.bottomRightCorner<3, 3>().trace());
+    expected2 += expected_m * expected_m;
+    squared_difference += std::pow(added_m - expected_m, 2);
+  }
+  const auto num = static_cast<double>(exact.map.tags.size());
+  EXPECT_GT(std::sqrt(expected2 / num), 5e-4) << "a case in which it matters";
+  EXPECT_LT(std::sqrt(squared_difference / expected2), 0.1);
+  // In units of the corners' noise, whatever the pictures' own units are.
+  EXPECT_EQ(exact.joint.noise_variance, given.evidence.joint.noise_variance);
+  const double bias_px = exact.joint.bias_sigma * given.evidence.noise.sigma_px;
+  EXPECT_GE(bias_px, 0.99 * RefinementOptions{}.picture_bias_px);
+  EXPECT_LT(bias_px, 5.0 * RefinementOptions{}.picture_bias_px);
+  const TagKey& key = estimated.joint.tags.back();
+  const auto row = *estimated.joint.row_of(key);
+  EXPECT_LT((estimated.joint.block(row, row) - *estimated.map.find(key)->covariance).norm(),
+            1e-9 * estimated.map.find(key)->covariance->norm());
+}
+
 TEST(RefinedMap, StaysAsItWasWithoutPictures) {
   const Filmed& filmed = Filmed::once();
   std::vector<FrameDetections> frames = filmed.frames;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <span>
 #include <string>
@@ -98,6 +99,7 @@ struct CalibrationResult {
   /// The cameras that `map` rests on: as given, but for the corrections.
   CameraRig rig;
   std::vector<CameraCorrection> corrections;  ///< None where the cameras are as given.
+  Eigen::MatrixXd corrections_covariance;     ///< Of these, in their order and units.
   /// At the moments that `map` rests on, in the order of time; of two with the same time, neither.
   std::vector<RigPose> rig_poses;
   MapEvidence evidence;                              ///< What `map` rests on.

@@ -18,8 +18,8 @@ struct JointCovariance {
   /// 6N x 8N: how the poses follow the errors that each tag keeps in all of its views, eight independent ones
   /// of unit variance per tag.
   Eigen::MatrixXd by_errors;
-  double noise_variance = 1.0;  ///< Of one view's whitened residuals.
-  double bias_sigma = 0.0;      ///< Of the errors that a tag keeps, in the same units.
+  double noise_variance = 1.0;  ///< Of one view's corners, whitened as MapEvidence::noise has it expected.
+  double bias_sigma = 0.0;      ///< Of the errors of corners that a tag keeps, in the same units.
 
   bool is_empty() const { return tags.empty(); }
   /// Where the tag's six rows start; nullopt for a tag that is not in it.

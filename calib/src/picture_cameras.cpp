@@ -1,0 +1,75 @@
+#include "picture_cameras.h"
+
+#include <utility>
+
+#include "camera_parameters.h"
+
+namespace apriltrack {
+namespace {
+
+/// The pictures as if they were corners, whose residuals are pixels.
+struct PictureCorners {
+  Observations observations;
+  MapState state;
+  std::vector<std::size_t> numbers;
+};
+
+PictureCorners corners_of(const CalibrationResult& calibration, const PhotometricScene& scene,
+                          const PhotometricState& state, const std::vector<LinearView>& views) {
+  PictureCorners corners;
+  Observations& seen = corners.observations;
+  for (std::size_t c = 0; c < scene.cameras.size(); ++c)
+    seen.cameras.push_back(
+        {scene.cameras[c].model, scene.T_camera_rig[c], 0.0, calibration.rig.cameras[c].name});
+  for (const PrintedTag& tag : scene.tags) seen.sizes_m.push_back(2.0 * tag.half_size_m);
+  CornersPx nowhere;  // residuals less what was seen: their derivatives do not ask
+  nowhere.fill(Eigen::Vector2d::Zero());
+  for (const LinearView& view : views) {
+    corners.numbers.push_back(seen.views.size());
+    seen.views.push_back(
+        {view.tag, view.frame, view.camera, nowhere, Matrix8d::Identity(), Vector8d::Zero()});
+  }
+  corners.state = {state.T_map_tag, state.T_map_rig, seen.cameras, {}};
+  return corners;
+}
+
+/// Those that pictures follow: edge offsets are of the detector.
+struct Estimated {
+  std::vector<CameraParameter> parameters;  ///< With a sigma of one.
+  Eigen::MatrixXd covariance;
+};
+
+Estimated estimated_cameras(const CalibrationResult& calibration, const std::vector<RigCamera>& cameras) {
+  Estimated estimated;
+  std::vector<Eigen::Index> places;
+  for (std::size_t i = 0; i < calibration.corrections.size(); ++i) {
+    auto parameter = parameter_of(calibration.corrections[i], cameras);
+    if (!parameter || parameter->kind == CameraParameter::Kind::kEdgeOffset) continue;
+    parameter->sigma = 1.0;
+    estimated.parameters.push_back(*parameter);
+    places.push_back(static_cast<Eigen::Index>(i));
+  }
+  estimated.covariance = calibration.corrections_covariance(places, places);
+  return estimated;
+}
+
+}  // namespace
+
+std::optional<SharedErrors> errors_of_cameras(const CalibrationResult& calibration,
+                                              const PhotometricScene& scene, const PhotometricState& state,
+                                              const std::vector<LinearView>& views,
+                                              const PoseInformation& poses, const ErrorScale& scale) {
+  if (calibration.corrections.empty()) return std::nullopt;
+  const PictureCorners corners = corners_of(calibration, scene, state, views);
+  const Estimated cameras = estimated_cameras(calibration, corners.observations.cameras);
+  if (cameras.parameters.empty()) return std::nullopt;
+  std::vector<ParameterView> columns = with_independent_errors(
+      camera_columns(corners.observations, corners.numbers, corners.state, cameras.parameters),
+      cameras.covariance);
+  for (ParameterView& column : columns)
+    column.by_parameter = (views[column.view].by_error * column.by_parameter).eval();
+  // The scale turns one into the variance of the noise, which that of the cameras already has.
+  return SharedErrors(poses.eliminate_poses(columns), 1.0 / scale.noise_variance);
+}
+
+}  // namespace apriltrack
