@@ -11,6 +11,7 @@
 #include "apriltrack/tags/tag_family.h"
 #include "corner_refinement.h"
 #include "joined_borders.h"
+#include "least_contrast.h"
 #include "library_detector.h"
 #include "light_sampler.h"
 #include "merge.h"
@@ -148,7 +149,9 @@ class Detector::Implementation {
 
   void find_in(const GrayView& image, bool is_linear_light, std::vector<Candidate>* candidates,
                double decimate, std::optional<std::size_t> family_index = {}) {
-    for (const LibraryDetection& found : library_.detect(image, decimate, family_index)) {
+    const int contrast = options_.refine_edges ? least_contrast(image, options_.min_decision_margin)
+                                               : LibraryDetector::kLibrarysLeastContrast;
+    for (const LibraryDetection& found : library_.detect(image, decimate, contrast, family_index)) {
       // A chance code is a thousand times likelier with two wrong bits than with none (sum of C(36, k)
       // patterns).
       const double min_margin = options_.min_decision_margin * (1 + found.hamming);

@@ -65,8 +65,10 @@ LibraryDetector::LibraryDetector(LibraryDetector&&) noexcept = default;
 LibraryDetector& LibraryDetector::operator=(LibraryDetector&&) noexcept = default;
 
 std::vector<LibraryDetection> LibraryDetector::detect(const GrayView& image, double decimate,
+                                                      int least_contrast,
                                                       std::optional<std::size_t> family_index) {
   state_->detector(family_index)->quad_decimate = static_cast<float>(decimate);
+  state_->detector(family_index)->qtp.min_white_black_diff = least_contrast;
   const Eigen::Vector2d offset = Eigen::Vector2d::Constant(library_pixel_offset());
   std::vector<LibraryDetection> detections = detect_in_library_pixels(image, family_index);
   for (LibraryDetection& detection : detections)

@@ -31,6 +31,8 @@ struct LibraryDetection {
 /// Owns a detector of the AprilTag library with its families, one thread, for any number of images.
 class LibraryDetector {
  public:
+  static constexpr int kLibrarysLeastContrast = 5;
+
   /// Throws Error(kInvalidInput) for a name that is no family.
   LibraryDetector(const std::vector<std::string>& families, bool refine_edges);
   ~LibraryDetector();
@@ -38,8 +40,9 @@ class LibraryDetector {
   LibraryDetector& operator=(LibraryDetector&&) noexcept;
 
   /// In the library's order. decimate: quads are searched for in an image this many times smaller.
+  /// least_contrast: where neighbouring pixels differ by fewer grey levels no edge is looked for.
   /// family_index: of the only one looked for; a search for more takes longer.
-  std::vector<LibraryDetection> detect(const GrayView& image, double decimate,
+  std::vector<LibraryDetection> detect(const GrayView& image, double decimate, int least_contrast,
                                        std::optional<std::size_t> family_index = {});
 
  private:
