@@ -145,6 +145,15 @@ Alternatives alternatives(const Observations& observations, const Part& part, co
   return result;
 }
 
+std::vector<Alternatives> all_alternatives(const Observations& observations, const Part& part,
+                                           const std::vector<std::vector<int>>& groups, const MapState& state,
+                                           const ParallelFor& parallel) {
+  std::vector<Alternatives> poses(groups.size());
+  parallel(groups.size(),
+           [&](std::size_t i) { poses[i] = alternatives(observations, part, groups[i], state); });
+  return poses;
+}
+
 /// The group's tags, the frames at the hinge, and those that show the group alone.
 void take_over(const Observations& observations, const Part& part, const std::vector<int>& group,
                const GroupMotion& other, MapState& state) {
@@ -180,12 +189,17 @@ Pose mirrored_about(const Pose& T_frame_tag, const Eigen::Vector3d& direction) {
   return {mirrored, T_frame_tag.translation()};
 }
 
-bool turn_mirrored_groups(const Observations& observations, const Part& part, int held_tag, MapState& state) {
+bool turn_mirrored_groups(const Observations& observations, const Part& part, int held_tag, MapState& state,
+                          const ParallelFor& parallel) {
+  const std::vector<std::vector<int>> groups = hinged_groups(observations, part);
+  std::vector<Alternatives> poses = all_alternatives(observations, part, groups, state, parallel);
   bool has_turned = false;
-  for (const std::vector<int>& group : hinged_groups(observations, part)) {
-    const Alternatives poses = alternatives(observations, part, group, state);
-    if (!poses.best_other || !(poses.best_other->cost < poses.now.cost - kBetter)) continue;
-    take_over(observations, part, group, *poses.best_other, state);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (has_turned)
+      poses[i] = alternatives(observations, part, groups[i], state);  // they were of another map
+    const auto& [now, best_other] = poses[i];
+    if (!best_other || !(best_other->cost < now.cost - kBetter)) continue;
+    take_over(observations, part, groups[i], *best_other, state);
     has_turned = true;
   }
   if (has_turned) move_origin_to(state, held_tag);
@@ -193,11 +207,13 @@ bool turn_mirrored_groups(const Observations& observations, const Part& part, in
 }
 
 std::vector<std::vector<int>> undecided_groups(const Observations& observations, const Part& part,
-                                               const MapState& state) {
+                                               const MapState& state, const ParallelFor& parallel) {
+  const std::vector<std::vector<int>> groups = hinged_groups(observations, part);
+  const std::vector<Alternatives> poses = all_alternatives(observations, part, groups, state, parallel);
   std::vector<std::vector<int>> undecided;
-  for (const std::vector<int>& group : hinged_groups(observations, part)) {
-    const Alternatives poses = alternatives(observations, part, group, state);
-    if (poses.best_other && poses.best_other->cost < poses.now.cost + kDecisive) undecided.push_back(group);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (poses[i].best_other && poses[i].best_other->cost < poses[i].now.cost + kDecisive)
+      undecided.push_back(groups[i]);
   }
   return undecided;
 }

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "apriltrack/base/parallel.h"
 #include "map_state.h"
 
 namespace apriltrack {
@@ -14,11 +15,12 @@ Pose mirrored_about(const Pose& T_frame_tag, const Eigen::Vector3d& direction);
 /// hinge would give it, with the frames there free to follow, and keeps what explains the views better. False
 /// when nothing was turned; else the caller adjusts again. The held tag may turn, too: the map is then moved
 /// back to it.
-bool turn_mirrored_groups(const Observations& observations, const Part& part, int held_tag, MapState& state);
+bool turn_mirrored_groups(const Observations& observations, const Part& part, int held_tag, MapState& state,
+                          const ParallelFor& parallel);
 
 /// Groups that the views leave a second pose, about as likely as the one they have: smallest first, each
 /// sorted.
 std::vector<std::vector<int>> undecided_groups(const Observations& observations, const Part& part,
-                                               const MapState& state);
+                                               const MapState& state, const ParallelFor& parallel);
 
 }  // namespace apriltrack

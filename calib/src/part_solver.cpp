@@ -255,11 +255,11 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   const PartTask task{observations, candidates, options};
   AdjustedPart solved = adjust_without_contradictions(task, part, held_tag, parallel, log);
   PartSolution solution;
-  leave_out_undecided(task, part, solved);
+  leave_out_undecided(task, part, solved, parallel);
   const Part to_map = without_left_out(observations, part, solved);
   solution.cameras = better_cameras(task, to_map, solved);
   solution.lens_not_taken = lens_not_taken(task, to_map, solved);
-  solution.findings = examine_tags(task, part, solved);
+  solution.findings = examine_tags(task, part, solved, parallel);
   solution.contradicted = leave_out_contradicted(task, part, solved);
   solution.held_tag = solved.held_tag;
   solution.culprit = solved.culprit;

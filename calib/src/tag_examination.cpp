@@ -40,14 +40,18 @@ std::set<int> tags_rejected_often(const Observations& observations, const Part& 
 /// fault explains as the map is, and those of which many views were rejected, with frames that might have
 /// told why; worst first.
 std::vector<int> suspects_in(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                             const std::set<int>& known) {
+                             const std::set<int>& known, const ParallelFor& parallel) {
   const std::set<int> rejected = tags_rejected_often(task.observations, part, solved);
+  std::vector<TagLook> looks(part.tags.size());
+  parallel(looks.size(), [&](std::size_t i) {
+    if (!known.contains(part.tags[i])) looks[i] = look_by(task, part, solved, part.tags[i]);
+  });
   std::vector<std::pair<double, int>> suspects;
-  for (const int tag : part.tags) {
-    if (known.contains(tag)) continue;
-    const TagLook look = look_by(task, part, solved, tag);
-    if (look.misfit > kSuspicious || look.finding || rejected.contains(tag))
-      suspects.emplace_back(-look.misfit, tag);
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    const TagLook& look = looks[i];
+    if (known.contains(part.tags[i])) continue;
+    if (look.misfit > kSuspicious || look.finding || rejected.contains(part.tags[i]))
+      suspects.emplace_back(-look.misfit, part.tags[i]);
   }
   std::ranges::sort(suspects);
   std::vector<int> tags;
@@ -102,8 +106,23 @@ std::unique_ptr<Absence> look_without(const PartTask& task, const Part& part, co
   if (!look.finding) return nullptr;
   trial->finding = std::move(*look.finding);
   known.insert(tag);
-  trial->num_others = suspects_in(task, part, trial->rest, known).size();
+  trial->num_others = suspects_in(task, part, trial->rest, known, parallel_for(1)).size();
   return trial;
+}
+
+/// That leaves the fewest tags that seem wrong, and explains most.
+std::unique_ptr<Absence> best_absence(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                                      const std::vector<int>& suspects, const std::set<int>& known,
+                                      const ParallelFor& parallel) {
+  std::vector<std::unique_ptr<Absence>> trials(suspects.size());
+  parallel(suspects.size(),
+           [&](std::size_t i) { trials[i] = look_without(task, part, solved, suspects[i], known); });
+  std::erase(trials, nullptr);
+  const auto rank = [](const std::unique_ptr<Absence>& one) {
+    return std::pair(one->num_others, -one->finding.gain());
+  };
+  const auto best = std::ranges::min_element(trials, {}, rank);
+  return best == trials.end() ? nullptr : std::move(*best);
 }
 
 /// Of a tag that was left out before: the frames contradicted each other with it, or leave it two poses.
@@ -139,7 +158,8 @@ void examine_shapes(const PartTask& task, const Part& part, AdjustedPart& solved
 
 }  // namespace
 
-std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, AdjustedPart& solved) {
+std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, AdjustedPart& solved,
+                                     const ParallelFor& parallel) {
   std::vector<TagFinding> findings;
   if (part.tags.size() < 3) return findings;  // of two that disagree, either may be wrong
   std::set<int> known;
@@ -150,15 +170,9 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
     if (auto finding = look_at_left_out(task, part, solved, tag)) findings.push_back(std::move(*finding));
   }
   for (int round = 0; round < kMostFaults; ++round) {
-    std::vector<int> suspects = suspects_in(task, part, solved, known);
+    std::vector<int> suspects = suspects_in(task, part, solved, known, parallel);
     suspects.resize(std::min(suspects.size(), kMostSuspects));
-    std::unique_ptr<Absence> best;  // whose absence leaves the fewest that seem wrong, and explains most
-    for (const int suspect : suspects) {
-      auto trial = look_without(task, part, solved, suspect, known);
-      if (!trial) continue;
-      const auto rank = [](const Absence& one) { return std::pair(one.num_others, -one.finding.gain()); };
-      if (!best || rank(*trial) < rank(*best)) best = std::move(trial);
-    }
+    std::unique_ptr<Absence> best = best_absence(task, part, solved, suspects, known, parallel);
     if (!best) break;
     known.insert(best->finding.tag);
     if (best->finding.is_left_out) solved = std::move(best->rest);

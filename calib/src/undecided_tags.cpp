@@ -24,8 +24,9 @@ int views_of(const std::map<int, int>& views, const std::vector<int>& tags) {
 
 /// Of two sides of a joint that is open, the one with fewer views goes; where a tag is held by wish, the
 /// other side of it.
-std::set<int> tags_to_go(const PartTask& task, const AdjustedPart& solved) {
-  const std::vector<std::vector<int>> groups = undecided_groups(task.observations, solved.part, solved.state);
+std::set<int> tags_to_go(const PartTask& task, const AdjustedPart& solved, const ParallelFor& parallel) {
+  const std::vector<std::vector<int>> groups =
+      undecided_groups(task.observations, solved.part, solved.state, parallel);
   const std::map<int, int> views = count_views(task.observations, solved.part);
   std::set<int> undecided;
   for (const std::vector<int>& group : groups) undecided.insert(group.begin(), group.end());
@@ -41,10 +42,11 @@ std::set<int> tags_to_go(const PartTask& task, const AdjustedPart& solved) {
 
 }  // namespace
 
-void leave_out_undecided(const PartTask& task, const Part& part, AdjustedPart& solved) {
+void leave_out_undecided(const PartTask& task, const Part& part, AdjustedPart& solved,
+                         const ParallelFor& parallel) {
   std::set<int> gone;
-  for (std::set<int> undecided = tags_to_go(task, solved); !undecided.empty();
-       undecided = tags_to_go(task, solved)) {
+  for (std::set<int> undecided = tags_to_go(task, solved, parallel); !undecided.empty();
+       undecided = tags_to_go(task, solved, parallel)) {
     const TagKey& held = task.observations.tags[static_cast<std::size_t>(solved.held_tag)];
     if (undecided.contains(solved.held_tag) && task.options.held_tag == held)
       throw no_result(

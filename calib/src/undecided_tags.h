@@ -8,6 +8,7 @@ namespace apriltrack {
 /// (AdjustedPart::undecided), and adjusts the others anew; where the held tag is one of them, another is
 /// held. Of the two sides of a joint that is open the one with fewer views goes. part: before outliers were
 /// removed. Throws Error(kNoResult) when a tag that the user holds would go, and when too little is left.
-void leave_out_undecided(const PartTask& task, const Part& part, AdjustedPart& solved);
+void leave_out_undecided(const PartTask& task, const Part& part, AdjustedPart& solved,
+                         const ParallelFor& parallel);
 
 }  // namespace apriltrack
