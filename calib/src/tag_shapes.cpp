@@ -14,8 +14,13 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kMostTags = 1.0 / 3.0;  // more of them, and it is the lens that is wrong
-constexpr std::size_t kManyTags = 200;   // the system is solved anew for each
+constexpr double kMostTags = 1.0 / 3.0;     // more of them, and it is the lens that is wrong
+constexpr std::size_t kManyTags = 200;      // the system is solved anew for each
+constexpr double kMedianOfNormal = 0.6745;  // of the sizes of standard normal numbers
+
+bool exceeds(double value, double sigma, double least) {
+  return std::abs(value) > std::max(least, kClearSigmas * sigma);
+}
 
 /// One tag's, from what is left of the normal equations of its shape.
 struct ShapeEstimate {
@@ -23,9 +28,7 @@ struct ShapeEstimate {
   TagFit scaled, bent;
   double gain_of_size = 0.0, gain_of_bend = 0.0;  ///< Half the squares they explain, in units of the noise.
 
-  bool is_size_clear() const {
-    return std::abs(scaled.shape.log_scale) > std::max(kClearScale, kClearSigmas * scaled.scale_sigma);
-  }
+  bool is_size_clear() const { return exceeds(scaled.shape.log_scale, scaled.scale_sigma, kClearScale); }
   bool is_bend_clear() const { return bent.is_aspect_clear || bent.is_twist_clear; }
   bool is_clear() const { return is_size_clear() || is_bend_clear(); }
   /// Unknowns that a bend has beside the size must pay for themselves.
@@ -62,10 +65,6 @@ Eigen::Matrix3d spread_of(const ParameterInformation& of_shape, const ErrorScale
   return spread;
 }
 
-bool is_clear(double value, double sigma) {
-  return std::abs(value) > std::max(kClearBend, kClearSigmas * sigma);
-}
-
 ShapeEstimate estimate_shape(const ParameterInformation& of_shape, const ErrorScale& scale, double size_m) {
   const Eigen::Matrix3d information = of_shape.information, spread = spread_of(of_shape, scale);
   const Eigen::Vector3d gradient = of_shape.gradient;
@@ -86,8 +85,6 @@ ShapeEstimate estimate_shape(const ParameterInformation& of_shape, const ErrorSc
   bent.scale_sigma = sigma[0];
   bent.aspect_sigma = sigma[1];
   bent.twist_sigma = sigma[2];
-  bent.is_aspect_clear = is_clear(value[1], sigma[1]);
-  bent.is_twist_clear = is_clear(value[2], sigma[2]);
   result.gain_of_bend = -0.5 * gradient.dot(value) / scale.noise_variance;
   return result;
 }
@@ -110,6 +107,49 @@ std::vector<ShapeEstimate> estimate_shapes(const PartTask& task, const AdjustedP
   return result;
 }
 
+using ShapeNumber = std::pair<double, double*>;  ///< A value, and its sigma.
+
+double size_in_sigmas(const ShapeNumber& one) {
+  return std::abs(one.first) / *one.second;
+}
+
+/// How much larger than their sigmas the numbers of other tags typically are; at least 1.
+double typical_of_others(const std::vector<ShapeNumber>& numbers, std::size_t own) {
+  std::vector<double> others;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (i != own && *numbers[i].second > 0.0) others.push_back(size_in_sigmas(numbers[i]));
+  }
+  if (others.empty()) return 1.0;
+  std::ranges::sort(others);
+  const double median = 0.5 * (others[(others.size() - 1) / 2] + others[others.size() / 2]);
+  return std::max(1.0, median / kMedianOfNormal);
+}
+
+void widen_by_others(const std::vector<ShapeNumber>& numbers) {
+  std::vector<double> factors;
+  for (std::size_t i = 0; i < numbers.size(); ++i) factors.push_back(typical_of_others(numbers, i));
+  for (std::size_t i = 0; i < numbers.size(); ++i) *numbers[i].second *= factors[i];
+}
+
+/// What the lens or the detector does to all tags, and sigmas do not tell, shows in the others: a tag is odd
+/// only where they are as stated.
+void compare_with_others(std::vector<ShapeEstimate>& shapes) {
+  std::vector<ShapeNumber> sizes, aspects, twists;
+  for (ShapeEstimate& one : shapes) {
+    sizes.emplace_back(one.scaled.shape.log_scale, &one.scaled.scale_sigma);
+    aspects.emplace_back(one.bent.shape.aspect, &one.bent.aspect_sigma);
+    twists.emplace_back(one.bent.shape.twist, &one.bent.twist_sigma);
+  }
+  widen_by_others(sizes);
+  widen_by_others(aspects);
+  widen_by_others(twists);
+  for (ShapeEstimate& one : shapes) {
+    TagFit& bent = one.bent;
+    bent.is_aspect_clear = exceeds(bent.shape.aspect, bent.aspect_sigma, kClearBend);
+    bent.is_twist_clear = exceeds(bent.shape.twist, bent.twist_sigma, kClearBend);
+  }
+}
+
 TagFinding to_finding(const PartTask& task, const ShapeEstimate& one) {
   const std::string name = to_string(task.observations.tags[static_cast<std::size_t>(one.tag)]);
   if (one.is_bend_likelier())
@@ -124,6 +164,7 @@ TagFinding to_finding(const PartTask& task, const ShapeEstimate& one) {
 
 std::optional<TagFinding> find_odd_shape(const PartTask& task, const AdjustedPart& solved) {
   std::vector<ShapeEstimate> shapes = estimate_shapes(task, solved);
+  compare_with_others(shapes);
   const double num_tags = static_cast<double>(shapes.size());
   std::erase_if(shapes, [](const ShapeEstimate& one) { return !one.is_clear(); });
   if (shapes.empty() || static_cast<double>(shapes.size()) > kMostTags * num_tags) return std::nullopt;
