@@ -202,7 +202,7 @@ CameraRig with_corrections(const CameraRig& rig, const std::vector<RigCamera>& c
   };
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     result.cameras[i].model = cameras[i].model;
-    if (i > 0 && (moved_places.contains(i) || moved_places.contains(i - 1)))
+    if (rig.cameras[i].T_this_previous && (moved_places.contains(i) || moved_places.contains(i - 1)))
       result.cameras[i].T_this_previous = place(i) * place(i - 1).inverse();
   }
   return result;

@@ -14,6 +14,7 @@
 #include "bundle_adjustment.h"
 #include "corner_views.h"
 #include "error_scale.h"
+#include "normal_distribution.h"
 
 namespace apriltrack {
 namespace {
@@ -45,12 +46,6 @@ Split split(const Observations& observations, const std::vector<std::size_t>& vi
   return result;
 }
 
-std::vector<int> all_but(const std::vector<int>& tags, int held_tag) {
-  std::vector<int> others = tags;
-  std::erase(others, held_tag);
-  return others;
-}
-
 /// Cameras and poses together: a step of the cameras with all poses following, then the poses alone, until
 /// neither moves.
 class Fit {
@@ -66,9 +61,9 @@ class Fit {
       const auto step = step_of_cameras(state);
       if (!step || !move(*step, state)) return false;
       const AdjustmentSummary summary =
-          adjust(task_.observations, part_.views, all_but(part_.tags, held_tag_),
+          adjust(task_.observations, part_.views, free_tags(part_, held_tag_),
                  {.loss_scale = 0.0, .max_iterations = task_.options.max_iterations}, state);
-      if (!summary.is_usable) return false;
+      if (!summary.is_usable || !summary.has_converged) return false;
       if (step->cwiseQuotient(sigmas_).cwiseAbs().maxCoeff() < kSettled) return true;
     }
     return false;
@@ -166,11 +161,14 @@ class Fit {
   int step_number_ = 0;
 };
 
-/// Squared disagreement of each group of frames, their poses fitted to the map as it is.
-std::map<int, double> disagreements(const PartTask& task, const std::vector<std::size_t>& views,
-                                    MapState state) {
-  adjust(task.observations, views, {}, {.loss_scale = 0.0, .max_iterations = task.options.max_iterations},
-         state);
+/// Squared disagreement of each group of frames, their poses fitted to the map as it is; nullopt where these
+/// do not settle.
+std::optional<std::map<int, double>> disagreements(const PartTask& task,
+                                                   const std::vector<std::size_t>& views, MapState state) {
+  const AdjustmentSummary summary =
+      adjust(task.observations, views, {}, {.loss_scale = 0.0, .max_iterations = task.options.max_iterations},
+             state);
+  if (!summary.is_usable || !summary.has_converged) return std::nullopt;
   std::map<int, double> of_frames;
   for (const std::size_t v : views) {
     bool is_valid = false;
@@ -180,13 +178,6 @@ std::map<int, double> disagreements(const PartTask& task, const std::vector<std:
         is_valid ? std::min(kMostOfView, residual.squaredNorm()) : kMostOfView;
   }
   return of_frames;
-}
-
-/// Where Student's distribution of so many degrees of freedom is as unlikely as the normal one at `place`
-/// (Wallace, 1959).
-double student_place(double place, double degrees) {
-  const double shrink = (degrees - 5.0 / 6.0) / (degrees - 2.0 / 3.0 + 0.1 / degrees);
-  return std::sqrt(degrees * std::expm1(place * place * shrink / degrees));
 }
 
 /// Squared disagreement of neighbouring frames that are held out together, appended to `sums`.
@@ -252,12 +243,18 @@ std::optional<std::string> hold_out(const PartTask& task, const std::vector<Came
   });
   if (others.tags.size() < 2 || views.held_out.empty()) return "too few frames to hold some out";
   MapState before = solved.state;
-  adjust(task.observations, others.views, all_but(others.tags, solved.held_tag),
-         {.loss_scale = 0.0, .max_iterations = task.options.max_iterations}, before);
+  const AdjustmentSummary summary =
+      adjust(task.observations, others.views, free_tags(others, solved.held_tag),
+             {.loss_scale = 0.0, .max_iterations = task.options.max_iterations}, before);
+  if (!summary.is_usable || !summary.has_converged)
+    return "the map without the held-out frames does not settle";
   MapState after = before;
   if (!Fit(task, parameters, others, solved.held_tag).run(after)) return "the views do not determine them";
-  add_groups(disagreements(task, views.held_out, before), result.before);
-  add_groups(disagreements(task, views.held_out, after), result.after);
+  const auto squares_before = disagreements(task, views.held_out, before);
+  const auto squares_after = disagreements(task, views.held_out, after);
+  if (!squares_before || !squares_after) return "the held-out frames' poses do not settle";
+  add_groups(*squares_before, result.before);
+  add_groups(*squares_after, result.after);
   result.num_views += views.held_out.size();
   return std::nullopt;
 }
@@ -288,6 +285,12 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part,
                                 const std::vector<CameraParameter>& parameters, double least_gain,
                                 AdjustedPart& solved) {
   CameraRefinement result;
+  const auto most_tags = static_cast<std::size_t>(task.options.max_tags_with_covariance);
+  if (solved.part.tags.size() > most_tags) {  // all poses follow the cameras by one dense system
+    result.reason =
+        fmt::format("maps of more than {} tags keep their cameras (max_tags_with_covariance)", most_tags);
+    return result;
+  }
   const bool is_forced = least_gain < 0.0;
   if (!is_forced && promised_gain(task, parameters, solved) < std::max(least_gain, kWorthTrying)) {
     result.reason = "no better cameras are in sight";
@@ -300,7 +303,12 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part,
     result.reason = "the views do not determine them";
     return result;
   }
-  refined.part = adjust_cleanly(task, part, solved.held_tag, refined.state);
+  try {
+    refined.part = adjust_cleanly(task, part, solved.held_tag, refined.state);
+  } catch (const Error& error) {
+    result.reason = fmt::format("with them there is no map: {}", error.what());
+    return result;
+  }
   result.estimates = fit.estimates();
   result.covariance = fit.covariance();
   result.is_accepted = true;

@@ -62,12 +62,6 @@ std::vector<std::size_t> gross_outliers(const Observations& observations,
                                            kWhatToCheck));
 }
 
-std::vector<int> free_tags(const Part& part, int held_tag) {
-  std::vector<int> tags = part.tags;
-  std::erase(tags, held_tag);
-  return tags;
-}
-
 void adjust_robustly(const Observations& observations, const Part& part, int held_tag,
                      const CalibrationOptions& options, MapState& state) {
   // Steps that run out here are no failure yet: the clean adjustment must converge.
@@ -85,6 +79,12 @@ void adjust_robustly(const Observations& observations, const Part& part, int hel
 }
 
 }  // namespace
+
+std::vector<int> free_tags(const Part& part, int held_tag) {
+  std::vector<int> tags = part.tags;
+  std::erase(tags, held_tag);
+  return tags;
+}
 
 Vector8d whitened_residual(const Observations& observations, const TagView& view, const MapState& state,
                            bool& is_valid, Vector8d* residual_px) {

@@ -39,6 +39,9 @@ AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, c
 /// Least squares over the inliers, which are chosen anew until they stay the same; these are returned.
 Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state);
 
+/// All but the one that is held.
+std::vector<int> free_tags(const Part& part, int held_tag);
+
 /// What of `part` the views still tie to the held tag; an empty part when it stands alone.
 Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,
                   int min_views);

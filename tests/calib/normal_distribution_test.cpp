@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace apriltrack {
 namespace {
@@ -24,6 +25,14 @@ TEST(NormalDistribution, EndsWhereNothingIsLeft) {
   EXPECT_EQ(normal_at(-kFar).below, 0.0);
   EXPECT_EQ(normal_at(kFar).below, 1.0);
   EXPECT_EQ(normal_at(kFar).density, 0.0);
+}
+
+TEST(StudentPlace, IsAsUnlikelyAsTwoSigmas) {
+  // By integrating Student's density: beyond these lie 2.275 %.
+  const std::pair<double, double> places[] = {
+      {2, 4.5265}, {3, 3.3068}, {4, 2.8693}, {9, 2.3198}, {29, 2.0900}};
+  for (const auto& [degrees, place] : places)
+    EXPECT_NEAR(student_place(2.0, degrees) / place, 1.0, degrees < 4 ? 0.011 : 0.004) << degrees;
 }
 
 }  // namespace
