@@ -90,14 +90,12 @@ std::map<int, int> count_views(const Observations& observations, const Part& par
 }
 
 Part narrowed_to(const Observations& observations, const Part& part, const std::vector<int>& tags) {
-  std::map<int, int> tags_of_frame;
-  std::vector<std::size_t> views;
-  for (const std::size_t v : part.views) {
-    if (!std::binary_search(tags.begin(), tags.end(), observations.views[v].tag)) continue;
-    ++tags_of_frame[observations.views[v].frame];
-    views.push_back(v);
-  }
-  std::erase_if(views, [&](std::size_t v) { return tags_of_frame.at(observations.views[v].frame) < 2; });
+  std::vector<std::size_t> views = part.views;
+  std::erase_if(views, [&](std::size_t v) {
+    return !std::binary_search(tags.begin(), tags.end(), observations.views[v].tag);
+  });
+  const auto frames = tags_by_frame(observations, views);
+  std::erase_if(views, [&](std::size_t v) { return frames.at(observations.views[v].frame).size() < 2; });
   return {tags, std::move(views)};
 }
 

@@ -160,7 +160,7 @@ TagFit best_proposal(const std::vector<ProbeView>& views, double size_m) {
 struct FrameByOthers {
   Pose T_map_rig;
   Matrix6d information = Matrix6d::Zero();
-  bool is_sure = false;  ///< By two views or more that agree.
+  bool is_sure = false;  ///< By two other tags or more that agree.
 };
 
 /// Each once, sorted: views are in the order of their frames.
@@ -177,6 +177,13 @@ std::span<const std::size_t> views_of_frame(const Observations& observations, co
   const auto range = std::ranges::equal_range(part.views, frame, {},
                                               [&](std::size_t v) { return observations.views[v].frame; });
   return {range.begin(), range.end()};
+}
+
+/// One tag that several cameras see is no witness beside itself.
+bool has_two_tags(const Observations& observations, const std::vector<std::size_t>& views) {
+  return std::ranges::any_of(views, [&](std::size_t v) {
+    return observations.views[v].tag != observations.views[views.front()].tag;
+  });
 }
 
 /// Where a frame is by its largest view, if that leaves one pose only.
@@ -223,7 +230,8 @@ std::map<int, FrameByOthers> frames_by_others(const PartTask& task, const Part& 
   for (const auto& [frame, views] : views_of_others(task, part, solved, tag, probed)) {
     Pose& pose = state.T_map_rig[static_cast<std::size_t>(frame)];
     // A frame that shows one other tag may have been mirrored with it to please the tag in question.
-    const bool is_sure = views.size() > 1 && std::ranges::binary_search(solved_frames, frame);
+    const bool is_sure =
+        has_two_tags(task.observations, views) && std::ranges::binary_search(solved_frames, frame);
     if (!is_sure) {
       const auto alone = pose_by_one(task, solved, views);
       if (!alone) continue;

@@ -19,7 +19,7 @@ struct ProbeView {
   Timestamp timestamp;
   /// Turns reprojection errors (px) into independent numbers of unit variance, the frame's own error
   /// included.
-  Matrix8d whitening;
+  Matrix8d whitening = Matrix8d::Identity();
 };
 
 /// Of the views of `tag` (outliers, too) in frames that show another tag of the solved part, up to 160 spread
