@@ -136,6 +136,14 @@ CornersPx median_of(const std::vector<const TagView*>& views) {
   return median;
 }
 
+/// The view nearest to the median of each coordinate, which may itself be no view of a tag that moved askew.
+CornersPx central_of(const std::vector<const TagView*>& views) {
+  const CornersPx median = median_of(views);
+  const TagView* nearest = *std::ranges::min_element(
+      views, {}, [&](const TagView* one) { return distance_px(one->corners_px, median); });
+  return nearest->corners_px;
+}
+
 /// Of a tag's views, by how much each differs from the next: what moves once, or slowly, scatters little.
 double scatter_px(const std::vector<const TagView*>& views) {
   if (views.size() < 2) return 0.0;
@@ -223,14 +231,14 @@ class PlaceMerge {
       for (std::size_t v = moments_[m].begin; v < moments_[m].end; ++v)
         by_sight[sight_of(view(v))].push_back(&view(v));
     }
-    std::map<Sight, CornersPx> median_px;
+    std::map<Sight, CornersPx> central_px;
     std::map<Sight, double> reach_px;
     std::set<Sight> moving;
     for (const auto& [sight, views] : by_sight) {
-      const CornersPx& median = median_px[sight] = median_of(views);
+      const CornersPx& central = central_px[sight] = central_of(views);
       const double reach = reach_px[sight] = std::max(same_place_px_, kReach * scatter_px(views));
       const auto far = std::ranges::count_if(
-          views, [&](const TagView* one) { return distance_px(one->corners_px, median) > reach; });
+          views, [&](const TagView* one) { return distance_px(one->corners_px, central) > reach; });
       if (static_cast<double>(far) > kMoving * static_cast<double>(views.size())) moving.insert(sight);
     }
     std::vector<std::size_t> still;
@@ -239,7 +247,7 @@ class PlaceMerge {
       bool has_moved = false;
       for (std::size_t v = moments_[m].begin; v < moments_[m].end; ++v) {
         const Sight sight = sight_of(view(v));
-        if (distance_px(view(v).corners_px, median_px[sight]) <= reach_px[sight]) continue;
+        if (distance_px(view(v).corners_px, central_px[sight]) <= reach_px[sight]) continue;
         far.push_back(v);
         has_moved = has_moved || moving.contains(sight);
       }

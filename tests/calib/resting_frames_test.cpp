@@ -166,6 +166,19 @@ TEST(RestingFrames, AnOutlierIsDroppedAndATagThatMovesIsKeptAsItIs) {
   EXPECT_NEAR(seen_px[1], 9.0, 0.3);
 }
 
+TEST(RestingFrames, OfATagThatMovedAskewBothPlacesAreStillThere) {
+  // The median of its coordinates, each by itself, is at neither of them.
+  const SyntheticWorld world = test::make_room(14, 24, test::equidistant_camera());
+  auto moved = at_rest(world, 40, 0.05);
+  for (std::size_t i = 20; i < 40; ++i) {
+    for (Eigen::Vector2d& corner : moved[i].detections[1].corners_px) corner += Eigen::Vector2d(9.0, -9.0);
+  }
+  Observations observations = observations_of(world, moved);
+  const RestingFrames counts = merge_resting_frames(observations, 1.0, {}, {});
+  EXPECT_EQ(counts.merged, 38);
+  EXPECT_EQ(counts.places, 2);
+}
+
 TEST(RestingFrames, LinksBetweenTagsThatFlickerStay) {
   const SyntheticWorld world = test::make_room(14, 24, test::equidistant_camera());
   auto frames = at_rest(world, 100, 0.05);
