@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -60,19 +61,19 @@ Trial try_without(const PartTask& task, const Part& part, const Contradictions& 
   return trial;
 }
 
-/// Tags whose absence might explain the contradictions: any of a small map, for an id that hangs in two
-/// places folds the map, and frames far from both are rejected; of a large one those that are rejected.
-std::vector<int> suspects(const Part& part, const Contradictions& contradictions) {
+}  // namespace
+
+std::vector<int> culprit_candidates(const Part& part, const Contradictions& contradictions) {
   constexpr std::size_t kMaxTrials = 40;
   if (part.tags.size() <= kMaxTrials) return part.tags;
   std::set<int> tags(contradictions.tags.begin(), contradictions.tags.end());
   for (const auto& [a, b] : contradictions.links) tags.insert({a, b});
   std::vector<int> some(tags.begin(), tags.end());
+  std::ranges::stable_sort(some, std::greater<>(),
+                           [&](int tag) { return count_accusations(contradictions, tag); });
   some.resize(std::min(some.size(), kMaxTrials));
   return some;
 }
-
-}  // namespace
 
 void fail_with_contradictions(const Observations& observations, const Contradictions& contradictions) {
   const auto name = [&](int tag) { return to_string(observations.tags[static_cast<std::size_t>(tag)]); };
@@ -90,7 +91,7 @@ std::optional<AdjustedPart> adjust_without_culprit(const PartTask& task, const P
                                                    const Contradictions& contradictions, int held_tag,
                                                    const ParallelFor& parallel, const LogSink& log) {
   if (part.tags.size() < 3) return std::nullopt;
-  const std::vector<int> tags = suspects(part, contradictions);
+  const std::vector<int> tags = culprit_candidates(part, contradictions);
   std::vector<Trial> trials(tags.size());
   parallel(tags.size(),
            [&](std::size_t i) { trials[i] = try_without(task, part, contradictions, tags[i], held_tag); });

@@ -1,11 +1,17 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "apriltrack/base/log.h"
 #include "part_adjustment.h"
 
 namespace apriltrack {
+
+/// Tags whose absence might explain the contradictions: any of a small map, for an id that hangs in two
+/// places folds the map, and frames far from both are rejected; of a large one those that are
+/// accused, most often first.
+std::vector<int> culprit_candidates(const Part& part, const Contradictions& contradictions);
 
 /// The part without the one tag whose absence leaves no contradictions: of several the one whose fault can be
 /// named then, and that leaves more tags than any other. nullopt when no tag is clearly the cause.
