@@ -6,14 +6,15 @@
 
 namespace apriltrack {
 
+bool is_held_by_wish(const PartTask& task, int tag) {
+  return task.options.held_tag == task.observations.tags[static_cast<std::size_t>(tag)];
+}
+
 std::optional<HeldPart> part_without(const PartTask& task, const Part& part, const std::set<int>& gone,
                                      int held_tag) {
   const auto& [observations, candidates, options] = task;
   const std::vector<std::size_t> views = views_without(observations, part, gone);
-  const auto is_held_by_wish = [&](int tag) {
-    return options.held_tag && observations.tags[static_cast<std::size_t>(tag)] == *options.held_tag;
-  };
-  if (is_held_by_wish(held_tag)) {
+  if (is_held_by_wish(task, held_tag)) {
     if (gone.contains(held_tag)) return std::nullopt;
     Part rest = connected_to(observations, views, held_tag, options.min_views);
     if (rest.tags.size() < 2) return std::nullopt;
@@ -30,9 +31,11 @@ std::optional<HeldPart> part_without(const PartTask& task, const Part& part, con
 bool adjust_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved) {
   const std::optional<HeldPart> rest = part_without(task, part, gone, solved.held_tag);
   if (!rest) return false;
-  if (rest->held_tag != solved.held_tag) move_origin_to(solved.state, rest->held_tag);
+  MapState state = solved.state;
+  if (rest->held_tag != solved.held_tag) move_origin_to(state, rest->held_tag);
+  solved.part = adjust_cleanly(task, rest->part, rest->held_tag, state);
+  solved.state = std::move(state);
   solved.held_tag = rest->held_tag;
-  solved.part = adjust_cleanly(task, rest->part, solved.held_tag, solved.state);
   return true;
 }
 

@@ -13,14 +13,17 @@ struct HeldPart {
   int held_tag = 0;
 };
 
+/// Whether the user asked for it (CalibrationOptions::held_tag).
+bool is_held_by_wish(const PartTask& task, int tag);
+
 /// What of `part` hangs together without the tags that are `gone`: with the tag that the user holds, if there
 /// is one; else of several pieces the one with most tags, held by `held_tag` where that is among them.
 /// nullopt where fewer than two tags are left, and where the user's would go.
 std::optional<HeldPart> part_without(const PartTask& task, const Part& part, const std::set<int>& gone,
                                      int held_tag);
 
-/// Adjusts that, from where `solved` is. part: before outliers were removed. False, and `solved` as it was,
-/// where too little is left.
+/// Adjusts that, from where `solved` is. part: before outliers were removed. False where too little is left,
+/// Error(kNoResult) where that does not settle: `solved` is as it was then.
 bool adjust_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved);
 
 }  // namespace apriltrack
