@@ -41,6 +41,7 @@ class Case:
     signal_px: float = 0.0
     views_of_it: int = 0
     evidence: float = float("nan")
+    exact_views: rooms.Views = None
 
     def write(self, folder):
         rooms.write(self.room, self.views, folder)
@@ -264,6 +265,6 @@ def make(kind, seed):
             evidence = evidence_of(kind, room, views, culprits)
         except NotInThisRoom:
             continue
-        views = rooms.noisy(room, views, rng) if is_noise_wanted else views
-        return Case(kind, seed, room, views, [int(number) for number in culprits], size, signal, count, evidence)
+        noisy = rooms.noisy(room, views, rng) if is_noise_wanted else views
+        return Case(kind, seed, room, noisy, [int(number) for number in culprits], size, signal, count, evidence, views)
     raise RuntimeError(f"{kind}, seed {seed}: no room takes this fault")

@@ -20,6 +20,7 @@ import yaml
 
 import room_faults
 import room_fits
+import room_maps
 
 # What a complaint must say to have named a kind of fault.
 KIND_WORDS = {
@@ -73,6 +74,7 @@ class Outcome:
     sigma_px: float
     views: int
     tags_there: int = 0
+    map_evidence: float = float("nan")  # in sigmas: what no map without a fault explains
     is_tag_named: bool = False
     kinds_said: set = field(default_factory=set)  # all kinds that statements on the culprit name
     is_kind_said_alone: bool = False  # by one statement on the culprit that names no other kind
@@ -238,6 +240,8 @@ def trial(trials, kind, seed):
         statements, left_out = ([said], []) if status else (said["warnings"], [int(key.split("/")[1]) for key in said["left_out"]])
         outcome = Outcome(kind, seed, status, statements, left_out, seconds, case.culprits, case.size, case.signal_px, case.evidence,
                           case.room.sigma_px, len(case.views.frame), len(set(case.room.ids)))
+        if kind in room_faults.WITH_EVIDENCE:
+            outcome.map_evidence = room_maps.evidence(case.room, case.exact_views)
         if status == 0:
             judge_map(case, folder, outcome)
         if status == 0 and trials.scorer:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -17,7 +18,9 @@
 #include "error_scale.h"
 #include "joint_tag_covariance.h"
 #include "part_adjustment.h"
+#include "part_without.h"
 #include "reduced_equations.h"
+#include "tag_examination.h"
 #include "undecided_tags.h"
 
 namespace apriltrack {
@@ -139,10 +142,16 @@ double kept_share(const Observations& observations, const Part& part,
   return static_cast<double>(solved->part.views.size()) / static_cast<double>(offered);
 }
 
+/// Of views that count: what hides under more noise is not explained by it.
+double noise_of(const std::optional<AdjustedPart>& solved) {
+  return solved ? std::hypot(solved->state.noise.sum, solved->state.noise.difference)
+                : std::numeric_limits<double>::infinity();
+}
+
 /// Where the views contradict each other, or many were rejected, the focal length may be why: one that most
-/// of them agree with, if there is one.
+/// of them agree with, with no more than `noise`, if there is one.
 std::optional<AdjustedPart> adjust_with_other_focal_length(const PartTask& task, const Part& part,
-                                                           int held_tag, double share,
+                                                           int held_tag, double share, double noise,
                                                            const ParallelFor& parallel) {
   std::optional<AdjustedPart> best;
   for (const double change : kOtherFocalLengths) {
@@ -153,13 +162,29 @@ std::optional<AdjustedPart> adjust_with_other_focal_length(const PartTask& task,
     try {
       AdjustedPart solved = adjust_part({other, candidates, task.options}, part, held_tag, parallel);
       const double of_this = kept_share(task.observations, part, solved);
-      if (of_this < share + kClearlyMore || of_this < kMost) continue;
+      if (of_this < share + kClearlyMore || of_this < kMost || noise_of(solved) > noise) continue;
       share = of_this;
       best = std::move(solved);
     } catch (const Error&) {  // nor does this one fit
     }
   }
   return best;
+}
+
+/// No map can be held by a tag that all others contradict: throws Error(kNoResult) where the one that the
+/// user holds is that.
+void require_held_tag_that_fits(const PartTask& task, const Part& part, const Contradictions& contradictions,
+                                int held_tag, const ParallelFor& parallel, const LogSink& log) {
+  if (!is_held_by_wish(task, held_tag)) return;
+  CalibrationOptions options = task.options;
+  options.held_tag.reset();
+  const PartTask any{task.observations, task.candidates, options};
+  const auto rest = adjust_without_culprit(any, part, contradictions, held_tag, parallel, log);
+  if (!rest || rest->culprit != held_tag) return;
+  const auto finding = look_at(any, probe_views(any, part, *rest, held_tag), held_tag).finding;
+  fail_by_held_tag(finding ? finding->words
+                           : fmt::format("The views of {} contradict those of all others",
+                                         to_string(*task.options.held_tag)));
 }
 
 AdjustedPart adjust_without_contradictions(const PartTask& task, const Part& part, int held_tag,
@@ -177,10 +202,12 @@ AdjustedPart adjust_without_contradictions(const PartTask& task, const Part& par
   std::optional<AdjustedPart> without;
   if (failure || contradictions.are_there())
     without = adjust_without_culprit(task, part, contradictions, held_tag, parallel, log);
+  if (!without && (failure || contradictions.are_there()))
+    require_held_tag_that_fits(task, part, contradictions, held_tag, parallel, log);
   const double share =
       std::max(kept_share(task.observations, part, solved), kept_share(task.observations, part, without));
   if (task.options.intrinsics != Intrinsics::kKeep && share < kMost) {
-    if (auto other = adjust_with_other_focal_length(task, part, held_tag, share, parallel))
+    if (auto other = adjust_with_other_focal_length(task, part, held_tag, share, noise_of(solved), parallel))
       return std::move(*other);
   }
   if (without) return std::move(*without);
@@ -259,8 +286,11 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   const Part to_map = without_left_out(observations, part, solved);
   solution.cameras = better_cameras(task, to_map, solved);
   solution.lens_not_taken = lens_not_taken(task, to_map, solved);
+  const std::vector<int> tags_before = solved.part.tags;
   solution.findings = examine_tags(task, part, solved, parallel);
   solution.contradicted = leave_out_contradicted(task, part, solved);
+  // Without them, others' views may leave two poses that had one.
+  if (solved.part.tags != tags_before) leave_out_undecided(task, part, solved, parallel);
   solution.held_tag = solved.held_tag;
   solution.culprit = solved.culprit;
   std::ranges::copy_if(solved.undecided, std::back_inserter(solution.undecided), [&](int tag) {

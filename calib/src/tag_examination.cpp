@@ -1,5 +1,7 @@
 #include "tag_examination.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -10,6 +12,7 @@
 
 #include "apriltrack/base/error.h"
 #include "part_without.h"
+#include "tag_moves.h"
 #include "tag_shapes.h"
 
 namespace apriltrack {
@@ -74,20 +77,24 @@ std::set<int> tags_out(const AdjustedPart& solved, int tag, const std::set<int>&
 }
 
 /// The map without a tag, from the start, for with the tag it may have been folded; by the cameras of
-/// `solved`, which may have been refined. False where too little is left that agrees.
+/// `solved`, which may have been refined. Without the tag that the user holds another one is held. False
+/// where too little is left that agrees.
 bool solve_without(const PartTask& task, const Part& part, int tag, const std::set<int>& known,
                    AdjustedPart& solved) {
-  const std::optional<HeldPart> rest =
-      part_without(task, part, tags_out(solved, tag, known), solved.held_tag);
-  if (!rest) return false;
+  CalibrationOptions options = task.options;
+  if (is_held_by_wish(task, tag)) options.held_tag.reset();
   Observations by_cameras = task.observations;
   by_cameras.cameras = solved.state.cameras;
+  const PartTask without{by_cameras, task.candidates, options};
+  const std::optional<HeldPart> rest =
+      part_without(without, part, tags_out(solved, tag, known), solved.held_tag);
+  if (!rest) return false;
   try {
-    AdjustedPart anew =
-        adjust_part({by_cameras, task.candidates, task.options}, rest->part, rest->held_tag, parallel_for(1));
+    AdjustedPart anew = adjust_part(without, rest->part, rest->held_tag, parallel_for(1));
     solved.held_tag = rest->held_tag;
     solved.part = std::move(anew.part);
     solved.state = std::move(anew.state);
+    solved.contradictions = std::move(anew.contradictions);
     return true;
   } catch (const Error&) {
     return false;
@@ -136,27 +143,51 @@ std::optional<TagFinding> look_at_left_out(const PartTask& task, const Part& par
   return finding;
 }
 
-/// What no frame tells by itself. Tags that were found bent stay in the map; but others are held against a
-/// map without them.
-void examine_shapes(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
-                    std::vector<TagFinding>& findings) {
+/// A map cannot be held by a tag that must not be in it.
+void require_sound_held_tag(const PartTask& task, const TagFinding& finding) {
+  if (!finding.is_left_out || !is_held_by_wish(task, finding.tag)) return;
+  fail_by_held_tag(finding.words);
+}
+
+/// What no frame tells by itself.
+std::optional<TagFinding> find_hidden_fault(const PartTask& task, const AdjustedPart& sound) {
+  auto move = find_hidden_move(task, sound);
+  return move ? move : find_odd_shape(task, sound);
+}
+
+/// Tags that were found bent stay in the map; but others are held against a map without them.
+void examine_by_all_views(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
+                          std::vector<TagFinding>& findings) {
   AdjustedPart sound = solved;
   for (const int tag : known) {
     if (std::ranges::binary_search(sound.part.tags, tag) && !solve_without(task, part, tag, known, sound))
       return;
   }
   for (int round = 0; round < kMostFaults; ++round) {
-    auto finding = find_odd_shape(task, sound);
+    auto finding = find_hidden_fault(task, sound);
     if (!finding) return;
+    require_sound_held_tag(task, *finding);
     const int tag = finding->tag;
     if (finding->is_left_out && !solve_without(task, part, tag, known, solved)) return;
     known.insert(tag);
+    const bool is_sound = solve_without(task, part, tag, known, sound);
+    // What was estimated to first order is told better from the map without it, where frames tell.
+    if (auto better = is_sound ? look_by(task, part, sound, tag).finding : std::nullopt;
+        better && better->kind == finding->kind)
+      finding = std::move(better);
     findings.push_back(std::move(*finding));
-    if (!solve_without(task, part, tag, known, sound)) return;
+    if (!is_sound) return;
   }
 }
 
 }  // namespace
+
+void fail_by_held_tag(const std::string& words) {
+  throw no_result("calibrate",
+                  fmt::format("no map is held by a tag that is at fault. {}. --held-tag names it: "
+                              "mend it, or hold another tag",
+                              words));
+}
 
 std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, AdjustedPart& solved,
                                      const ParallelFor& parallel) {
@@ -174,11 +205,12 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
     suspects.resize(std::min(suspects.size(), kMostSuspects));
     std::unique_ptr<Absence> best = best_absence(task, part, solved, suspects, known, parallel);
     if (!best) break;
+    require_sound_held_tag(task, best->finding);
     known.insert(best->finding.tag);
     if (best->finding.is_left_out) solved = std::move(best->rest);
     findings.push_back(std::move(best->finding));
   }
-  examine_shapes(task, part, solved, known, findings);
+  examine_by_all_views(task, part, solved, known, findings);
   return findings;
 }
 

@@ -87,6 +87,11 @@ bool is_a_place(const TagFit& fit, const TagFit& other, const std::vector<ProbeV
 
 }  // namespace
 
+double least_shift_m(const Pose& change, double size_m) {
+  const double turn_rad = rotation_angle_rad(change.rotation(), Eigen::Quaterniond::Identity());
+  return turn_rad > kClearTurn_rad ? 0.0 : std::max(kClearMove * size_m, kClearMove_m);
+}
+
 std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double size_m) {
   std::optional<TwoPlaces> best;
   for (const double share : {0.25, 0.5, 0.75}) {
@@ -106,9 +111,7 @@ std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double
   }
   if (!best) return std::nullopt;
   best->cost += 7.0 * kFeeOfUnknown;
-  const double turn_rad = rotation_angle_rad(best->change().rotation(), Eigen::Quaterniond::Identity());
-  const double least_m = turn_rad > kClearTurn_rad ? 0.0 : std::max(kClearMove * size_m, kClearMove_m);
-  return are_apart(*best, least_m) ? best : std::nullopt;
+  return are_apart(*best, least_shift_m(best->change(), size_m)) ? best : std::nullopt;
 }
 
 // The views that the one place explains worst tell where the other is.

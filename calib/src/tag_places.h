@@ -16,6 +16,9 @@ struct TwoPlaces {
   Pose change() const { return fit.T_map_tag.inverse() * second.T_map_tag; }
 };
 
+/// Of a change of a tag's pose: how far it must shift to be told; 0 where it turns enough.
+double least_shift_m(const Pose& change, double size_m);
+
 /// First at the one, then at the other; nullopt where the views tell no two places apart. probes: in the
 /// order of time.
 std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double size_m);

@@ -14,8 +14,10 @@ using test::SyntheticWorld;
 using test::tag36h11;
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 constexpr int kFaulty = 11;
 constexpr double kNoise_px = 0.1;
@@ -77,6 +79,33 @@ TEST(TagFaults, NamesAWrongSizeAndTheRightOne) {
     EXPECT_THAT(result.left_out, Contains(tag36h11(kFaulty)));
     expect_the_others_right(stated, result);
   }
+}
+
+TEST(TagFaults, NamesTwoPrintsOfAWrongSizeAndNotTheLens) {
+  SyntheticWorld printed = room();
+  const SyntheticWorld stated = printed;
+  for (const std::size_t i : {2U, 7U}) printed.map.tags[i].size_m *= 1.12;
+  std::vector<FrameDetections> frames = test::exact_detections(printed);
+  add_noise(frames);
+  const CalibrationResult result = calibrate(stated, frames);
+  EXPECT_THAT(result.warnings, Not(Contains(HasSubstr("camera file"))));
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("larger than its stated size")).Times(2));
+  EXPECT_THAT(result.left_out, ElementsAre(stated.map.tags[2].key, stated.map.tags[7].key));
+  test::expect_truth(stated, result.map, result.held_tag, 0.03, 0.02);
+}
+
+TEST(TagFaults, HoldNoMapByATagOfAWrongSize) {
+  SyntheticWorld printed = room();
+  const SyntheticWorld stated = room();
+  faulty_tag(printed).size_m *= 1.08;
+  std::vector<FrameDetections> frames = test::exact_detections(printed);
+  add_noise(frames);
+  const std::string error = test::error_of(
+      ErrorKind::kNoResult, [&] { calibrate(stated, frames, {.held_tag = tag36h11(kFaulty)}); });
+  EXPECT_THAT(error, AllOf(HasSubstr(to_string(tag36h11(kFaulty))), HasSubstr("larger than its stated size"),
+                           HasSubstr("hold another tag")));
+  // By another one there is a map, whatever else is held.
+  expect_the_others_right(stated, calibrate(stated, frames, {.held_tag = tag36h11(5)}));
 }
 
 TEST(TagFaults, NamesATagThatWasMovedOnce) {

@@ -19,12 +19,12 @@ using ::testing::HasSubstr;
 constexpr int kOdd = 9;
 using Moved = std::function<Eigen::Vector3d(Eigen::Vector3d, std::size_t)>;
 
-SyntheticWorld room() {
+SyntheticWorld sound_room() {
   return test::make_room(10, 80, test::perspective_camera());
 }
 
 std::optional<TagFinding> finding_of(const Moved& moved) {
-  const SyntheticWorld world = room();
+  const SyntheticWorld world = sound_room();
   std::vector<FrameDetections> frames = test::filmed_with(world, kOdd, moved);
   RandomStream random(5);
   test::add_edge_noise(frames, 0.1, -0.45, random);
@@ -70,7 +70,7 @@ TEST(TagShapes, FindATwist) {
 TEST(TagShapes, AreAsStatedWhereCornersAreAndWhereTheyErr) {
   EXPECT_FALSE(finding_of([](const Eigen::Vector3d& corner, std::size_t) { return corner; }));
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const SyntheticWorld world = room();
+    const SyntheticWorld world = sound_room();
     std::vector<FrameDetections> frames = test::exact_detections(world);
     RandomStream random(seed);
     test::add_edge_noise(frames, 0.2, -0.45, random);
@@ -111,10 +111,10 @@ TEST(TagShapes, BlameNoTagOfThreeWhereNoneIsAsStated) {
 }
 
 TEST(TagShapes, BlameNoTagWhereManyAreOdd) {
-  SyntheticWorld printed = room();
+  SyntheticWorld printed = sound_room();
   for (std::size_t i = 0; i < printed.map.tags.size(); ++i)
     printed.map.tags[i].size_m *= i % 2 == 0 ? 0.98 : 1.02;
-  const AdjustedWorld one(room(), test::exact_detections(printed));
+  const AdjustedWorld one(sound_room(), test::exact_detections(printed));
   EXPECT_FALSE(find_odd_shape(one.task(), one.solved));
 }
 

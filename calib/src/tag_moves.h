@@ -1,0 +1,14 @@
+#pragma once
+
+#include <optional>
+
+#include "tag_fault.h"
+
+namespace apriltrack {
+
+/// A move that no frame tells by itself, for its pose follows the tag, but all of them do together: a second
+/// pose of each tag from some moment on, with every other pose free to follow, to first order. The clearest
+/// of the tags in `solved`; nullopt where none is clear.
+std::optional<TagFinding> find_hidden_move(const PartTask& task, const AdjustedPart& solved);
+
+}  // namespace apriltrack

@@ -1,0 +1,72 @@
+// Tags that moved in frames that show two tags each, of which any pose explains much: what all views tell.
+#include "tag_moves.h"
+
+#include <gmock/gmock.h>
+
+#include "adjusted_world.h"
+#include "apriltrack/base/degrees.h"
+
+namespace apriltrack {
+namespace {
+
+using test::AdjustedWorld;
+using test::SyntheticWorld;
+using ::testing::HasSubstr;
+
+constexpr int kMovedTag = 11;
+constexpr std::size_t kNumFrames = 120;
+
+/// Where the tag is in its own frame by then.
+using Motion = std::function<Pose(std::size_t)>;
+
+/// A room in which frames show the two tags alone that are largest, with a noise of 0.1 px.
+AdjustedWorld filmed_in_pairs(const Motion& motion, std::uint64_t seed) {
+  const SyntheticWorld world = test::make_room(9, static_cast<int>(kNumFrames), test::equidistant_camera());
+  std::vector<FrameDetections> frames = test::filmed_with(
+      world, kMovedTag, [&](const Eigen::Vector3d& corner, std::size_t i) { return motion(i) * corner; });
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    auto& detections = frames[i].detections;
+    std::ranges::sort(detections, {}, [&](const Detection& one) { return (one.tag.id + i) % 9; });
+    if (detections.size() > 2) detections.resize(2);
+  }
+  RandomStream random(seed);
+  test::add_edge_noise(frames, 0.1, -0.45, random);
+  return {world, frames};
+}
+
+/// About the tag's own axes: x right, y down, z into it.
+Pose turned(int axis, double degrees) {
+  Vector6d xi = Vector6d::Zero();
+  xi[3 + axis] = degrees * kRadPerDeg;
+  return Pose::exp(xi);
+}
+
+TEST(HiddenMoves, NameATagThatWasTurned) {
+  const AdjustedWorld one =
+      filmed_in_pairs([](std::size_t i) { return i < kNumFrames / 2 ? Pose() : turned(1, 8.0); }, 61);
+  const auto finding = find_hidden_move(one.task(), one.solved);
+  ASSERT_TRUE(finding);
+  EXPECT_EQ(finding->tag, one.index_of(kMovedTag));
+  EXPECT_EQ(finding->kind, TagFinding::Kind::kMoved);
+  EXPECT_TRUE(finding->is_left_out);
+  EXPECT_THAT(finding->words, HasSubstr("was moved by"));
+}
+
+TEST(HiddenMoves, NameATagThatFlaps) {
+  const AdjustedWorld one = filmed_in_pairs(
+      [](std::size_t i) { return turned(0, 10.0 * std::sin(0.31 * static_cast<double>(i))); }, 62);
+  const auto finding = find_hidden_move(one.task(), one.solved);
+  ASSERT_TRUE(finding);
+  EXPECT_EQ(finding->tag, one.index_of(kMovedTag));
+  EXPECT_EQ(finding->kind, TagFinding::Kind::kLoose);
+}
+
+TEST(HiddenMoves, AreNoneWhereNothingMoved) {
+  for (std::uint64_t seed = 70; seed < 90; ++seed) {
+    const AdjustedWorld one = filmed_in_pairs([](std::size_t) { return Pose(); }, seed);
+    EXPECT_FALSE(find_hidden_move(one.task(), one.solved)) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace apriltrack
