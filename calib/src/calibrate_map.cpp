@@ -21,14 +21,12 @@
 #include "part_solver.h"
 #include "repeated_frames.h"
 #include "resting_frames.h"
+#include "tag_flags.h"
 
 namespace apriltrack {
 namespace {
 
 constexpr double kManyRejected = 0.1;
-constexpr int kFewViews = 5;
-constexpr double kLooseRotation_rad = 0.02;
-constexpr double kLoosePosition = 0.1;  // of the tag's size
 
 void require_sizes(const Observations& observations, const std::vector<Part>& parts) {
   std::vector<TagKey> missing;
@@ -118,26 +116,6 @@ void choose_gauge(const Observations& observations, const CalibrationOptions& op
   while (held_tags.size() < parts.size()) held_tags.push_back(parts[held_tags.size()].tags.front());
 }
 
-/// by_noise: what more views would lessen.
-bool is_loose(const Matrix6d& by_noise, double size_m) {
-  return std::sqrt(by_noise.bottomRightCorner<3, 3>().trace()) > kLooseRotation_rad ||
-         std::sqrt(by_noise.topLeftCorner<3, 3>().trace()) > kLoosePosition * size_m;
-}
-
-/// constrained: what is left of the covariance where something was measured beside the images.
-std::vector<std::string> flags_of(const MapTag& tag, const std::optional<TagCovariance>& covariance,
-                                  const std::optional<Matrix6d>& constrained, double rejected_share,
-                                  bool is_bent) {
-  std::vector<std::string> flags;
-  const bool is_mended = constrained && !is_loose(*constrained, tag.size_m);
-  const bool is_loose_in_images = covariance && is_loose(covariance->by_noise, tag.size_m);
-  const bool has_few_views = tag.statistics->views < kFewViews;
-  if (!is_mended && (has_few_views || is_loose_in_images)) flags.push_back("weak");
-  if (rejected_share > kManyRejected) flags.push_back("outliers");
-  if (is_bent) flags.push_back("bent");
-  return flags;
-}
-
 TagMap to_map(const Observations& observations, const PartSolution& solution, const std::string& frame) {
   TagMap map;
   map.frame = frame;
@@ -159,10 +137,13 @@ TagMap to_map(const Observations& observations, const PartSolution& solution, co
       constrained = solution.constrained->covariances[i];
     if (solution.constrained) tag.covariance = solution.constrained->covariances[i];
     tag.statistics = TagStatistics{views[t], solution.residual_rms_px[i], {}};
-    tag.statistics->flags = flags_of(
-        tag, covariance, constrained, 1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t],
-        std::ranges::find(solution.findings, static_cast<int>(t), &TagFinding::tag) !=
-            solution.findings.end());  // others with a fault are not in the map
+    const std::optional<Matrix6d> by_noise = covariance ? std::optional(covariance->by_noise) : std::nullopt;
+    flag_weak(is_weak(tag, views[t], by_noise, constrained), *tag.statistics);
+    if (1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t] > kManyRejected)
+      tag.statistics->flags.emplace_back("outliers");
+    if (std::ranges::find(solution.findings, static_cast<int>(t), &TagFinding::tag) !=
+        solution.findings.end())  // others with a fault are not in the map
+      tag.statistics->flags.emplace_back("bent");
     map.tags.push_back(std::move(tag));
   }
   return map;
@@ -231,8 +212,9 @@ void take_constraints(const PartSolution& solution, CalibrationResult& result, F
   for (std::size_t i = 0; i < solution.constraints.size(); ++i) {
     if (result.constraint_audits[i].is_used) result.constraints.push_back(solution.constraints[i]);
   }
-  findings.warnings.insert(findings.warnings.end(), solution.constrained->warnings.begin(),
-                           solution.constrained->warnings.end());
+  result.constraint_doubts = solution.constrained->doubts;
+  for (const auto* words : {&solution.constrained->warnings, &solution.constrained->doubts})
+    findings.warnings.insert(findings.warnings.end(), words->begin(), words->end());
 }
 
 std::size_t num_moments(const Observations& observations) {

@@ -284,11 +284,11 @@ ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const I
   take_fit(judgement.fit, prior, map, joint, result);
   constexpr std::size_t kMostDoubts = 10;
   for (std::size_t i = 0; i < std::min(kMostDoubts, judgement.doubts.size()); ++i)
-    result.warnings.push_back("constraint in doubt: " + judgement.doubts[i]);
+    result.doubts.push_back("constraint in doubt: " + judgement.doubts[i]);
   if (judgement.doubts.size() > kMostDoubts)
-    result.warnings.push_back(
+    result.doubts.push_back(
         fmt::format("and {} more constraints in doubt", judgement.doubts.size() - kMostDoubts));
-  if (!judgement.doubts.empty() && !hint.empty()) result.warnings.push_back(hint);
+  if (!judgement.doubts.empty() && !hint.empty()) result.doubts.push_back(hint);
   result.gauge = gauge_in_words(judgement.fit, bound, map.keys[static_cast<std::size_t>(map.held_tag)]);
   result.audits = in_given_order(std::move(judgement.audits), bound, std::move(unused));
   return result;

@@ -45,8 +45,9 @@ struct ConstrainedMap {
   std::vector<Matrix6d> covariances;  ///< Of ImageMap::tags, in the map's frame.
   JointChange change;
   std::vector<ConstraintAudit> audits;
-  std::string gauge;  ///< How the frame was fixed, in words; empty: by the held tag.
-  std::vector<std::string> warnings;
+  std::string gauge;                  ///< How the frame was fixed, in words; empty: by the held tag.
+  std::vector<std::string> warnings;  ///< What is not used, and why.
+  std::vector<std::string> doubts;    ///< What is used and in doubt.
 };
 
 /// Constraints whose tags are named by family and id, in the numbers of `keys`; `unused` gets the others,

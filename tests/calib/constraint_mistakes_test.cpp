@@ -25,6 +25,7 @@ using test::true_tag;
 using test::walls;
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -101,6 +102,7 @@ TEST(Constraints, ADoubtfulOneIsAWarning) {
       calibrate(walls(), noisy_frames(6), {.constraints = {distance(5, 13, error_m, 0.001)}});
   EXPECT_NEAR(*result.constraint_audits[0].z, 4.0, 0.01);
   EXPECT_THAT(result.warnings, Contains(HasSubstr("constraint in doubt: distance 5-13: distance: ")));
+  EXPECT_THAT(result.constraint_doubts, ElementsAre(HasSubstr("constraint in doubt: distance 5-13: ")));
 }
 
 TEST(Constraints, AnUnknownTagIsAnErrorThatSaysWhatWasSeen) {

@@ -89,7 +89,8 @@ struct CalibrationResult {
   std::vector<MapConstraint> constraints;
   std::vector<ConstraintAudit> constraint_audits;
   std::vector<std::string> warnings;
-  std::vector<TagKey> left_out;  ///< Seen, but in no map: the warnings say why.
+  std::vector<std::string> constraint_doubts;  ///< Those of the warnings: constraints in doubt.
+  std::vector<TagKey> left_out;                ///< Seen, but in no map: the warnings say why.
   // Of `map`:
   double residual_rms_px = 0.0;  ///< Per axis, of the observations used.
   int frames_used = 0;
