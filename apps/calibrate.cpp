@@ -73,8 +73,9 @@ std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sig
   a.refinement.num_threads = a.num_threads;
   RefinementResult refinement =
       refine_map(result, sightings.frames, result.rig, a.refinement, a.console.log());
-  if (!refinement.is_accepted) a.console.warning("not refined on the tags' pictures: " + refinement.reason);
-  for (const std::string& warning : refinement.warnings) a.console.warning(warning);
+  if (!refinement.is_accepted)
+    refinement.warnings.push_back("not refined on the tags' pictures: " + refinement.reason);
+  result.warnings = refinement.warnings;
   result.map = refinement.map;
   result.gauge = refinement.gauge;
   result.constraint_audits = refinement.constraint_audits;
@@ -110,8 +111,8 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
       a.edge_offset_sigma_px.value_or(a.detections.empty() ? 0.0 : kForeignEdgeOffset_px);
   if (!a.held_tag.empty()) a.calibration.held_tag = parse_held_tag(a, sightings);
   CalibrationResult result = calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
-  for (const std::string& warning : result.warnings) a.console.warning(warning);
   const std::optional<RefinementResult> refinement = refine(a, sightings, result);
+  for (const std::string& warning : result.warnings) a.console.warning(warning);
   const CalibrationFindings findings = find(result, refinement, sightings.frames);
   require_joint_covariance(a, findings);
   const CalibrationFiles files =

@@ -14,6 +14,7 @@
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/io/staged_files.h"
 #include "calibrate_report.h"
+#include "calibrate_report_tables.h"
 #include "constraint_table.h"
 
 namespace apriltrack::app {
@@ -101,7 +102,7 @@ nlohmann::json told(const RefinementResult& refinement) {
   summary["tags"] = names(refinement.refined);
   summary["moments_used"] = refinement.moments_used;
   summary["views_used"] = refinement.views_used;
-  summary["psf_sigma_px"] = refinement.psf_sigma_px;
+  for (const LensBlur& lens : refinement.lens_blurs) summary["psf_sigma_px"][lens.camera] = lens.sigma_px;
   return summary;
 }
 
@@ -125,9 +126,9 @@ bool is_lens_refined(const CalibrationResult& result) {
 std::string words_of(const RefinementResult& refinement) {
   return fmt::format(
       "refined on {} pictures of {} tags: those that were held out disagree with the map by {:.1f} sigmas "
-      "before, {:.1f} after; lens blur {:.2f} px",
+      "before, {:.1f} after; lens blur {}",
       refinement.views_used, refinement.refined.size(), refinement.held_out_before, refinement.held_out_after,
-      fmt::join(refinement.psf_sigma_px, ", "));
+      in_words(refinement.lens_blurs));
 }
 
 }  // namespace

@@ -151,16 +151,23 @@ HtmlTable corrections_table(const std::vector<CameraCorrection>& corrections) {
   return table;
 }
 
+std::string in_words(const std::vector<LensBlur>& lenses) {
+  std::vector<std::string> words;
+  for (const LensBlur& lens : lenses)
+    words.push_back(fmt::format("{} {:.2f} px", lens.camera, lens.sigma_px));
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
 std::string words_of_refinement(const RefinementResult& refinement) {
   if (!refinement.is_accepted) return "Not taken: " + refinement.reason + ".";
   return fmt::format(
       "{} tags, on {} pictures of {} moments. Pictures of moments that were held out disagree with the map "
       "by "
-      "{:.2f} sigmas before and {:.2f} after. The lens blurs by {:.2f} px (sigma). Places and covariances "
+      "{:.2f} sigmas before and {:.2f} after. Lenses blur (sigma): {}. Places and covariances "
       "above "
       "are the refined ones; residuals and the two halves are of corners.",
       refinement.refined.size(), refinement.views_used, refinement.moments_used, refinement.held_out_before,
-      refinement.held_out_after, fmt::join(refinement.psf_sigma_px, ", "));
+      refinement.held_out_after, in_words(refinement.lens_blurs));
 }
 
 std::string words_of_halves(const CrossValidation& halves) {

@@ -7,6 +7,7 @@
 #include "apriltrack/camera/pixel_jacobian.h"
 #include "apriltrack/tags/tag_corners.h"
 #include "reduced_equations.h"
+#include "tags_that_hang_together.h"
 
 namespace apriltrack {
 namespace {
@@ -17,8 +18,6 @@ constexpr double kSettled = 0.02;
 constexpr double kNearlySettled = 0.5;
 /// Steps before views that disagree with all others are dropped.
 constexpr int kStepsBeforeOutliers = 4;
-/// Times the median of what views disagree by, squared.
-constexpr double kOutlier2 = 25.0;
 constexpr double kLeastPsf_px = 0.1, kMostPsf_px = 3.0;
 
 using ByCorners = Eigen::Matrix<double, 6, 8>;
@@ -39,6 +38,21 @@ std::optional<ByCorners> pose_by_corners(const CameraModel& camera, const Pose& 
 }
 
 }  // namespace
+
+void put_tag(int tag, const Pose& T_map_tag, PhotometricState& state) {
+  const Pose& from = state.T_map_tag[static_cast<std::size_t>(tag)];
+  if (from.matrix() == T_map_tag.matrix()) return;
+  const Pose move = T_map_tag * from.inverse();
+  for (Pose& pose : state.T_map_tag) pose = move * pose;
+  for (Pose& pose : state.T_map_rig) pose = move * pose;
+  state.T_map_tag[static_cast<std::size_t>(tag)] = T_map_tag;
+}
+
+double middle_of(std::vector<double> numbers) {
+  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+  std::nth_element(numbers.begin(), middle, numbers.end());
+  return *middle;
+}
 
 /// A view that is explained, with its equations.
 struct PhotometricAdjustment::SeenView {
@@ -110,10 +124,33 @@ void PhotometricAdjustment::drop_outliers(const std::vector<SeenView>& seen) {
   if (seen.empty()) return;
   std::vector<double> disagreements;
   for (const SeenView& one : seen) disagreements.push_back(one.disagreement2());
-  const auto middle = disagreements.begin() + static_cast<std::ptrdiff_t>(disagreements.size() / 2);
-  std::nth_element(disagreements.begin(), middle, disagreements.end());
+  const double most = kOutlierOfMedian2 * middle_of(std::move(disagreements));
   for (const SeenView& one : seen) {
-    if (one.disagreement2() > kOutlier2 * *middle) takes_part_[one.view] = false;
+    if (one.disagreement2() > most) takes_part_[one.view] = false;
+  }
+}
+
+void PhotometricAdjustment::keep_hanging_together(int wanted_tag, std::vector<LinearView>& views) {
+  std::vector<TagAtMoment> seen;
+  for (const LinearView& view : views) seen.push_back({view.tag, view.frame});
+  const HangingTogether together = tags_that_hang_together(seen, wanted_tag);
+  held_tag_ = together.held_tag;
+  is_solved_.assign(scene_.tags.size(), false);
+  std::vector<LinearView> kept;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!together.is_in[i]) continue;
+    is_solved_[static_cast<std::size_t>(views[i].tag)] = true;
+    kept.push_back(std::move(views[i]));
+  }
+  views = std::move(kept);
+}
+
+/// Which tag is held may have changed on the way.
+void PhotometricAdjustment::restore_unsolved(const PhotometricState& before) {
+  if (held_tag_ < 0) return;
+  put_tag(held_tag_, before.T_map_tag[static_cast<std::size_t>(held_tag_)], state_);
+  for (std::size_t tag = 0; tag < is_solved_.size(); ++tag) {
+    if (!is_solved_[tag]) state_.T_map_tag[tag] = before.T_map_tag[tag];
   }
 }
 
@@ -126,7 +163,9 @@ bool PhotometricAdjustment::step(const PhotometricFreedom& freedom, Pixels pixel
     psf[static_cast<std::size_t>(one.linear.camera)] +=
         Eigen::Vector2d(one.equations.g[6], one.equations.H(6, 6));
   }
-  const auto steps = solve_steps(linear, freedom.held_tag);
+  if (freedom.held_tag) keep_hanging_together(*freedom.held_tag, linear);
+  if (freedom.held_tag && linear.empty()) return false;
+  const auto steps = solve_steps(linear, freedom.held_tag ? std::optional(held_tag_) : std::nullopt);
   if (!steps) return false;
   for (const auto& [tag, step] : steps->tags) {
     Pose& pose = state_.T_map_tag[static_cast<std::size_t>(tag)];
@@ -167,13 +206,25 @@ bool PhotometricAdjustment::run(const PhotometricFreedom& freedom, int max_steps
       return false;
     }
   }
+  if (freedom.held_tag) restore_unsolved(before);
   return *worth < kNearlySettled;
 }
 
 std::vector<LinearView> PhotometricAdjustment::linear_views() {
+  const bool have_tags_moved = held_tag_ >= 0;
   std::vector<LinearView> linear;
-  for (SeenView& one : look(false, Pixels::kAll)) linear.push_back(std::move(one.linear));
+  for (SeenView& one : look(false, Pixels::kAll)) {
+    if (!have_tags_moved || is_solved_[static_cast<std::size_t>(one.linear.tag)])
+      linear.push_back(std::move(one.linear));
+  }
+  if (have_tags_moved) keep_hanging_together(held_tag_, linear);
   return linear;
+}
+
+std::vector<std::optional<double>> PhotometricAdjustment::disagreements2() {
+  std::vector<std::optional<double>> squares(scene_.views.size());
+  for (const SeenView& one : look(false, Pixels::kAll)) squares[one.view] = one.disagreement2();
+  return squares;
 }
 
 }  // namespace apriltrack

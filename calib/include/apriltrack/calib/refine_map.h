@@ -24,23 +24,35 @@ struct RefinementOptions {
   void check() const;
 };
 
+/// Of a camera's lens: standard deviation in px.
+struct LensBlur {
+  std::string camera;
+  double sigma_px = 0.0;
+};
+
 struct RefinementResult {
   /// As calibrated, but where the refined one is accepted: the tags in `refined` at their new places, with
-  /// their new covariances.
+  /// their new covariances, and the flag "weak" by these.
   TagMap map;
   bool is_accepted = false;
-  std::string reason;                              ///< Why not.
-  std::vector<TagKey> refined;                     ///< Sorted.
+  std::string reason;  ///< Why not.
+  /// Sorted. Tags without pictures that can be used are not among them, and stay where the corners have them.
+  std::vector<TagKey> refined;
   std::string gauge;                               ///< As CalibrationResult::gauge, of the refined map.
   std::vector<ConstraintAudit> constraint_audits;  ///< The same of the constraints.
-  std::vector<std::string> warnings;               ///< Constraints in doubt.
+  /// All of the calibration's that are true of the refined map, and what is to be said of that one:
+  /// constraints in doubt, tags that stay as they are.
+  std::vector<std::string> warnings;
   int moments_used = 0;
   int views_used = 0;  ///< Tags in images.
   /// How far the pictures of moments that the map was not made from disagree with it, in standard deviations
-  /// (root mean square) of what noise would leave: before, and with a map refined from the others.
+  /// (root mean square) of what noise would leave: before, and with a map refined from the others. Of
+  /// pictures that are explained before; those that the other map explains no more count there as five
+  /// medians.
   double held_out_before = 0.0, held_out_after = 0.0;
-  JointCovariance joint;             ///< Of the refined tags, by their pictures; where it is accepted.
-  std::vector<double> psf_sigma_px;  ///< Blur of each camera's lens, in the order of the rig.
+  /// Of the refined tags, by their pictures, and the held one where pictures show it; where it is accepted.
+  JointCovariance joint;
+  std::vector<LensBlur> lens_blurs;  ///< Of the cameras whose pictures were used, in the order of the rig.
 };
 
 /// Refines a calibrated map on the pictures of its tags: Gauss-Newton on the light of all their pixels, with
@@ -51,8 +63,12 @@ struct RefinementResult {
 /// refined map is accepted only where the pictures of every fourth moment agree better with a map refined
 /// from the other three.
 ///
-/// The refined map keeps to the calibration's constraints. Throws Error(kNoResult) where they contradict the
-/// pictures, Error(kInvalidInput) for an option out of range or a camera that the rig does not have.
+/// The refined map keeps to the calibration's constraints; it is not accepted where they contradict the
+/// pictures. Where the held tag has no pictures that can be used, it stays where it is, and covariances
+/// include what the corners leave open between it and the others; with constraints or estimated cameras, no
+/// map is accepted then.
+///
+/// Throws Error(kInvalidInput) for an option out of range or a camera that the rig does not have.
 RefinementResult refine_map(const CalibrationResult& calibration, std::span<const FrameDetections> frames,
                             const CameraRig& rig, const RefinementOptions& options,
                             const LogSink& log = silent_log());
