@@ -8,12 +8,6 @@
 namespace apriltrack::app {
 namespace {
 
-nlohmann::json keys_told(const std::vector<TagKey>& keys) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const TagKey& key : keys) list.push_back(to_string(key));
-  return list;
-}
-
 nlohmann::json told(const WeakDirection& one) {
   return {{"tag", to_string(one.tag)},
           {"relative_to", to_string(one.neighbour)},
@@ -24,10 +18,10 @@ nlohmann::json told(const WeakDirection& one) {
 }
 
 nlohmann::json told(const HangingPart& part) {
-  return {{"tags", keys_told(part.tags)},
+  return {{"tags", told_keys(part.tags)},
           {"frames", part.frames},
-          {"hinge_of_part", keys_told(part.hinge_of_part)},
-          {"hinge_of_rest", keys_told(part.hinge_of_rest)},
+          {"hinge_of_part", told_keys(part.hinge_of_part)},
+          {"hinge_of_rest", told_keys(part.hinge_of_rest)},
           {"text", part.words}};
 }
 
@@ -48,8 +42,8 @@ nlohmann::json told(const ViewAdvice& one) {
 
 nlohmann::json told(const JoinAdvice& one) {
   return {{"show", {to_string(one.of_map), to_string(one.of_other)}},
-          {"joins", keys_told(one.others)},
-          {"apart_s", one.apart_s},
+          {"joins", told_keys(one.others)},
+          {"apart_s", one.apart_s ? nlohmann::json(*one.apart_s) : nlohmann::json(nullptr)},
           {"text", one.words}};
 }
 
@@ -78,6 +72,12 @@ nlohmann::json list_told(const std::vector<T>& all) {
 }
 
 }  // namespace
+
+nlohmann::json told_keys(const std::vector<TagKey>& keys) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const TagKey& key : keys) list.push_back(to_string(key));
+  return list;
+}
 
 CalibrationFindings find(const CalibrationResult& result, const std::optional<RefinementResult>& refinement,
                          const std::vector<FrameDetections>& frames) {

@@ -19,6 +19,9 @@ struct CalibrationFindings {
       nullptr;  ///< Of the map as written: by pictures where it was refined by them.
 };
 
+/// A list of their names.
+nlohmann::json told_keys(const std::vector<TagKey>& keys);
+
 /// refinement: none where it was not asked for. Refers to both.
 CalibrationFindings find(const CalibrationResult& result, const std::optional<RefinementResult>& refinement,
                          const std::vector<FrameDetections>& frames);

@@ -17,7 +17,8 @@ namespace {
 using Input = Takes::Input;
 using Span = Takes::Span;
 
-constexpr std::int64_t kGap_ns = 1'000'000'000;
+/// A minute: no time in which a camera is taken to have gone on from where it was.
+constexpr std::int64_t kGap_ns = 60'000'000'000;
 
 void extend(std::optional<Span>& span, const Span& by) {
   span = span ? Span{std::min(span->first, by.first), std::max(span->last, by.last)} : by;

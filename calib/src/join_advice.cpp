@@ -12,6 +12,10 @@
 namespace apriltrack {
 namespace {
 
+/// In which a camera comes to what is near. Between takes, and after a pause, it may have been carried
+/// anywhere.
+constexpr double kSoon_s = 10.0;
+
 using KeySet = std::set<TagKey>;
 using Sighted = std::map<Timestamp, KeySet>;
 
@@ -40,7 +44,7 @@ std::optional<TagKey> most_seen(const KeySet& seen, const KeySet& tags, const st
   return best;
 }
 
-/// The two that were seen closest after each other.
+/// The two that were seen closest after each other, if soon.
 std::optional<JoinAdvice> closest(const Sighted& by_time, const std::map<TagKey, int>& counts,
                                   const KeySet& of_map, const KeySet& of_other) {
   std::optional<JoinAdvice> best;
@@ -48,7 +52,8 @@ std::optional<JoinAdvice> closest(const Sighted& by_time, const std::map<TagKey,
   const auto consider = [&](const auto& map, const auto& other) {
     if (!map || !other) return;
     const double apart_s = std::abs(seconds_between(map->first, other->first));
-    if (!best || apart_s < best->apart_s) best = JoinAdvice{map->second, other->second, {}, apart_s, ""};
+    if (apart_s <= kSoon_s && (!best || apart_s < *best->apart_s))
+      best = JoinAdvice{map->second, other->second, {}, apart_s, ""};
   };
   for (const auto& [time, seen] : by_time) {
     const auto now_of_map = most_seen(seen, of_map, counts);
@@ -60,14 +65,32 @@ std::optional<JoinAdvice> closest(const Sighted& by_time, const std::map<TagKey,
   return best;
 }
 
+/// Where nothing tells which of them are near each other, those that are easiest to see.
+std::optional<JoinAdvice> most_seen_of_each(const std::map<TagKey, int>& counts, const KeySet& of_map,
+                                            const KeySet& of_other) {
+  KeySet seen;
+  for (const auto& [tag, count] : counts) seen.insert(tag);
+  const auto map = most_seen(seen, of_map, counts), other = most_seen(seen, of_other, counts);
+  if (!map || !other) return std::nullopt;
+  return JoinAdvice{*map, *other, {}, std::nullopt, ""};
+}
+
+std::string reason_of(const JoinAdvice& advice) {
+  if (!advice.apart_s)
+    return fmt::format(
+        "or any other two of the map and of these that are near each other: none were seen "
+        "within {:g} s",
+        kSoon_s);
+  if (*advice.apart_s > 0.0)
+    return fmt::format("they were seen {:.2g} s after each other, closer than any others", *advice.apart_s);
+  return "one frame shows both, which is too little";
+}
+
 std::string words_of(const JoinAdvice& advice) {
   constexpr std::size_t kNamed = 6;
-  return fmt::format(
-      "film {} and {} together, a few frames from two sides: that joins {} to the map ({})",
-      to_string(advice.of_map), to_string(advice.of_other), list_tags(advice.others, kNamed),
-      advice.apart_s > 0.0
-          ? fmt::format("they were seen {:.2g} s after each other, closer than any others", advice.apart_s)
-          : std::string("one frame shows both, which is too little"));
+  return fmt::format("film {} and {} together, a few frames from two sides: that joins {} to the map ({})",
+                     to_string(advice.of_map), to_string(advice.of_other), list_tags(advice.others, kNamed),
+                     reason_of(advice));
 }
 
 KeySet keys_in(const TagMap& map) {
@@ -102,6 +125,7 @@ std::vector<JoinAdvice> advise_joining(const CalibrationResult& result,
   std::vector<JoinAdvice> advice;
   for (const KeySet& other : others) {
     auto one = closest(by_time, counts, of_map, other);
+    if (!one) one = most_seen_of_each(counts, of_map, other);
     if (!one) continue;
     one->others.assign(other.begin(), other.end());
     one->words = words_of(*one);

@@ -258,9 +258,24 @@ TEST(JoinAdvice, NamesTheTagsThatWereSeenClosestAfterEachOther) {
         least_s = std::min(least_s, std::abs(seconds_between(one.timestamp, other.timestamp)));
     }
   }
-  EXPECT_DOUBLE_EQ(advice[0].apart_s, least_s);
+  EXPECT_DOUBLE_EQ(advice[0].apart_s.value(), least_s);
   EXPECT_EQ(advice[1].of_other, tag36h11(8));
   EXPECT_THAT(advice[1].words, HasSubstr("that joins tag36h11/8 to the map"));
+
+  // A pause between the one part and the other: the camera may have been carried anywhere.
+  std::vector<FrameDetections> apart = frames;
+  const Timestamp first = std::ranges::min(apart, {}, &FrameDetections::timestamp).timestamp;
+  for (FrameDetections& frame : apart) {
+    const bool is_of_map =
+        std::ranges::any_of(frame.detections, [](const Detection& seen) { return seen.tag.id < 5; });
+    if (!is_of_map) frame.timestamp.ns += 3'600'000'000'000 + first.ns;
+  }
+  for (const JoinAdvice& one : advise_joining(result, apart)) {
+    EXPECT_FALSE(one.apart_s);
+    EXPECT_THAT(one.words, AllOf(HasSubstr("near each other"), Not(HasSubstr("after each other"))));
+    EXPECT_LT(one.of_map.id, 4);
+    EXPECT_GE(one.of_other.id, 5);
+  }
 }
 
 }  // namespace

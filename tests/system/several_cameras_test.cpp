@@ -223,6 +223,7 @@ class SeveralTakes : public SeveralCameras {
 };
 
 constexpr long long kSecond_ns = 1'000'000'000;
+constexpr long long kApart_ns = 60 * kSecond_ns;  // docs/file_formats.md: takes that are moved
 
 TEST_F(SeveralTakes, OfOneClockKeepTheirTimes) {
   film_wall("mono.csv", "cam0", 0, 10, 1000 * kSecond_ns);
@@ -241,13 +242,13 @@ TEST_F(SeveralTakes, WhoseClockBeganAnewAreKeptApart) {
   film_wall("a1.csv", "cam0", 40, 10);
   film_wall("b0.csv", "cam1", 0, 30);
   film_wall("b1.csv", "cam1", 40, 5);
-  constexpr long long kBehind_ns = 29 * kPeriod_ns + kSecond_ns;
+  constexpr long long kBehind_ns = 29 * kPeriod_ns + kApart_ns;
   expect_times({{"a0.csv", "a1.csv", "b0.csv", "b1.csv"},
                 {"b0.csv", "b1.csv", "a0.csv", "a1.csv"},
                 {"a0.csv", "b0.csv", "b1.csv", "a1.csv"}},
                joined(times_from(0, 10), times_from(kBehind_ns, 10)),
                joined(times_from(0, 30), times_from(kBehind_ns, 5)),
-               {path("a1.csv") + " (cam0) by 3.900000000 s", path("b1.csv") + " (cam1) by 3.900000000 s"});
+               {path("a1.csv") + " (cam0) by 62.900000000 s", path("b1.csv") + " (cam1) by 62.900000000 s"});
 }
 
 TEST_F(SeveralTakes, OfWhichACameraFilmedFewerAreRefusedWhereItsTimesDoNotTell) {
@@ -266,20 +267,20 @@ TEST_F(SeveralTakes, OfWhichACameraFilmedFewerAreRefusedWhereItsTimesDoNotTell) 
   // The way out that it names.
   write_text(path("take1.csv"), kDetectionsHeader + rows("cam0", 0, 10, 0));
   write_text(path("take2.csv"), kDetectionsHeader + rows("cam0", 40, 10, 0) + rows("cam1", 40, 10, 0));
-  const Times_ns second_ns = times_from(9 * kPeriod_ns + kSecond_ns, 10);
+  const Times_ns second_ns = times_from(9 * kPeriod_ns + kApart_ns, 10);
   expect_times({{"take1.csv", "take2.csv"}}, joined(times_from(0, 10), second_ns), second_ns,
-               {path("take2.csv") + " (cam0, cam1) by 1.900000000 s"});
+               {path("take2.csv") + " (cam0, cam1) by 60.900000000 s"});
 }
 
 TEST_F(SeveralTakes, OfWhichACameraFilmedFewerAreToldByItsTimes) {
   film_wall("a0.csv", "cam0", 0, 10);
   film_wall("a1.csv", "cam0", 40, 10, 5 * kPeriod_ns);
   film_wall("b1.csv", "cam1", 45, 5, 10 * kPeriod_ns);
-  constexpr long long kBehind_ns = 9 * kPeriod_ns + kSecond_ns;
+  constexpr long long kBehind_ns = 9 * kPeriod_ns + kApart_ns;
   expect_times(
       {{"a0.csv", "a1.csv", "b1.csv"}, {"b1.csv", "a0.csv", "a1.csv"}, {"a0.csv", "b1.csv", "a1.csv"}},
       joined(times_from(0, 10), times_from(kBehind_ns, 10)), times_from(kBehind_ns + 5 * kPeriod_ns, 5),
-      {path("a1.csv") + " (cam0) by 1.400000000 s", path("b1.csv") + " (cam1) by 1.400000000 s"});
+      {path("a1.csv") + " (cam0) by 60.400000000 s", path("b1.csv") + " (cam1) by 60.400000000 s"});
 }
 
 // Its times alone leave the first and the third take to b2: but it was filmed after b1, of the second.
@@ -289,12 +290,12 @@ TEST_F(SeveralTakes, OfWhichACameraFilmedFewerAreToldByTheirOrder) {
   film_wall("a2.csv", "cam0", 40, 10);
   film_wall("b1.csv", "cam1", 20, 10, 10 * kSecond_ns);
   film_wall("b2.csv", "cam1", 40, 10);
-  constexpr long long kBehind_ns = 11 * kSecond_ns + 9 * kPeriod_ns;
+  constexpr long long kBehind_ns = 10 * kSecond_ns + 9 * kPeriod_ns + kApart_ns;
   const Times_ns later_ns = joined(times_from(10 * kSecond_ns, 10), times_from(kBehind_ns, 10));
   expect_times({{"a0.csv", "a1.csv", "a2.csv", "b1.csv", "b2.csv"},
                 {"b1.csv", "a0.csv", "b2.csv", "a1.csv", "a2.csv"}},
                joined(times_from(0, 10), later_ns), later_ns,
-               {path("a2.csv") + " (cam0) by 11.900000000 s", path("b2.csv") + " (cam1) by 11.900000000 s"});
+               {path("a2.csv") + " (cam0) by 70.900000000 s", path("b2.csv") + " (cam1) by 70.900000000 s"});
 }
 
 TEST_F(SeveralTakes, OfImagesAreKeptApartInAnyOrderOfTheArguments) {
@@ -321,17 +322,18 @@ TEST_F(SeveralTakes, OfImagesAreKeptApartInAnyOrderOfTheArguments) {
   const Words a = {"cam0=" + path("a0"), "cam0=" + path("a1")};
   const Words b = {"cam1=" + path("b0"), "cam1=" + path("b1")};
   Times_ns second_ns;
-  for (int i = 0; i < 6; ++i) second_ns.insert((kFrames + i) * kSecond_ns);
+  for (int i = 0; i < 6; ++i) second_ns.insert((kFrames - 1 + i) * kSecond_ns + kApart_ns);
   std::string first_written;
   for (const Words& order : {Words{a[0], a[1], b[0], b[1]}, Words{b[0], a[0], b[1], a[1]}}) {
     const ProgramRun done = run(words, order);
     EXPECT_EQ(done.status, 0);
-    EXPECT_THAT(done.err, ::testing::HasSubstr(path("a1") + " (cam0) by 12.000000000 s"));
+    EXPECT_THAT(done.err, ::testing::HasSubstr(path("a1") + " (cam0) by 71.000000000 s"));
     for (const std::string name : {"cam0", "cam1"}) {
       Times_ns late_ns = times_of(name);
       late_ns.erase(late_ns.begin(), late_ns.lower_bound(kFrames * kSecond_ns));
       EXPECT_EQ(late_ns, second_ns) << name;
     }
+    EXPECT_THAT(read_text(path("map.yaml")), ::testing::HasSubstr("rate 1 Hz"));
     const std::string written = read_text(path("map.detections.csv"));
     if (first_written.empty()) first_written = written;
     EXPECT_EQ(written, first_written);

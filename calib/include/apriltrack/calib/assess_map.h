@@ -83,7 +83,9 @@ std::vector<Matrix6d> covariances_after(const TagMap& map, const JointCovariance
 struct JoinAdvice {
   TagKey of_map, of_other;
   std::vector<TagKey> others;  ///< The part that would be joined; a tag that is in no map stands alone.
-  double apart_s = 0.0;  ///< Shortest time between a frame that shows the one and one that shows the other.
+  /// Shortest time between a frame that shows the one and one that shows the other; none where that is too
+  /// long to say that the two are near each other.
+  std::optional<double> apart_s;
   std::string words;
 };
 
