@@ -22,16 +22,12 @@ nlohmann::json told_reading(const ConstraintReading& reading) {
           {"sigma", or_null(reading.sigma)}};
 }
 
-double sigmas_of(const ConstraintReading& reading) {
-  return reading.sigma ? std::abs(*reading.predicted - reading.measured) / *reading.sigma : -1.0;
-}
-
 /// Of the number that differs most.
 std::string difference_in_words(const ConstraintAudit& audit) {
   const std::string unused = audit.is_used ? "" : "not used: " + audit.reason;
   if (!audit.is_used && !audit.z) return unused;
   const std::string so = audit.is_used ? "" : unused + ": ";
-  const auto worst = std::ranges::max_element(audit.readings, {}, sigmas_of);
+  const auto worst = std::ranges::max_element(audit.readings, {}, &ConstraintReading::sigmas_off);
   if (!audit.z) return "nothing else tells";
   if (worst == audit.readings.end() || !worst->sigma)
     return fmt::format("{}all its numbers together, {:.1f} sigmas", so, *audit.z);
@@ -87,7 +83,7 @@ HtmlTable constraints_table(const std::vector<ConstraintAudit>& audits) {
       };
       table.rows.push_back({audit.title, reading.name, number(reading.measured), number(reading.predicted),
                             number(reading.sigma),
-                            reading.sigma ? fmt::format("{:.1f}", sigmas_of(reading))
+                            reading.sigma ? fmt::format("{:.1f}", reading.sigmas_off())
                             : audit.z     ? fmt::format("together {:.1f}", *audit.z)
                                           : "nothing else tells"});
     }

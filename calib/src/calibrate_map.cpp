@@ -207,7 +207,9 @@ void require_covariances(const CalibrationOptions& options, const Part& part) {
 void take_constraints(const PartSolution& solution, CalibrationResult& result, Findings& findings) {
   result.gauge = to_string(result.held_tag) + " held at the origin";
   if (!solution.constrained) return;
-  if (!solution.constrained->gauge.empty()) result.gauge = solution.constrained->gauge;
+  result.is_frame_measured = !solution.constrained->gauge.empty();
+  if (result.is_frame_measured) result.gauge = solution.constrained->gauge;
+  result.is_vertical_measured = solution.constrained->is_vertical_measured;
   result.constraint_audits = solution.constrained->audits;
   for (std::size_t i = 0; i < solution.constraints.size(); ++i) {
     if (result.constraint_audits[i].is_used) result.constraints.push_back(solution.constraints[i]);

@@ -116,21 +116,44 @@ void take_fit(const ConstrainedFit& fit, const ConstraintPrior& prior, const Ima
   result.T_map_held = fit.state.T_map_held;
 }
 
-/// "heading, x, y": what no constraint determines, in the axes of the map.
-std::string open_in_words(const ConstrainedFit& fit) {
-  if (fit.open_directions.cols() == 0) return "";
+/// Which turns of the map no constraint determines.
+enum class OpenTurns { kNone, kHeading, kAboutOneAxis, kAll };
+
+OpenTurns open_turns(const ConstrainedFit& fit) {
+  if (fit.open_directions.cols() == 0) return OpenTurns::kNone;
   const Eigen::MatrixXd open =
       fit.state.T_map_held.adjoint() * fit.open_directions;  // about the map's origin
   const Eigen::MatrixXd turns = open.bottomRows<3>();
   const auto turn_rank = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(turns).setThreshold(1e-6).rank();
+  if (turn_rank == 0) return OpenTurns::kNone;
+  if (turn_rank > 1) return OpenTurns::kAll;
+  Eigen::Index column = 0;
+  turns.colwise().norm().maxCoeff(&column);
+  const bool is_heading = std::abs(turns.col(column).normalized().z()) > 1.0 - 1e-6;
+  return is_heading ? OpenTurns::kHeading : OpenTurns::kAboutOneAxis;
+}
+
+bool is_vertical_measured(const ConstrainedFit& fit) {
+  const OpenTurns open = open_turns(fit);
+  return fit.has_frame && (open == OpenTurns::kNone || open == OpenTurns::kHeading);
+}
+
+/// "heading, x, y": what no constraint determines, in the axes of the map.
+std::string open_in_words(const ConstrainedFit& fit) {
+  if (fit.open_directions.cols() == 0) return "";
   std::vector<std::string> words;
-  if (turn_rank == 1) {
-    Eigen::Index column = 0;
-    turns.colwise().norm().maxCoeff(&column);
-    const bool is_heading = std::abs(turns.col(column).normalized().z()) > 1.0 - 1e-6;
-    words.emplace_back(is_heading ? "heading" : "a turn about one axis");
-  } else if (turn_rank > 1) {
-    words.emplace_back("orientation");
+  switch (open_turns(fit)) {
+    case OpenTurns::kNone:
+      break;
+    case OpenTurns::kHeading:
+      words.emplace_back("heading");
+      break;
+    case OpenTurns::kAboutOneAxis:
+      words.emplace_back("a turn about one axis");
+      break;
+    case OpenTurns::kAll:
+      words.emplace_back("orientation");
+      break;
   }
   // Shifts alone: what is open of the translation without a turn.
   static constexpr const char* kAxes[] = {"x", "y", "z"};
@@ -157,11 +180,18 @@ std::string gauge_in_words(const ConstrainedFit& fit, const std::vector<BoundCon
   return words;
 }
 
-std::string contradictions_in_words(const ConstraintJudgement& judgement, const std::string& hint) {
+/// count: of all constraints that were weighed.
+std::string contradictions_in_words(const ConstraintJudgement& judgement, std::size_t count,
+                                    const std::string& hint) {
+  const std::string many = judgement.num_contradicting
+                               ? fmt::format("{} of {} contradict: is the unit metres (and rad)? ",
+                                             *judgement.num_contradicting, count)
+                               : "";
   return fmt::format(
-      "constraints contradict the images or each other: {}. {}{}Correct them, or take them out of the file; "
+      "constraints contradict the images or each other: {}{}. {}{}Correct them, or take them out of the "
+      "file; "
       "no map was made",
-      join_first(judgement.contradictions, "; ", 5), hint, hint.empty() ? "" : " ");
+      many, join_first(judgement.contradictions, "; ", 5), hint, hint.empty() ? "" : " ");
 }
 
 /// A matrix of their number squared is inverted.
@@ -269,7 +299,7 @@ ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const I
   const auto fail = [&](const std::string& why) {
     throw ConstraintError(why, in_given_order(std::move(judgement.audits), bound, std::move(unused)));
   };
-  if (!judgement.contradictions.empty()) fail(contradictions_in_words(judgement, hint));
+  if (!judgement.contradictions.empty()) fail(contradictions_in_words(judgement, bound.size(), hint));
   if (frame.is_ambiguous)
     fail(
         "two map frames that are turned against each other agree with the constraints equally well (heights "
@@ -289,6 +319,7 @@ ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const I
     result.doubts.push_back(
         fmt::format("and {} more constraints in doubt", judgement.doubts.size() - kMostDoubts));
   if (!judgement.doubts.empty() && !hint.empty()) result.doubts.push_back(hint);
+  result.is_vertical_measured = is_vertical_measured(judgement.fit);
   result.gauge = gauge_in_words(judgement.fit, bound, map.keys[static_cast<std::size_t>(map.held_tag)]);
   result.audits = in_given_order(std::move(judgement.audits), bound, std::move(unused));
   return result;

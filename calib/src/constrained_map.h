@@ -48,6 +48,7 @@ struct ConstrainedMap {
   std::string gauge;                  ///< How the frame was fixed, in words; empty: by the held tag.
   std::vector<std::string> warnings;  ///< What is not used, and why.
   std::vector<std::string> doubts;    ///< What is used and in doubt.
+  bool is_vertical_measured = false;  ///< z of the map's frame is up by what was measured.
 };
 
 /// Constraints whose tags are named by family and id, in the numbers of `keys`; `unused` gets the others,

@@ -45,10 +45,6 @@ ConstraintAudit audit_of(const BoundConstraint& bound, const LinearConstraint& l
   return audit;
 }
 
-double share_of_sigma(const ConstraintReading& reading) {
-  return reading.sigma ? std::abs(*reading.predicted - reading.measured) / *reading.sigma : -1.0;
-}
-
 /// With so many decimals, or two digits where these would show none.
 std::string told_sigma(double sigma, int decimals) {
   return sigma < std::pow(10.0, -decimals) ? fmt::format("{:.2g}", sigma)
@@ -57,7 +53,7 @@ std::string told_sigma(double sigma, int decimals) {
 
 /// "distance: 0.512 m measured, all else says 0.4871 (sigma 0.6 mm)", of the number that is off most.
 std::string worst_reading(const ConstraintAudit& audit) {
-  const auto worst = std::ranges::max_element(audit.readings, {}, share_of_sigma);
+  const auto worst = std::ranges::max_element(audit.readings, {}, &ConstraintReading::sigmas_off);
   if (worst == audit.readings.end() || !worst->sigma) return "";
   if (worst->unit == "rad")
     return fmt::format("{}: {:.2f} degrees off what all else says (sigma {})", worst->name,
@@ -148,6 +144,45 @@ void judge_together(const std::vector<BoundConstraint>& kept, ConstraintJudgemen
   (sigmas > kContradictory ? judgement.contradictions : judgement.doubts).push_back(words);
 }
 
+struct GrossConstraint {
+  BoundConstraint bound;
+  std::string rivals;  // what may be wrong in its place
+};
+
+std::size_t count_contradicting(const ConstrainedFit& fit) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < fit.constraints.size(); ++i) {
+    const Prediction prediction = predict(fit, i);
+    count += prediction.is_predicted && prediction.z > kContradictory;
+  }
+  return count;
+}
+
+/// From kept to the result. Each fit goes on from the one before; a wrong constraint may have led that to a
+/// frame from which there is no way back, so the last word has a fit from `start`.
+std::vector<GrossConstraint> take_gross_away(const ConstraintPrior& prior, const ConstraintState& start,
+                                             ConstraintJudgement& judgement) {
+  std::vector<GrossConstraint> gross;
+  bool is_from_start = true;
+  judgement.fit = fit_constraints(judgement.kept, prior, start);
+  while (!judgement.kept.empty()) {
+    const Worst worst = worst_of(judgement.fit);
+    const bool is_clean = worst.z <= kContradictory;
+    if (is_clean && is_from_start) break;
+    if (!is_clean && gross.size() == kMostGross) {
+      judgement.num_contradicting = gross.size() + count_contradicting(judgement.fit);
+      break;
+    }
+    if (!is_clean) {
+      gross.push_back({judgement.kept[worst.place], rivals_of(judgement.fit, judgement.kept, worst)});
+      judgement.kept.erase(judgement.kept.begin() + static_cast<std::ptrdiff_t>(worst.place));
+    }
+    is_from_start = is_clean || judgement.kept.empty() || !judgement.fit.push.allFinite();
+    judgement.fit = fit_constraints(judgement.kept, prior, is_from_start ? start : judgement.fit.state);
+  }
+  return gross;
+}
+
 }  // namespace
 
 Prediction predict(const ConstrainedFit& fit, std::size_t place) {
@@ -178,14 +213,7 @@ ConstraintJudgement judge_constraints(const std::vector<BoundConstraint>& constr
                                       const ConstraintPrior& prior, const ConstraintState& start) {
   ConstraintJudgement judgement;
   judgement.kept = constraints;
-  std::vector<std::pair<BoundConstraint, std::string>> gross;  // and what may be wrong in its place
-  while (true) {
-    judgement.fit = fit_constraints(judgement.kept, prior, start);
-    const Worst worst = worst_of(judgement.fit);
-    if (judgement.kept.empty() || worst.z <= kContradictory) break;
-    gross.emplace_back(judgement.kept[worst.place], rivals_of(judgement.fit, judgement.kept, worst));
-    judgement.kept.erase(judgement.kept.begin() + static_cast<std::ptrdiff_t>(worst.place));
-  }
+  const std::vector<GrossConstraint> gross = take_gross_away(prior, start, judgement);
   if (gross.empty()) judge_together(judgement.kept, judgement);
   std::vector<std::pair<std::size_t, ConstraintAudit>> audits;
   for (std::size_t i = 0; i < judgement.kept.size(); ++i) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,17 +20,21 @@ struct Prediction {
 Prediction predict(const ConstrainedFit& fit, std::size_t place);
 
 /// What is left when constraints that contradict all else are taken away one by one, the worst first
-/// (W. Baarda's data snooping).
+/// (W. Baarda's data snooping). After kMostGross it is given up: then all are wrong alike, each takes a fit,
+/// and nobody reads more.
 struct ConstraintJudgement {
   ConstrainedFit fit;  ///< Of `kept`.
   std::vector<BoundConstraint> kept;
   std::vector<ConstraintAudit> audits;      ///< Of kept and gross ones, in the order they were given.
   std::vector<std::string> contradictions;  ///< Of gross ones, in words.
-  std::vector<std::string> doubts;          ///< 3 to 5 sigmas, in words.
+  /// Where it was given up: how many contradict all else, taken away or not.
+  std::optional<std::size_t> num_contradicting;
+  std::vector<std::string> doubts;  ///< 3 to 5 sigmas, in words.
 };
 
 inline constexpr double kDoubtful = 3.0;  // sigmas
 inline constexpr double kContradictory = 5.0;
+inline constexpr std::size_t kMostGross = 20;
 
 /// start: frame and planes.
 ConstraintJudgement judge_constraints(const std::vector<BoundConstraint>& constraints,

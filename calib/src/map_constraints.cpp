@@ -181,4 +181,8 @@ std::pair<std::string, std::string> told_apart(double a, double b, int least) {
   return {text_a, text_b};
 }
 
+double ConstraintReading::sigmas_off() const {
+  return sigma ? std::abs(*predicted - measured) / *sigma : -1.0;
+}
+
 }  // namespace apriltrack

@@ -175,6 +175,42 @@ TEST(Constraints, OfManyThatContradictTheFirstAreNamedAndTheRestCounted) {
   EXPECT_LT(message.size(), 2500u);
 }
 
+/// All of them, as in millimetres.
+TEST(Constraints, WhereMostContradictTheUnitIsAskedForAndNoneIsTriedOneByOne) {
+  CalibrationOptions options;
+  const std::vector<MapTag>& tags = walls().map.tags;
+  for (std::size_t a = 0; a < tags.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      const int id_a = tags[a].key.id, id_b = tags[b].key.id;
+      options.constraints.push_back(distance(id_a, id_b, 999.0 * true_distance_m(id_a, id_b), 0.001));
+    }
+  }
+  const auto why = [&] {
+    return error_of(ErrorKind::kNoResult, [&] { calibrate(walls(), noisy_frames(2), options); });
+  };
+  EXPECT_THAT(why(), AllOf(HasSubstr("45 of 45 contradict: is the unit metres"), HasSubstr(" and 15 more")))
+      << "five are named of the twenty that were taken away";
+
+  options.constraints.clear();
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    for (const MapTag& tag : tags)
+      options.constraints.push_back(position(tag.key.id, 999.0 * tag.T_map_tag.translation(), 0.001));
+  }
+  EXPECT_THAT(why(), HasSubstr("of 30 contradict: is the unit metres"));
+
+  // As many as it takes, and no more: 20 in error beside 25 that agree are all named.
+  options.constraints.clear();
+  int wrong = 0;
+  for (std::size_t a = 0; a < tags.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      const bool is_wrong = (a + b) % 2 == 1 && wrong < 20;
+      wrong += is_wrong;
+      options.constraints.push_back(distance(tags[a].key.id, tags[b].key.id, is_wrong ? 0.5 : 0.0, 0.001));
+    }
+  }
+  EXPECT_THAT(why(), AllOf(HasSubstr(" and 15 more"), Not(HasSubstr("metres"))));
+}
+
 TEST(Constraints, FiguresThatDifferAreToldApart) {
   EXPECT_EQ(told_apart(1.52011, 1.52014, 4), std::pair(std::string("1.52011"), std::string("1.52014")));
   EXPECT_EQ(told_apart(1.5, 1.6, 4), std::pair(std::string("1.5000"), std::string("1.6000")));

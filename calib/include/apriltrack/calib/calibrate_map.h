@@ -84,6 +84,8 @@ struct CalibrationResult {
       other_parts;    ///< Parts that no frame joins to it, each with a gauge of its own; largest first.
   TagKey held_tag;    ///< At the origin of `map`, unless constraints say where it is.
   std::string gauge;  ///< How the map's frame was fixed, in words.
+  bool is_frame_measured = false;     ///< By constraints: no tag is held, and covariances are of that frame.
+  bool is_vertical_measured = false;  ///< By these: z of the map's frame is up.
   /// Those that `map` keeps to, their tags named by family and id; and each one of the options against all
   /// else.
   std::vector<MapConstraint> constraints;

@@ -112,6 +112,9 @@ struct ConstraintReading {
   double measured = 0.0;
   std::optional<double> predicted;  ///< By all else; none where nothing else tells.
   std::optional<double> sigma;      ///< Of predicted - measured: both errors.
+
+  /// How many of these the two are apart; -1 where nothing else tells.
+  double sigmas_off() const;
 };
 
 /// What leaving out one constraint tells of it.
