@@ -128,7 +128,8 @@ void add_other_parts(HtmlPage& page, const CalibrateRun& run) {
 }  // namespace
 
 void write_calibrate_report(const std::filesystem::path& path, const CalibrateRun& run) {
-  const DrawnMap drawn{run.result.map, run.result.evidence, run.findings.of_map};
+  const DrawnMap drawn{run.result.map, run.result.evidence, run.findings.of_map, run.result.is_frame_measured,
+                       run.result.is_vertical_measured};
   HtmlPage page(title_of(run.options));
   add_warnings(page, run);
   page.heading("In short");

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kWidth = 1010.0, kMaxHeight = 820.0, kMargin = 64.0;
 constexpr double kHalfWidth = 620.0, kHalfMaxHeight = 560.0, kHalfMargin = 52.0;
-constexpr double kGap_s = 1.0;            // in which the path is not drawn
+constexpr double kGap_s = 1.0;            // over which the path is not drawn
 constexpr double kLargestEllipse = 46.0;  // half its length, in units of the picture
 
 double sigma_of(const std::optional<Matrix6d>& covariance, bool is_rotation) {
@@ -194,15 +194,21 @@ Drawn draw(const DrawnMap& drawn, const Elevation& elevation, const PaperScale& 
 }
 
 std::string caption_of(const DrawnMap& drawn, double factor) {
-  std::string ellipses = " The map has no covariances, and so no ellipses.";
+  std::string ellipses = "The map has no covariances, and so no ellipses.";
   if (std::ranges::any_of(drawn.map.tags, [](const MapTag& tag) { return tag.covariance.has_value(); }))
-    ellipses = fmt::format(
-        " Ellipses: one sigma of the position relative to the held tag, drawn {:g} times too large.", factor);
+    ellipses =
+        fmt::format("Ellipses: one sigma of the position relative to the {}, drawn {:g} times too large.",
+                    drawn.is_frame_measured ? "measured frame" : "held tag", factor);
   return fmt::format(
-      "Tags with the direction they face; the held one filled in green, doubtful ones in orange.{} The line "
-      "is "
-      "the camera's path. Up is as the camera was held.",
-      ellipses);
+      "Tags with the direction they face; {}doubtful ones in orange. {} The line is the camera's path. Up is "
+      "{}.",
+      drawn.is_frame_measured ? "" : "the held one filled in green, ", ellipses,
+      drawn.is_vertical_measured ? "z of the map, as measured" : "as the camera was held");
+}
+
+Elevations elevations_of(const DrawnMap& drawn) {
+  return app::elevations_of(
+      drawn.map, drawn.is_vertical_measured ? Eigen::Vector3d::UnitZ() : upward(drawn.map, drawn.evidence));
 }
 
 SvgStyle style_of_link(const SeenTogether& link) {
@@ -213,17 +219,70 @@ SvgStyle style_of_link(const SeenTogether& link) {
           .tooltip = fmt::format("{} {}", link.frames, link.frames == 1 ? "frame" : "frames")};
 }
 
+constexpr double kNodeRadius = 13.0;
+
+/// Where tags stand in the picture of what is seen together.
+struct LinkLayout {
+  double width, height;
+  std::vector<Eigen::Vector2d> nodes;  ///< In the order of the map.
+  bool are_named;                      ///< There is room for their ids.
+};
+
+/// As from above, pushed apart where they have names.
+LinkLayout lay_out_links(const DrawnMap& drawn) {
+  constexpr std::size_t kMostNamed = 120;
+  const Elevation elevation = elevations_of(drawn).above;
+  std::vector<Eigen::Vector2d> places_m;
+  for (const MapTag& tag : drawn.map.tags) places_m.push_back(elevation.of(tag.T_map_tag.translation()));
+  const PaperScale scale(places_m, kWidth, 0.8 * kMaxHeight, 0.8 * kMargin);
+  LinkLayout layout{scale.width(), scale.height(), {}, places_m.size() <= kMostNamed};
+  for (const Eigen::Vector2d& place : places_m) layout.nodes.push_back(scale.at(place));
+  constexpr double kEdge = kNodeRadius + 2.0;
+  if (layout.are_named)
+    push_apart(layout.nodes, 2.3 * kNodeRadius, {kEdge, kEdge},
+               {layout.width - kEdge, layout.height - kEdge});
+  return layout;
+}
+
+void draw_link_lines(const DrawnMap& drawn, const LinkLayout& layout, bool are_bridges, SvgPicture& picture) {
+  for (const SeenTogether& link : drawn.assessment.links) {
+    if (link.is_bridge != are_bridges) continue;
+    const Eigen::Vector2d &a = layout.nodes[static_cast<std::size_t>(link.tag_a)],
+                          &b = layout.nodes[static_cast<std::size_t>(link.tag_b)];
+    picture.line(a, b, style_of_link(link));
+    if (are_bridges)
+      picture.text(
+          0.5 * (a + b) - Eigen::Vector2d(0.0, 5.0), fmt::format("{}", link.frames),
+          {.ink = SvgInk::kWarning, .anchor = SvgAnchor::kMiddle, .is_bold = true, .has_halo = true});
+  }
+}
+
+void draw_node(const DrawnMap& drawn, const LinkLayout& layout, std::size_t i, SvgPicture& picture) {
+  const MapTag& tag = drawn.map.tags[i];
+  picture.circle(layout.nodes[i], layout.are_named ? kNodeRadius : 4.0,
+                 {.stroke = is_doubtful(drawn, tag) ? SvgInk::kWarning : SvgInk::kText,
+                  .width = 1.4,
+                  .fill = is_held(tag) ? SvgInk::kGood : SvgInk::kPaper,
+                  .tooltip = tooltip_of(tag)});
+  if (!layout.are_named) return;
+  picture.text(layout.nodes[i] + Eigen::Vector2d(0.0, 4.0), fmt::format("{}", tag.key.id),
+               {.size = 12.0,
+                .ink = is_held(tag) ? SvgInk::kPaper : SvgInk::kText,
+                .anchor = SvgAnchor::kMiddle,
+                .is_bold = true});
+}
+
 }  // namespace
 
 MapDrawing draw_from_above(const DrawnMap& drawn) {
-  const Elevation elevation = elevations_of(drawn.map, drawn.evidence).above;
+  const Elevation elevation = elevations_of(drawn).above;
   const PaperScale scale(all_points(drawn, elevation), kWidth, kMaxHeight, kMargin);
   const double factor = exaggeration(drawn, scale.units_per_m());
   return {{draw(drawn, elevation, scale, factor).picture}, caption_of(drawn, factor)};
 }
 
 MapDrawing draw_from_sides(const DrawnMap& drawn) {
-  const Elevations elevations = elevations_of(drawn.map, drawn.evidence);
+  const Elevations elevations = elevations_of(drawn);
   std::vector<PaperScale> scales;
   double factor = std::numeric_limits<double>::infinity();
   for (const Elevation& one : {elevations.front, elevations.side}) {
@@ -236,47 +295,11 @@ MapDrawing draw_from_sides(const DrawnMap& drawn) {
 }
 
 MapDrawing draw_links(const DrawnMap& drawn) {
-  constexpr double kRadius = 13.0;
-  constexpr std::size_t kMostNamed = 120;
-  const Elevation elevation = elevations_of(drawn.map, drawn.evidence).above;
-  std::vector<Eigen::Vector2d> places_m;
-  for (const MapTag& tag : drawn.map.tags) places_m.push_back(elevation.of(tag.T_map_tag.translation()));
-  const PaperScale scale(places_m, kWidth, 0.8 * kMaxHeight, 0.8 * kMargin);
-  std::vector<Eigen::Vector2d> nodes;
-  for (const Eigen::Vector2d& place : places_m) nodes.push_back(scale.at(place));
-  const bool is_named = nodes.size() <= kMostNamed;
-  if (is_named)
-    push_apart(nodes, 2.3 * kRadius, {kRadius + 2.0, kRadius + 2.0},
-               {scale.width() - kRadius - 2.0, scale.height() - kRadius - 2.0});
-  SvgPicture picture(scale.width(), scale.height());
-  const auto draw_some = [&](bool are_bridges) {
-    for (const SeenTogether& link : drawn.assessment.links) {
-      if (link.is_bridge != are_bridges) continue;
-      const Eigen::Vector2d &a = nodes[static_cast<std::size_t>(link.tag_a)],
-                            &b = nodes[static_cast<std::size_t>(link.tag_b)];
-      picture.line(a, b, style_of_link(link));
-      if (are_bridges)
-        picture.text(
-            0.5 * (a + b) - Eigen::Vector2d(0.0, 5.0), fmt::format("{}", link.frames),
-            {.ink = SvgInk::kWarning, .anchor = SvgAnchor::kMiddle, .is_bold = true, .has_halo = true});
-    }
-  };
-  draw_some(false);
-  draw_some(true);
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const MapTag& tag = drawn.map.tags[i];
-    picture.circle(nodes[i], is_named ? kRadius : 4.0,
-                   {.stroke = is_doubtful(drawn, tag) ? SvgInk::kWarning : SvgInk::kText,
-                    .width = 1.4,
-                    .fill = is_held(tag) ? SvgInk::kGood : SvgInk::kPaper,
-                    .tooltip = tooltip_of(tag)});
-    if (is_named)
-      picture.text(nodes[i] + Eigen::Vector2d(0.0, 4.0), fmt::format("{}", tag.key.id),
-                   {.size = 12.0,
-                    .ink = is_held(tag) ? SvgInk::kPaper : SvgInk::kText,
-                    .anchor = SvgAnchor::kMiddle,
-                    .is_bold = true});
-  }
+  const LinkLayout layout = lay_out_links(drawn);
+  SvgPicture picture(layout.width, layout.height);
+  draw_link_lines(drawn, layout, false, picture);
+  draw_link_lines(drawn, layout, true, picture);
+  for (std::size_t i = 0; i < layout.nodes.size(); ++i) draw_node(drawn, layout, i, picture);
   return {{std::move(picture)},
           "Which tags are seen together, laid out as from above: the more frames, the wider the line. In "
           "orange, with their number of frames, what ties a part to the rest by four frames or less."};

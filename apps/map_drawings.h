@@ -13,6 +13,9 @@ struct DrawnMap {
   const TagMap& map;
   const MapEvidence& evidence;
   const MapAssessment& assessment;
+  /// Covariances are of a frame that was measured, and no tag is held.
+  bool is_frame_measured = false;
+  bool is_vertical_measured = false;  ///< z of the map is up.
 };
 
 struct MapDrawing {

@@ -19,12 +19,15 @@ struct Elevation {
   Eigen::Matrix2d of(const Eigen::Matrix3d& covariance) const;
 };
 
-/// From above and from two sides. What is up in the world is told by how the camera was held: a map knows of
-/// no gravity. Walls that most tags hang on lie along the paper's edges.
+/// From above and from two sides. Walls that most tags hang on lie along the paper's edges.
 struct Elevations {
   Elevation above, front, side;
 };
-Elevations elevations_of(const TagMap& map, const MapEvidence& evidence);
+/// Up is up as the camera was held, as far as it tells: a map knows of no gravity.
+Eigen::Vector3d upward(const TagMap& map, const MapEvidence& evidence);
+
+/// up: in the map's frame, of length 1.
+Elevations elevations_of(const TagMap& map, const Eigen::Vector3d& up);
 
 /// Metres of an elevation to the units of a picture, the same along both.
 class PaperScale {
