@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "apriltrack/base/degrees.h"
+#include "apriltrack/eval/statistics.h"
 
 namespace apriltrack::app {
 namespace {
@@ -19,12 +20,6 @@ double position_sigma_mm(const Matrix6d& covariance) {
 
 double rotation_sigma_deg(const Matrix6d& covariance) {
   return kDegPerRad * std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
-}
-
-double median_of_all(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 std::string claims(const TagMap& map) {
@@ -38,7 +33,7 @@ std::string claims(const TagMap& map) {
   return fmt::format(
       " In the map's frame, their places are known to {:.2f} mm and {:.3f} degrees (median sigma; at "
       "worst {:.2f} mm and {:.3f} degrees).",
-      median_of_all(position_mm), median_of_all(rotation_deg), *std::ranges::max_element(position_mm),
+      median(position_mm), median(rotation_deg), *std::ranges::max_element(position_mm),
       *std::ranges::max_element(rotation_deg));
 }
 

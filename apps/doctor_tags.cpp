@@ -4,6 +4,7 @@
 #include <map>
 #include <numeric>
 
+#include "apriltrack/base/disjoint_sets.h"
 #include "apriltrack/eval/statistics.h"
 
 namespace apriltrack::app {
@@ -31,33 +32,6 @@ struct TagViews {
     if (!blurs_px.empty()) all.median_blur_px = median(blurs_px);
     return all;
   }
-};
-
-/// Sets of tags that are joined two by two: each tag points towards its set's root.
-class JoinedTags {
- public:
-  TagKey root(const TagKey& tag) {
-    TagKey at = tag;
-    while (true) {
-      TagKey& parent = parents_.try_emplace(at, at).first->second;
-      if (parent == at) return at;
-      parent = parents_.at(parent);  // halves the way for those who ask later
-      at = parent;
-    }
-  }
-
-  void join(const TagKey& a, const TagKey& b) { parents_[root(a)] = root(b); }
-
-  std::map<TagKey, std::vector<TagKey>> sets() {
-    std::vector<TagKey> tags;
-    for (const auto& [tag, parent] : parents_) tags.push_back(tag);
-    std::map<TagKey, std::vector<TagKey>> sets;
-    for (const TagKey& tag : tags) sets[root(tag)].push_back(tag);
-    return sets;
-  }
-
- private:
-  std::map<TagKey, TagKey> parents_;
 };
 
 }  // namespace
@@ -91,11 +65,16 @@ std::vector<TagSummary> summarise_tags(const Facts& facts) {
 }
 
 std::vector<std::vector<TagKey>> joined_parts(std::span<const std::vector<TagKey>> moments) {
-  JoinedTags joined;
+  std::map<TagKey, std::size_t> numbers;
   for (const std::vector<TagKey>& moment : moments)
-    for (const TagKey& tag : moment) joined.join(moment.front(), tag);
+    for (const TagKey& tag : moment) numbers.try_emplace(tag, numbers.size());
+  DisjointSets joined(numbers.size());
+  for (const std::vector<TagKey>& moment : moments)
+    for (const TagKey& tag : moment) joined.join(numbers.at(moment.front()), numbers.at(tag));
+  std::map<std::size_t, std::vector<TagKey>> sets;
+  for (const auto& [tag, number] : numbers) sets[joined.find(number)].push_back(tag);
   std::vector<std::vector<TagKey>> parts;
-  for (auto& [root, tags] : joined.sets()) parts.push_back(std::move(tags));
+  for (auto& [root, tags] : sets) parts.push_back(std::move(tags));
   std::ranges::sort(parts, [](const auto& a, const auto& b) {
     return a.size() != b.size() ? a.size() > b.size() : a.front() < b.front();
   });

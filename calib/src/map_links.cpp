@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "apriltrack/base/disjoint_sets.h"
 #include "observations.h"
 #include "parts.h"
 

@@ -9,18 +9,6 @@
 
 namespace apriltrack {
 
-/// Sets that grow together (Tarjan's union-find, with path halving).
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count);
-  std::size_t find(std::size_t item);
-  /// False when both were in one set already.
-  bool join(std::size_t a, std::size_t b);
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
 /// Tags that frames join, and the views that do so.
 struct Part {
   std::vector<int> tags;  ///< Sorted.

@@ -4,6 +4,8 @@
 #include <map>
 #include <utility>
 
+#include "apriltrack/base/disjoint_sets.h"
+
 namespace apriltrack {
 namespace {
 

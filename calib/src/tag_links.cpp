@@ -5,6 +5,7 @@
 #include <map>
 #include <queue>
 
+#include "apriltrack/base/disjoint_sets.h"
 #include "apriltrack/geometry/rotation.h"
 
 namespace apriltrack {
