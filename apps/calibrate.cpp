@@ -82,14 +82,6 @@ std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sig
   return refinement;
 }
 
-/// A joint covariance that was asked for has no limit but that of all covariances.
-void require_joint_covariance(const CalibrateOptions& a, const CalibrationFindings& findings) {
-  if (a.joint_covariance.empty() || !findings.joint->is_empty()) return;
-  throw no_result("--joint-covariance",
-                  fmt::format("the map has more tags than covariances are reckoned for ({}): leave it out",
-                              a.calibration.max_tags_with_covariance));
-}
-
 void make_map(CLI::App& command, CalibrateOptions& a) {
   if (!a.constraints.empty()) a.calibration.constraints = read_map_constraints(a.constraints);
   const std::filesystem::path camera = camera_file(a);
@@ -114,7 +106,6 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
   const std::optional<RefinementResult> refinement = refine(a, sightings, result);
   for (const std::string& warning : result.warnings) a.console.warning(warning);
   const CalibrationFindings findings = find(result, refinement, sightings.frames);
-  require_joint_covariance(a, findings);
   const CalibrationFiles files =
       write_calibration(a, camera, sightings, refinement, findings, command_line_of(command), result);
   tell_calibration(a, sightings, result, refinement, findings, files);

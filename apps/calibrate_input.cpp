@@ -1,6 +1,7 @@
 #include "calibrate_input.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <system_error>
@@ -107,6 +108,9 @@ Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig&
     rig.find(camera_name);
     throw no_result("calibrate", fmt::format("the detection files have no rows of camera {}", camera_name));
   }
+  if (all.frames.empty())
+    throw no_result("calibrate", fmt::format("no rows below the header of {}: nothing was detected",
+                                             fmt::join(paths, ", ")));
   return all;
 }
 

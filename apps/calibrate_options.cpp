@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <map>
@@ -19,7 +20,10 @@
 namespace apriltrack::app {
 namespace fs = std::filesystem;
 
-void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
+namespace {
+
+/// What is looked at, and how.
+void add_input_options(CLI::App& command, CalibrateOptions& a) {
   command.add_option(
       "INPUT", a.inputs,
       "Sequence folder, folder of images, glob, EuRoC mav0 folder or video; of several cameras: "
@@ -39,6 +43,17 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
   command.add_option("--decimate", a.detector.decimate, "Search tags in an image this many times smaller")
       ->check(decimation())
       ->capture_default_str();
+  command.add_option("--rate", a.source.rate_hz, "Frames a second, for images whose names are no times")
+      ->check(rate());
+  command.add_option("--step", a.source.step, "Use every STEP-th frame")
+      ->check(whole_number(1))
+      ->capture_default_str();
+  command.add_option("--max-frames", a.source.max_frames, "Use so many frames of each input at most")
+      ->check(whole_number(1));
+}
+
+/// What is taken as known, and what is solved for.
+void add_model_options(CLI::App& command, CalibrateOptions& a) {
   command.add_option(
       "--held-tag,--origin", a.held_tag,
       "Tag at the map's origin, ID or family/ID; by default the first one of the largest part");
@@ -53,13 +68,6 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
   command.add_option("--map-frame", a.calibration.map_frame, "Name of the map's frame")
       ->check(not_empty("name the map's frame, such as world"))
       ->capture_default_str();
-  command.add_option("--rate", a.source.rate_hz, "Frames a second, for images whose names are no times")
-      ->check(rate());
-  command.add_option("--step", a.source.step, "Use every STEP-th frame")
-      ->check(whole_number(1))
-      ->capture_default_str();
-  command.add_option("--max-frames", a.source.max_frames, "Use so many frames of each input at most")
-      ->check(whole_number(1));
   command.add_flag("--no-refine", a.no_refine,
                    "Leave the map as the corners say, and do not refine it on the tags' pictures");
   command
@@ -83,6 +91,10 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
                   "How far (px) the detector's edges may lie beside the true ones: estimated with the map; "
                   "0 = not at all. 0.2 for --detections, 0 for images")
       ->check(number_between(0.0, 100.0));
+}
+
+/// What is written.
+void add_output_options(CLI::App& command, CalibrateOptions& a) {
   command.add_option("--parts", a.parts, "Folder for a map of each part: part_1.yaml is the map itself");
   command.add_option("--report", a.report,
                      "Web page: how far the map can be trusted, where not, and what would help; with "
@@ -91,10 +103,18 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
                    "Make a map of each half of the recording, too, and say how far the two differ");
   command.add_option("--joint-covariance", a.joint_covariance,
                      "YAML file for the covariance of all tags together, from which follows that of any two");
-  command.add_option("--config", a.config,
-                     "YAML file of options, keys = their long names; the command line wins");
   command.add_option("--output", a.output,
                      "The map; its observations go to <output>.detections.csv beside it");
+}
+
+}  // namespace
+
+void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
+  add_input_options(command, a);
+  add_model_options(command, a);
+  add_output_options(command, a);
+  command.add_option("--config", a.config,
+                     "YAML file of options, keys = their long names; the command line wins");
   command.add_option("--threads", a.num_threads, "0 = as many as there are cores; changes no result")
       ->check(threads())
       ->capture_default_str();
@@ -105,26 +125,64 @@ namespace {
 
 /// The observations that a map is made from lie beside it. Where they are the very file that it is made from,
 /// that stays as it is; one file of several would be told to be all of them.
-void check_observations_file(const CalibrateOptions& a, const std::vector<std::string>& read) {
+std::string observations_to_write(const CalibrateOptions& a) {
   const std::string file = observations_file(a).string();
-  if (!is_detections_input(a, file)) return check_output(file, "--output", read);
-  if (a.detections.size() == 1) return;
+  if (!is_detections_input(a, file)) return file;
+  if (a.detections.size() == 1) return "";
   throw invalid_input("--output", fmt::format("the observations would go to '{}', which is one of several "
                                               "--detections: name another file",
                                               file));
 }
 
-void check_parts(const CalibrateOptions& a) {
+/// Whether cameras are refined shows only after the work.
+std::string camera_to_write(const CalibrateOptions& a, const std::vector<std::string>& read) {
+  if (a.calibration.intrinsics == Intrinsics::kKeep && !a.calibration.refine_extrinsics) return "";
+  const std::string file = refined_camera_file(a).string();
+  const bool is_read = std::ranges::any_of(read, [&](const std::string& input) {
+    std::error_code ignored;
+    return fs::equivalent(input, file, ignored);
+  });
+  if (!is_read) return file;
+  throw invalid_input("--output",
+                      fmt::format("a refined camera would replace '{}', which this run reads: name another "
+                                  "file, or give --intrinsics keep{}",
+                                  file, a.calibration.refine_extrinsics ? " --extrinsics keep" : ""));
+}
+
+/// How many parts there will be shows only after the work: nothing else may have the name of any.
+bool is_named_as_part(const fs::path& file, const fs::path& parts) {
+  std::error_code ignored;
+  return file.extension() == ".yaml" && file.filename().string().starts_with("part_") &&
+         fs::weakly_canonical(fs::absolute(file), ignored).parent_path() ==
+             fs::weakly_canonical(fs::absolute(parts) / "part_1.yaml", ignored).parent_path();
+}
+
+void check_parts(const CalibrateOptions& a, const std::vector<std::string>& read) {
   if (a.parts.empty()) return;
   std::error_code ignored;
   if (fs::exists(a.parts, ignored) && !fs::is_directory(a.parts, ignored))
     throw invalid_input("--parts", fmt::format("'{}' is a file: name a folder", a.parts));
   check_output_folder(a.parts);
-  const fs::path output = fs::absolute(a.output).lexically_normal();
-  const fs::path parts = fs::absolute(fs::path(a.parts) / "part_1.yaml").lexically_normal().parent_path();
-  if (output.parent_path() == parts && output.filename().string().starts_with("part_"))
+  if (is_named_as_part(a.output, a.parts))
     throw invalid_input("--output",
                         fmt::format("'{}' has the name of a part in --parts: name another file", a.output));
+  for (const std::string& input : read) {
+    if (is_named_as_part(input, a.parts))
+      throw invalid_input(
+          "--parts",
+          fmt::format("a part would replace '{}', which this run reads: name another folder", input));
+  }
+}
+
+void check_files(const CalibrateOptions& a, const std::vector<std::string>& read) {
+  const std::string observations = observations_to_write(a), camera = camera_to_write(a, read);
+  check_outputs({{a.output, "--output"},
+                 {observations, "--output (its observations)"},
+                 {camera, "--output (its refined camera)"},
+                 {a.report, "--report"},
+                 {a.joint_covariance, "--joint-covariance"}},
+                read);
+  check_parts(a, read);
 }
 
 }  // namespace
@@ -154,12 +212,8 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
   std::vector<std::string> read = camera_inputs(a.camera, inputs);
   read.insert(read.end(), {a.tag_sizes, a.constraints, a.config});
   read.insert(read.end(), inputs.begin(), inputs.end());
-  std::vector<std::string> all_read = read;
-  all_read.insert(all_read.end(), a.detections.begin(), a.detections.end());
-  check_outputs({{a.output, "--output"}, {a.report, "--report"}, {a.joint_covariance, "--joint-covariance"}},
-                all_read);
-  check_observations_file(a, read);
-  check_parts(a);
+  read.insert(read.end(), a.detections.begin(), a.detections.end());
+  check_files(a, read);
 }
 
 std::string name_of_intrinsics(Intrinsics intrinsics) {

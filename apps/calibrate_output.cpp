@@ -35,13 +35,13 @@ std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptio
           {"camera", camera.string() + (a.camera_name.empty() ? "" : " " + a.camera_name)},
           {"options",
            fmt::format(
-               "family {}; tag size {}; sizes file {}; constraints {}; min views {}; step {}; max frames {}; "
-               "decimate {:g}; intrinsics {}; extrinsics {}; edge offset sigma {:g} px",
+               "family {}; tag size {}; sizes file {}; constraints {}; min views {}; rate {}; step {}; "
+               "max frames {}; decimate {:g}; intrinsics {}; extrinsics {}; edge offset sigma {:g} px",
                fmt::join(a.detector.families, " "), a.tag_size_m ? format_exact(*a.tag_size_m) : "-",
                a.tag_sizes.empty() ? "-" : a.tag_sizes, a.constraints.empty() ? "-" : a.constraints,
-               a.calibration.min_views, a.source.step,
-               a.source.max_frames ? std::to_string(*a.source.max_frames) : "-", a.detector.decimate,
-               name_of_intrinsics(a.calibration.intrinsics),
+               a.calibration.min_views, a.source.rate_hz ? fmt::format("{:g} Hz", *a.source.rate_hz) : "-",
+               a.source.step, a.source.max_frames ? std::to_string(*a.source.max_frames) : "-",
+               a.detector.decimate, name_of_intrinsics(a.calibration.intrinsics),
                a.calibration.refine_extrinsics ? "refine" : "keep", a.calibration.edge_offset_sigma_px)},
           {"gauge", gauge},
           {"observations", observations.filename().string()}};
@@ -79,16 +79,37 @@ std::vector<std::string> write_parts(const CalibrateOptions& a, const Calibratio
   return written;
 }
 
-nlohmann::json names(const std::vector<TagKey>& keys) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const TagKey& key : keys) list.push_back(to_string(key));
-  return list;
+/// Left as it is: it may be somebody's own. But who takes it for this map's camera tracks with a wrong one.
+void warn_of_older_camera(const CalibrateOptions& a, const fs::path& camera) {
+  const fs::path file = refined_camera_file(a);
+  std::error_code ignored;
+  if (!fs::exists(file, ignored) || fs::equivalent(file, camera, ignored)) return;
+  a.console.warning(
+      fmt::format("{} is not of this run, which refined no camera: track with {}, and remove it",
+                  file.string(), camera.string()));
 }
 
-nlohmann::json names(const TagMap& map) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const MapTag& tag : map.tags) list.push_back(to_string(tag.key));
-  return list;
+/// Whether there is one to write. It was asked for beside the map, which is as good without.
+bool write_joint_covariance(const CalibrateOptions& a, const TagMap& map, const JointCovariance& joint,
+                            StagedFiles& outputs) {
+  if (a.joint_covariance.empty()) return false;
+  if (!joint.is_empty()) {
+    outputs.write(a.joint_covariance,
+                  [&](const fs::path& path) { apriltrack::write_joint_covariance(path, map, joint); });
+    return true;
+  }
+  std::error_code ignored;
+  a.console.warning(fmt::format(
+      "--joint-covariance: the map has {} tags, and covariances are reckoned for {} at most: not written{}",
+      map.tags.size(), a.calibration.max_tags_with_covariance,
+      fs::exists(a.joint_covariance, ignored) ? "; " + a.joint_covariance + " is not of this run" : ""));
+  return false;
+}
+
+std::vector<TagKey> keys_of(const TagMap& map) {
+  std::vector<TagKey> keys;
+  for (const MapTag& tag : map.tags) keys.push_back(tag.key);
+  return keys;
 }
 
 nlohmann::json told(const RefinementResult& refinement) {
@@ -99,7 +120,7 @@ nlohmann::json told(const RefinementResult& refinement) {
     summary["reason"] = refinement.reason;
     return summary;
   }
-  summary["tags"] = names(refinement.refined);
+  summary["tags"] = told_keys(refinement.refined);
   summary["moments_used"] = refinement.moments_used;
   summary["views_used"] = refinement.views_used;
   for (const LensBlur& lens : refinement.lens_blurs) summary["psf_sigma_px"][lens.camera] = lens.sigma_px;
@@ -137,6 +158,10 @@ fs::path observations_file(const CalibrateOptions& a) {
   return fs::path(a.output).replace_extension(".detections.csv");
 }
 
+fs::path refined_camera_file(const CalibrateOptions& a) {
+  return fs::path(a.output).replace_extension(".camera.yaml");
+}
+
 bool is_detections_input(const CalibrateOptions& a, const fs::path& path) {
   return std::any_of(a.detections.begin(), a.detections.end(), [&](const std::string& input) {
     std::error_code ignored;
@@ -164,13 +189,13 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
                   [&](const fs::path& path) { write_detections_csv(path, sightings.frames); });
   }
   if (is_lens_refined(result)) {
-    files.camera = fs::path(a.output).replace_extension(".camera.yaml");
+    files.camera = refined_camera_file(a);
     outputs.write(*files.camera, [&](const fs::path& path) { write_cameras(path, result.rig); });
+  } else {
+    warn_of_older_camera(a, camera);
   }
   files.parts = write_parts(a, result, outputs);
-  if (!a.joint_covariance.empty())
-    outputs.write(a.joint_covariance,
-                  [&](const fs::path& path) { write_joint_covariance(path, result.map, *findings.joint); });
+  files.has_joint_covariance = write_joint_covariance(a, result.map, *findings.joint, outputs);
   if (!a.report.empty()) {
     const CalibrateRun run{command_line, a, camera, sightings, result, refinement, findings};
     outputs.write(a.report, [&](const fs::path& path) { write_calibrate_report(path, run); });
@@ -184,8 +209,8 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
                       const std::optional<RefinementResult>& refinement, const CalibrationFindings& findings,
                       const CalibrationFiles& files) {
   nlohmann::json other_parts = nlohmann::json::array();
-  for (const TagMap& part : result.other_parts) other_parts.push_back(names(part));
-  nlohmann::json summary = {{"tags", names(result.map)},
+  for (const TagMap& part : result.other_parts) other_parts.push_back(told_keys(keys_of(part)));
+  nlohmann::json summary = {{"tags", told_keys(keys_of(result.map))},
                             {"held_tag", to_string(result.held_tag)},
                             {"frames", sightings.counts.readable},
                             {"unreadable", sightings.counts.unreadable},
@@ -194,11 +219,10 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
                             {"observations_used", result.observations_used},
                             {"observations_rejected", result.observations_rejected},
                             {"residual_rms_px", result.residual_rms_px},
-                            {"left_out", names(result.left_out)},
+                            {"left_out", told_keys(result.left_out)},
                             {"other_parts", other_parts},
                             {"part_files", files.parts},
                             {"gauge", result.gauge},
-                            {"warnings", result.warnings},
                             {"corrections", told(result.corrections)},
                             {"interrupted", sightings.counts.is_interrupted},
                             {"output", a.output},
@@ -206,7 +230,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
   if (!a.constraints.empty()) summary["constraints"] = told_constraints(result.constraint_audits);
   tell_machines(findings, result, summary);
   if (!a.report.empty()) summary["report"] = a.report;
-  if (!a.joint_covariance.empty()) summary["joint_covariance"] = a.joint_covariance;
+  if (files.has_joint_covariance) summary["joint_covariance"] = a.joint_covariance;
   if (refinement) summary["refinement"] = told(*refinement);
   if (files.camera) summary["camera"] = files.camera->string();
   std::string text = fmt::format(
@@ -221,7 +245,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
   if (files.camera) text += "\nrefined camera: " + files.camera->string();
   for (const std::string& file : files.parts) text += "\npart: " + file;
   text += tell_people(findings, result);
-  if (!a.joint_covariance.empty()) text += "\njoint covariance: " + a.joint_covariance;
+  if (files.has_joint_covariance) text += "\njoint covariance: " + a.joint_covariance;
   if (!a.report.empty()) text += "\nreport: " + a.report;
   a.console.finish(summary, text);
 }

@@ -17,10 +17,13 @@ struct CalibrationFiles {
   std::filesystem::path observations;
   std::optional<std::filesystem::path> camera;  ///< Where it was refined.
   std::vector<std::string> parts;
+  bool has_joint_covariance = false;
 };
 
 /// Where the observations go: beside the map.
 std::filesystem::path observations_file(const CalibrateOptions& options);
+/// Where cameras go if they are refined: beside the map.
+std::filesystem::path refined_camera_file(const CalibrateOptions& options);
 /// Whether a file is one of --detections.
 bool is_detections_input(const CalibrateOptions& options, const std::filesystem::path& path);
 

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
+#include "apriltrack/geometry/tag_corners.h"
 #include "apriltrack/tags/tag_map.h"
 #include "filmed_wall.h"
 #include "program.h"
@@ -59,6 +61,23 @@ class CalibrateReport : public ::testing::Test {
   static constexpr const char* kCorners = "a<b>&\"c'.csv";
   const fs::path folder_ = temporary_folder();
 };
+
+/// Of all tags' outlines in a picture, in its units.
+double height_of_outline(const std::string& source, const std::string& picture) {
+  const std::size_t name = source.find(">" + picture + "<"), begin = source.rfind("<svg", name);
+  double low = 1e9, high = -1e9;
+  for (std::size_t at = source.find("<polygon", begin); at < name; at = source.find("<polygon", at + 1)) {
+    if (source[source.find('>', at) - 1] == '/') continue;  // an arrow's head, which has no tooltip
+    const std::size_t points = source.find("points=\"", at) + 8;
+    const std::vector<double> numbers =
+        numbers_in(source.substr(points, source.find('"', points + 1) - points));
+    for (std::size_t i = 1; i < numbers.size(); i += 2) {
+      low = std::min(low, numbers[i]);
+      high = std::max(high, numbers[i]);
+    }
+  }
+  return high - low;
+}
 
 TEST_F(CalibrateReport, HasAllSectionsAndTheMapsFigures) {
   film({{40, {0, 1, 2}}});
@@ -147,6 +166,126 @@ TEST_F(CalibrateReport, IsCheckedBeforeTheWork) {
     EXPECT_THAT(run_program(words({option, path("camera.yaml")})), EndsWith(2, "is an input of this run"));
   }
   EXPECT_FALSE(fs::exists(path("map.yaml")));
+}
+
+TEST_F(CalibrateReport, DrawsNoWayFromOneTakeToTheNext) {
+  film({{20, {0, 1, 2}}});
+  std::string again = kDetectionsHeader;
+  for (int view = 20; view < 40; ++view) {
+    for (const int id : {0, 1, 2}) again += wall_row(100'000'000LL * (view - 9), camera_from_wall(view), id);
+  }
+  write_text(path("again.csv"), again);
+  const auto paths_drawn = [&](const std::vector<std::string>& more) {
+    run_for_json(words(more));
+    const std::string source = ReadReport(path("page.html")).source();
+    const std::size_t below = source.find("From above"), above = source.rfind("<svg", below);
+    std::size_t count = 0;
+    for (std::size_t at = source.find("<polyline", above); at < below; at = source.find("<polyline", at + 1))
+      ++count;
+    return count;
+  };
+  EXPECT_EQ(paths_drawn({"--report", path("page.html")}), 1U);
+  EXPECT_EQ(paths_drawn({"--report", path("page.html"), "--detections", path("again.csv")}), 2U);
+}
+
+TEST_F(CalibrateReport, OfAMeasuredFrameHoldsNoTagAndHasItsUp) {
+  film({{40, {0, 1, 2}}});
+  const auto caption = [&](const std::vector<std::string>& more) {
+    run_for_json(words(more));
+    for (const std::string& text : ReadReport(path("page.html")).texts("figcaption"))
+      if (text.find("direction they face") != std::string::npos) return text;
+    return std::string();
+  };
+  EXPECT_THAT(caption({"--report", path("page.html")}),
+              AllOf(HasSubstr("relative to the held tag"), HasSubstr("filled in green"),
+                    HasSubstr("Up is as the camera was held")));
+  write_text(path("measured.yaml"),
+             "apriltrack_constraints: 1\nconstraints:\n"
+             "  - {type: gravity, tag: 0, direction: {x: 0.0, y: 0.0, z: 1.0}, sigma_rad: 0.01}\n");
+  EXPECT_THAT(caption({"--report", path("page.html"), "--constraints", path("measured.yaml")}),
+              AllOf(HasSubstr("relative to the measured frame"), Not(HasSubstr("held one")),
+                    HasSubstr("Up is z of the map, as measured")));
+  // The wall lies on the floor: from the front its tags are on one line, from above they are not.
+  const std::string source = ReadReport(path("page.html")).source();
+  EXPECT_GT(height_of_outline(source, "From above"), 10.0);
+  EXPECT_LT(height_of_outline(source, "From the front"), 1.0);
+  write_text(path("measured.yaml"),
+             "apriltrack_constraints: 1\nconstraints:\n"
+             "  - {type: position, tag: 0, position_m: {x: 1.0, y: 1.0, z: 1.0}, sigma_m: 0.01}\n");
+  EXPECT_THAT(caption({"--report", path("page.html"), "--constraints", path("measured.yaml")}),
+              AllOf(HasSubstr("relative to the measured frame"), HasSubstr("Up is as the camera was held")));
+}
+
+TEST_F(CalibrateReport, ARefinedCameraReplacesNoInput) {
+  film({{40, {0, 1, 2}}});
+  const std::string camera = pinhole_entry("cam0", 520.0), own = path("map.camera.yaml");
+  write_text(path("camera.yaml"), camera);
+  const nlohmann::json first = run_for_json(words({"--intrinsics", "refine"}));
+  ASSERT_EQ(first["camera"], own) << "it does refine";
+
+  write_text(own, camera);
+  EXPECT_THAT(run_program(words({"--intrinsics", "refine", "--camera", own})),
+              EndsWith(2, "a refined camera would replace '" + own + "', which this run reads"));
+  EXPECT_EQ(read_text(own), camera);
+  EXPECT_THAT(run_program(words({"--report", own})), EndsWith(2, "its refined camera"));
+
+  write_text(own, pinhole_entry("cam0"));
+  const ProgramRun kept = run_program(words({"--intrinsics", "keep", "--camera", own}));
+  EXPECT_EQ(kept.status, 0) << kept.err;
+  EXPECT_THAT(kept.err, Not(HasSubstr("not of this run"))) << "it is the map's own";
+  const ProgramRun other = run_program(words({"--intrinsics", "keep"}));
+  EXPECT_EQ(other.status, 0) << other.err;
+  EXPECT_THAT(other.err, HasSubstr(own + " is not of this run, which refined no camera: track with " +
+                                   path("camera.yaml")));
+  EXPECT_EQ(read_text(own), pinhole_entry("cam0")) << "it may be somebody's own";
+}
+
+TEST_F(CalibrateReport, NoOutputReplacesAnInputOrAnotherOutput) {
+  film({{40, {0, 1, 2}}});
+  EXPECT_THAT(run_program(words({"--report", path("map.detections.csv")})), EndsWith(2, "its observations"));
+  EXPECT_THAT(run_program(words({"--joint-covariance", path("map.detections.csv")})),
+              EndsWith(2, "its observations"));
+  const std::string own = path("parts/part_3.yaml");
+  write_text(own, pinhole_entry("cam0"));
+  EXPECT_THAT(run_program(words({"--parts", path("parts"), "--camera", own})),
+              EndsWith(2, "a part would replace '" + own + "'"));
+  EXPECT_EQ(read_text(own), pinhole_entry("cam0"));
+  EXPECT_FALSE(fs::exists(path("map.yaml")));
+}
+
+TEST_F(CalibrateReport, OfNoRowsSaysThatThereAreNone) {
+  film({});
+  EXPECT_THAT(run_program(words({})), EndsWith(1, "no rows below the header of " + path(kCorners)));
+}
+
+/// A corridor of 1001 tags, four of them in each picture, seen from three places.
+TEST_F(CalibrateReport, JointCovarianceOfTooManyTagsIsLeftOutOfAMapThatIsWritten) {
+  std::string csv = kDetectionsHeader;
+  long long time_ns = 0;
+  for (int first = 0; first + 3 <= 1000; first += 2) {
+    for (int view = 0; view < 3; ++view) {
+      time_ns += 100'000'000;
+      for (int id = first; id < std::min(first + 4, 1001); ++id) {
+        csv += fmt::format("{},cam0,tagStandard41h12,{}", time_ns, id);
+        for (const Eigen::Vector3d& corner_tag : tag_corners(0.16)) {
+          const Eigen::Vector3d p = camera_from_wall(3 * first + view) *
+                                    (Eigen::Vector3d(0.25 * (id - first) - 0.375, 0.0, 0.0) + corner_tag);
+          csv += fmt::format(",{:.3f},{:.3f}", 500.0 * p.x() / p.z() + 319.5, 500.0 * p.y() / p.z() + 239.5);
+        }
+        csv += "\n";
+      }
+    }
+  }
+  write_text(path(kCorners), csv);
+  write_text(path("joint.yaml"), "of an earlier run\n");
+  const nlohmann::json summary = run_for_json(words({"--joint-covariance", path("joint.yaml")}));
+  EXPECT_EQ(summary["tags"].size(), 1001U);
+  EXPECT_FALSE(summary.contains("joint_covariance"));
+  EXPECT_THAT(summary["warnings"].dump(),
+              AllOf(HasSubstr("1001 tags, and covariances are reckoned for 1000 at most: not written"),
+                    HasSubstr("joint.yaml is not of this run")));
+  EXPECT_EQ(read_text(path("joint.yaml")), "of an earlier run\n");
+  EXPECT_EQ(read_tag_map(path("map.yaml")).tags.size(), 1001U);
 }
 
 TEST_F(CalibrateReport, JointCovarianceHoldsThatOfEachTag) {
