@@ -9,7 +9,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "apriltrack/geometry/tag_corners.h"
 #include "apriltrack/tags/tag_map.h"
 #include "filmed_wall.h"
 #include "program.h"
@@ -50,10 +49,11 @@ class CalibrateReport : public ::testing::Test {
     write_text(path(kCorners), csv);
   }
 
-  std::vector<std::string> words(const std::vector<std::string>& more) const {
-    std::vector<std::string> all = {"calibrate", "--detections",      path(kCorners),
-                                    "--camera",  path("camera.yaml"), "--tag-size",
-                                    "0.16",      "--output",          path("map.yaml")};
+  std::vector<std::string> words(const std::vector<std::string>& more,
+                                 const std::string& camera = "camera.yaml") const {
+    std::vector<std::string> all = {"calibrate", "--detections", path(kCorners),
+                                    "--camera",  path(camera),   "--tag-size",
+                                    "0.16",      "--output",     path("map.yaml")};
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
@@ -224,13 +224,13 @@ TEST_F(CalibrateReport, ARefinedCameraReplacesNoInput) {
   ASSERT_EQ(first["camera"], own) << "it does refine";
 
   write_text(own, camera);
-  EXPECT_THAT(run_program(words({"--intrinsics", "refine", "--camera", own})),
+  EXPECT_THAT(run_program(words({"--intrinsics", "refine"}, "map.camera.yaml")),
               EndsWith(2, "a refined camera would replace '" + own + "', which this run reads"));
   EXPECT_EQ(read_text(own), camera);
   EXPECT_THAT(run_program(words({"--report", own})), EndsWith(2, "its refined camera"));
 
   write_text(own, pinhole_entry("cam0"));
-  const ProgramRun kept = run_program(words({"--intrinsics", "keep", "--camera", own}));
+  const ProgramRun kept = run_program(words({"--intrinsics", "keep"}, "map.camera.yaml"));
   EXPECT_EQ(kept.status, 0) << kept.err;
   EXPECT_THAT(kept.err, Not(HasSubstr("not of this run"))) << "it is the map's own";
   const ProgramRun other = run_program(words({"--intrinsics", "keep"}));
@@ -247,7 +247,7 @@ TEST_F(CalibrateReport, NoOutputReplacesAnInputOrAnotherOutput) {
               EndsWith(2, "its observations"));
   const std::string own = path("parts/part_3.yaml");
   write_text(own, pinhole_entry("cam0"));
-  EXPECT_THAT(run_program(words({"--parts", path("parts"), "--camera", own})),
+  EXPECT_THAT(run_program(words({"--parts", path("parts")}, "parts/part_3.yaml")),
               EndsWith(2, "a part would replace '" + own + "'"));
   EXPECT_EQ(read_text(own), pinhole_entry("cam0"));
   EXPECT_FALSE(fs::exists(path("map.yaml")));
@@ -256,36 +256,6 @@ TEST_F(CalibrateReport, NoOutputReplacesAnInputOrAnotherOutput) {
 TEST_F(CalibrateReport, OfNoRowsSaysThatThereAreNone) {
   film({});
   EXPECT_THAT(run_program(words({})), EndsWith(1, "no rows below the header of " + path(kCorners)));
-}
-
-/// A corridor of 1001 tags, four of them in each picture, seen from three places.
-TEST_F(CalibrateReport, JointCovarianceOfTooManyTagsIsLeftOutOfAMapThatIsWritten) {
-  std::string csv = kDetectionsHeader;
-  long long time_ns = 0;
-  for (int first = 0; first + 3 <= 1000; first += 2) {
-    for (int view = 0; view < 3; ++view) {
-      time_ns += 100'000'000;
-      for (int id = first; id < std::min(first + 4, 1001); ++id) {
-        csv += fmt::format("{},cam0,tagStandard41h12,{}", time_ns, id);
-        for (const Eigen::Vector3d& corner_tag : tag_corners(0.16)) {
-          const Eigen::Vector3d p = camera_from_wall(3 * first + view) *
-                                    (Eigen::Vector3d(0.25 * (id - first) - 0.375, 0.0, 0.0) + corner_tag);
-          csv += fmt::format(",{:.3f},{:.3f}", 500.0 * p.x() / p.z() + 319.5, 500.0 * p.y() / p.z() + 239.5);
-        }
-        csv += "\n";
-      }
-    }
-  }
-  write_text(path(kCorners), csv);
-  write_text(path("joint.yaml"), "of an earlier run\n");
-  const nlohmann::json summary = run_for_json(words({"--joint-covariance", path("joint.yaml")}));
-  EXPECT_EQ(summary["tags"].size(), 1001U);
-  EXPECT_FALSE(summary.contains("joint_covariance"));
-  EXPECT_THAT(summary["warnings"].dump(),
-              AllOf(HasSubstr("1001 tags, and covariances are reckoned for 1000 at most: not written"),
-                    HasSubstr("joint.yaml is not of this run")));
-  EXPECT_EQ(read_text(path("joint.yaml")), "of an earlier run\n");
-  EXPECT_EQ(read_tag_map(path("map.yaml")).tags.size(), 1001U);
 }
 
 TEST_F(CalibrateReport, JointCovarianceHoldsThatOfEachTag) {
