@@ -1,11 +1,11 @@
 #include "photometric_view.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "blurred_picture.h"
+#include "plane_ray.h"
 
 namespace apriltrack {
 namespace {
@@ -23,20 +23,6 @@ constexpr int kRoundsOfWeights = 4;
 constexpr double kLeastScaleOfContrast = 0.01;
 /// Less is a tag half hidden, or another.
 constexpr double kLeastCorrelation = 0.9;
-
-/// Where a ray meets the tag's plane.
-struct PlanePoint {
-  Eigen::Vector2d uv;            ///< In half tag sizes.
-  Eigen::Vector3d point_camera;  ///< Metres.
-};
-
-PlanePoint meet_plane(const Eigen::Matrix3d& R, const Eigen::Vector3d& t, double half_size_m,
-                      const Eigen::Vector2d& ray) {
-  const Eigen::Vector3d direction = ray.homogeneous();
-  const Eigen::Vector3d normal = R.col(2);
-  const Eigen::Vector3d point = normal.dot(t) / normal.dot(direction) * direction;
-  return {(R.transpose() * (point - t)).head<2>() / half_size_m, point};
-}
 
 bool is_near_saturated(const TagPatch& patch, const ResponseCurve& response, int x, int y) {
   const int x1 = std::min(x + kAboutSaturated_px, patch.pixels.width() - 1);
@@ -111,32 +97,18 @@ class PixelFit {
   void predict(const PrintedTag& tag, const Pose& T_camera_tag, const PlaneBlur& blur,
                const TagLight& light) {
     const BlurredPicture picture(tag.pattern, blur.picture);
-    const Eigen::Matrix3d R = T_camera_tag.rotation_matrix();
+    const TagPlane plane(T_camera_tag, tag.half_size_m);
     for (Eigen::Index i = 0; i < seen_.size(); ++i) {
       const Eigen::Vector2d& ray = view_.rays[static_cast<std::size_t>(i)];
-      const PlanePoint at = meet_plane(R, T_camera_tag.translation(), tag.half_size_m, ray);
+      const PlanePoint at = plane.meet(ray);
       const PictureSample sample = picture.at(at.uv.x(), at.uv.y());
       places_.col(i) = at.uv;
       factors_[i] = light.factor(at.uv.x(), at.uv.y());
       const double white = factors_[i] * sample.light;
       colours_.row(i) << white, 1.0, white * at.uv.x(), white * at.uv.y();
-      unknowns_.row(i) << by_pose(R, tag.half_size_m, ray, at.point_camera, sample),
+      unknowns_.row(i) << plane.by_pose(ray, at, sample),
           sample.by_log_sigma_u * blur.log_sigma_u_by_psf + sample.by_log_sigma_v * blur.log_sigma_v_by_psf;
     }
-  }
-
-  /// As the plane moves by p = rho + theta x point, its point under the ray moves by -p in it, and along the
-  /// ray as far as it takes to stay in the plane.
-  static Eigen::Matrix<double, 1, 6> by_pose(const Eigen::Matrix3d& R, double half_size_m,
-                                             const Eigen::Vector2d& ray, const Eigen::Vector3d& point,
-                                             const PictureSample& sample) {
-    const Eigen::Vector3d direction = ray.homogeneous();
-    const Eigen::Vector3d along = sample.by_u * R.col(0) + sample.by_v * R.col(1);
-    const Eigen::Vector3d by_move =
-        (along.dot(direction) / R.col(2).dot(direction) * R.col(2) - along) / half_size_m;
-    Eigen::Matrix<double, 1, 6> by_pose;
-    by_pose << by_move.transpose(), point.cross(by_move).transpose();
-    return by_pose;
   }
 
   /// Light of the white where its factor is 1, less the black's.
@@ -181,14 +153,15 @@ bool read_pixels(const TagPatch& patch, const Camera& camera, const PrintedTag& 
   const auto blur = plane_blur(camera.model, T_camera_tag, tag.half_size_m, {psf_sigma_px, view.streak_px});
   if (!blur) return false;
   const BlurredPicture picture(tag.pattern, blur->picture);
-  const Eigen::Matrix3d R = T_camera_tag.rotation_matrix();
+  const Eigen::Vector3d normal = T_camera_tag.rotation_matrix().col(2);
+  const TagPlane plane(T_camera_tag, tag.half_size_m);
   const double area = static_cast<double>(patch.pixels.width()) * patch.pixels.height();
   const int stride = std::max(1, static_cast<int>(std::lround(std::sqrt(area / kMostPixels))));
   const auto read = [&](int x, int y) {
     const auto ray = camera.model.unproject(Eigen::Vector2d(patch.x + x, patch.y + y));
-    if (!ray || !(ray->z() > 0.0) || !(R.col(2).dot(*ray) > 0.0)) return;
+    if (!ray || !(ray->z() > 0.0) || !(normal.dot(*ray) > 0.0)) return;
     const Eigen::Vector2d slope = ray->hnormalized();
-    const PlanePoint at = meet_plane(R, T_camera_tag.translation(), tag.half_size_m, slope);
+    const PlanePoint at = plane.meet(slope);
     if (picture.at(at.uv.x(), at.uv.y()).known < kAllPrinted) return;
     if (is_near_saturated(patch, camera.response, x, y)) return;
     view.rays.push_back(slope);
