@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "apriltrack/base/parallel.h"
+#include "response_views.h"
+
+namespace apriltrack {
+
+/// The exponent that views have in common.
+struct FittedExponent {
+  double exponent = 0.0;
+  double sigma = 0.0;  ///< See ResponseEstimate.
+};
+
+/// Gauss-Newton on the exponent, each view's own unknowns following it (docs/algorithms/response.md,
+/// equations 2 to 4). Views that cannot follow are taken out. nullopt where it does not settle.
+std::optional<FittedExponent> fit_exponent(std::vector<ResponseView>& views, double first,
+                                           const ParallelFor& parallel);
+
+/// How much worse `other` explains the views than `curve`, in standard errors of the mean over frames: each
+/// view begins anew with either, its noise as it is.
+double sigmas_worse(const std::vector<ResponseView>& views, const CodeCurve& other, const CodeCurve& curve,
+                    const ParallelFor& parallel);
+
+}  // namespace apriltrack
