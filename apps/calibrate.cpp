@@ -8,12 +8,14 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/calib/calibrate_map.h"
 #include "apriltrack/calib/refine_map.h"
+#include "apriltrack/camera/auto_response.h"
 #include "blank_images.h"
 #include "calibrate_camera.h"
 #include "calibrate_input.h"
 #include "calibrate_options.h"
 #include "calibrate_output.h"
 #include "calibrate_report.h"
+#include "calibrate_response.h"
 #include "command_help.h"
 #include "command_line.h"
 #include "commands.h"
@@ -85,16 +87,18 @@ std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sig
 void make_map(CLI::App& command, CalibrateOptions& a) {
   if (!a.constraints.empty()) a.calibration.constraints = read_map_constraints(a.constraints);
   const std::filesystem::path camera = camera_file(a);
-  const CameraRig rig = read_cameras(camera, a.console.log());
+  auto [rig, to_estimate] = read_cameras_to_estimate(camera, a.console.log());
   const TagSizes sizes = tag_sizes(a);
   const std::vector<Recording> recordings = parse_recordings(a.inputs, rig, a.camera_name);
   warn_of_shutters(rig, a.camera_name, recordings, a.console);
+  ResponseFindings responses = estimate_responses(a, camera, to_estimate, recordings, sizes, rig);
   const Sightings sightings = gather(a, rig, recordings);
   for (const std::string& warning : sightings.warnings) a.console.warning(warning);
   if (sightings.counts.are_all_blank() &&
       std::ranges::all_of(sightings.frames, [](const auto& one) { return one.detections.empty(); }))
     throw no_result("calibrate", told_of_blank_images(sightings.counts.readable));
 
+  check_responses(a, rig, sizes, sightings, responses);
   a.calibration.num_threads = a.num_threads;
   a.calibration.cross_validate = a.calibration.cross_validate || !a.report.empty();
   if (!a.joint_covariance.empty())
@@ -106,9 +110,9 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
   const std::optional<RefinementResult> refinement = refine(a, sightings, result);
   for (const std::string& warning : result.warnings) a.console.warning(warning);
   const CalibrationFindings findings = find(result, refinement, sightings.frames);
-  const CalibrationFiles files =
-      write_calibration(a, camera, sightings, refinement, findings, command_line_of(command), result);
-  tell_calibration(a, sightings, result, refinement, findings, files);
+  const CalibrationFiles files = write_calibration(a, camera, sightings, responses, refinement, findings,
+                                                   command_line_of(command), result);
+  tell_calibration(a, sightings, responses, result, refinement, findings, files);
 }
 
 void run(CLI::App& command, CalibrateOptions& a) {

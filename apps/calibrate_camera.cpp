@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/camera/auto_response.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/source/frame_source.h"
 #include "calibrate_input.h"
@@ -38,7 +39,8 @@ bool is_same_camera(const Camera& a, const Camera& b) {
 }
 
 bool is_same_rig(const fs::path& first, const fs::path& second) {
-  return std::ranges::equal(read_cameras(first).cameras, read_cameras(second).cameras, is_same_camera);
+  const UnestimatedRig a = read_cameras_to_estimate(first), b = read_cameras_to_estimate(second);
+  return a.to_estimate == b.to_estimate && std::ranges::equal(a.rig.cameras, b.rig.cameras, is_same_camera);
 }
 
 Error without_file(const std::string& input, std::size_t num_inputs) {

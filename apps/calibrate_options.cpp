@@ -81,6 +81,13 @@ void add_model_options(CLI::App& command, CalibrateOptions& a) {
           CLI::ignore_case))
       ->default_str("auto");
   command
+      .add_option("--response", a.estimates_response,
+                  "Of the cameras: keep what the camera file says, or auto: estimate it from the images, as "
+                  "`response: auto` in the file does. It goes to <output>.camera.yaml")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"keep", false}, {"auto", true}},
+                                          CLI::ignore_case))
+      ->default_str("keep");
+  command
       .add_option("--extrinsics", a.calibration.refine_extrinsics,
                   "Where several cameras sit on the rig: keep, or refine")
       ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"keep", false}, {"refine", true}},
@@ -199,8 +206,8 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
   if (a.tag_size_m && !(*a.tag_size_m > 0.0 && *a.tag_size_m <= 100.0))
     throw invalid_input("--tag-size", fmt::format("must be in (0, 100] metres (is {})", *a.tag_size_m));
   if (!a.detections.empty())
-    refuse_beside_detections(command,
-                             {"--step", "--max-frames", "--rate", "--family", "--decimate", "--no-refine"});
+    refuse_beside_detections(
+        command, {"--step", "--max-frames", "--rate", "--family", "--decimate", "--no-refine", "--response"});
   check_families(a.detector.families);
   a.detector.check();
   a.calibration.check();

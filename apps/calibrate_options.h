@@ -33,6 +33,7 @@ struct CalibrateOptions {
   RefinementOptions refinement;
   std::optional<double> edge_offset_sigma_px;
   bool no_refine = false;
+  bool estimates_response = false;
   Console console;
 };
 

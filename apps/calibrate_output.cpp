@@ -138,6 +138,31 @@ nlohmann::json told(const std::vector<CameraCorrection>& corrections) {
   return list;
 }
 
+nlohmann::json told(const ResponseFindings& responses) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const ResponseFinding& one : responses)
+    list.push_back({{"camera", one.camera},
+                    {"exponent", one.estimate.exponent},
+                    {"sigma", one.estimate.sigma},
+                    {"assumed", one.assumed},
+                    {"held_out_sigmas", one.estimate.held_out_sigmas},
+                    {"used", one.is_used ? one.estimate.response.name() : one.assumed}});
+  return list;
+}
+
+bool is_response_estimated(const ResponseFindings& responses) {
+  return std::ranges::any_of(responses, &ResponseFinding::is_used);
+}
+
+std::string words_of_estimated(const ResponseFindings& responses) {
+  std::vector<std::string> words;
+  for (const ResponseFinding& one : responses) {
+    if (one.is_used)
+      words.push_back(fmt::format("of {} estimated: {}", one.camera, one.estimate.response.name()));
+  }
+  return fmt::format("{}", fmt::join(words, "; "));
+}
+
 /// An edge offset is the detector's; all else is the camera's.
 bool is_lens_refined(const CalibrationResult& result) {
   return std::ranges::any_of(result.corrections,
@@ -170,13 +195,15 @@ bool is_detections_input(const CalibrateOptions& a, const fs::path& path) {
 }
 
 CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& camera,
-                                   const Sightings& sightings,
+                                   const Sightings& sightings, const ResponseFindings& responses,
                                    const std::optional<RefinementResult>& refinement,
                                    const CalibrationFindings& findings, const std::string& command_line,
                                    CalibrationResult& result) {
   CalibrationFiles files;
   files.observations = observations_file(a);
   result.map.provenance = provenance(a, camera, result.gauge, files.observations);
+  if (is_response_estimated(responses))
+    result.map.provenance.emplace_back("response", words_of_estimated(responses));
   if (refinement) result.map.provenance.emplace_back("refinement", outcome_of(*refinement));
   for (TagMap& part : result.other_parts)
     part.provenance =
@@ -188,7 +215,7 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
     outputs.write(files.observations,
                   [&](const fs::path& path) { write_detections_csv(path, sightings.frames); });
   }
-  if (is_lens_refined(result)) {
+  if (is_lens_refined(result) || is_response_estimated(responses)) {
     files.camera = refined_camera_file(a);
     outputs.write(*files.camera, [&](const fs::path& path) { write_cameras(path, result.rig); });
   } else {
@@ -205,7 +232,8 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
   return files;
 }
 
-void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, const CalibrationResult& result,
+void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
+                      const ResponseFindings& responses, const CalibrationResult& result,
                       const std::optional<RefinementResult>& refinement, const CalibrationFindings& findings,
                       const CalibrationFiles& files) {
   nlohmann::json other_parts = nlohmann::json::array();
@@ -231,6 +259,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
   tell_machines(findings, result, summary);
   if (!a.report.empty()) summary["report"] = a.report;
   if (files.has_joint_covariance) summary["joint_covariance"] = a.joint_covariance;
+  if (!responses.empty()) summary["responses"] = told(responses);
   if (refinement) summary["refinement"] = told(*refinement);
   if (files.camera) summary["camera"] = files.camera->string();
   std::string text = fmt::format(
@@ -242,7 +271,9 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings, con
       files.observations.string());
   text += constraint_table(result.constraint_audits);
   if (refinement && refinement->is_accepted) text += "\n" + words_of(*refinement);
-  if (files.camera) text += "\nrefined camera: " + files.camera->string();
+  if (files.camera)
+    text += fmt::format("\n{} camera: {}", is_lens_refined(result) ? "refined" : "estimated",
+                        files.camera->string());
   for (const std::string& file : files.parts) text += "\npart: " + file;
   text += tell_people(findings, result);
   if (files.has_joint_covariance) text += "\njoint covariance: " + a.joint_covariance;

@@ -9,13 +9,14 @@
 #include "calibrate_findings.h"
 #include "calibrate_input.h"
 #include "calibrate_options.h"
+#include "calibrate_response.h"
 
 namespace apriltrack::app {
 
 /// What a calibration leaves on the disk, the map itself aside.
 struct CalibrationFiles {
   std::filesystem::path observations;
-  std::optional<std::filesystem::path> camera;  ///< Where it was refined.
+  std::optional<std::filesystem::path> camera;  ///< Where it was refined, or its response estimated.
   std::vector<std::string> parts;
   bool has_joint_covariance = false;
 };
@@ -31,14 +32,15 @@ bool is_detections_input(const CalibrateOptions& options, const std::filesystem:
 /// camera: the file that was read. The page and the joint covariance are among them where they were asked
 /// for.
 CalibrationFiles write_calibration(const CalibrateOptions& options, const std::filesystem::path& camera,
-                                   const Sightings& sightings,
+                                   const Sightings& sightings, const ResponseFindings& responses,
                                    const std::optional<RefinementResult>& refinement,
                                    const CalibrationFindings& findings, const std::string& command_line,
                                    CalibrationResult& result);
 
 /// The answer on stdout. refinement: none where it was not asked for.
 void tell_calibration(const CalibrateOptions& options, const Sightings& sightings,
-                      const CalibrationResult& result, const std::optional<RefinementResult>& refinement,
-                      const CalibrationFindings& findings, const CalibrationFiles& files);
+                      const ResponseFindings& responses, const CalibrationResult& result,
+                      const std::optional<RefinementResult>& refinement, const CalibrationFindings& findings,
+                      const CalibrationFiles& files);
 
 }  // namespace apriltrack::app

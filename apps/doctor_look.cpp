@@ -100,7 +100,7 @@ void find_camera(const Recording& named, const LookOptions& options, const Conso
   std::optional<std::filesystem::path> path = sequence_camera_file(named.input);
   if (!options.camera.empty()) path = options.camera;
   if (path) {
-    facts.camera = read_camera(*path, facts.camera_name, console);
+    facts.camera = read_camera(*path, facts.camera_name, console, true);
     facts.camera_name = facts.camera->name;
   }
   if (facts.camera_name.empty()) facts.camera_name = "cam0";

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/camera/auto_response.h"
 #include "apriltrack/camera/response_tables.h"
 #include "apriltrack/source/frame_source.h"
 
@@ -31,8 +32,10 @@ std::vector<std::string> camera_inputs(const std::string& given, const std::vect
   return all;
 }
 
-Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console) {
-  const CameraRig rig = read_cameras(path, console.log());
+Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console,
+                   bool may_have_auto_response) {
+  const CameraRig rig = may_have_auto_response ? read_cameras_to_estimate(path, console.log()).rig
+                                               : read_cameras(path, console.log());
   return name.empty() ? rig.cameras.front() : rig.find(name);
 }
 

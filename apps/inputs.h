@@ -22,8 +22,10 @@ std::filesystem::path file_or_own(const std::string& given, const std::optional<
 std::vector<std::string> camera_inputs(const std::string& given, const std::vector<std::string>& inputs);
 
 /// The camera called `name`, or the file's first where `name` is empty; odd values are told to the console.
+/// may_have_auto_response: `response: auto` is taken for sRGB, and not refused.
 /// Throws as read_cameras and CameraRig::find do.
-Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console);
+Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console,
+                   bool may_have_auto_response = false);
 
 /// What users of a camera with a rolling shutter must know; nullopt for a global one.
 std::optional<std::string> rolling_shutter_warning(const Camera& camera);

@@ -152,7 +152,7 @@ std::vector<Wrong> wrong_files() {
       {"response_auto",
        y,
        kalibr(7, "  response: auto"),
-       {"c.yaml:7: cam0.response: 'auto'", "not available in this version", "srgb, linear, gamma:G"}},
+       {"c.yaml:7: cam0.response: 'auto'", "`apriltrack calibrate` estimates", "srgb, linear, gamma:G"}},
       {"response_unknown",
        y,
        kalibr(7, "  response: sRGB"),

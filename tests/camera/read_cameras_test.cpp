@@ -5,6 +5,7 @@
 #include <locale>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/camera/auto_response.h"
 #include "apriltrack/camera/camera.h"
 #include "support/pose_matchers.h"
 #include "support/shared_data.h"
@@ -89,6 +90,17 @@ TEST(ReadCameras, ReadsKalibrsCamchain) {
   EXPECT_TRUE((*right.T_this_previous * point_cam0).isApprox(Eigen::Vector3d(-1.9, -4.8, 1.3), 1e-12));
   EXPECT_THAT(rig.T_camera_rig(1), test::PoseNear(*right.T_this_previous, 1e-15, 1e-15));
   EXPECT_THAT(rig.T_camera_rig(0), test::PoseNear(Pose(), 0.0, 0.0));
+}
+
+TEST(ReadCameras, NamesCamerasWhoseResponseIsToBeEstimated) {
+  std::string text = kStereo;
+  text.replace(text.find("gamma:2.2"), 9, "auto");
+  const std::filesystem::path file = write_text("camera.yaml", text);
+  const UnestimatedRig read = read_cameras_to_estimate(file);
+  EXPECT_THAT(read.to_estimate, ElementsAre("cam0"));
+  EXPECT_EQ(read.rig.find("cam0").response.name(), "srgb");
+  EXPECT_THROW(read_cameras(file), Error);
+  EXPECT_TRUE(read_cameras_to_estimate(write_text("camera.yaml", kStereo)).to_estimate.empty());
 }
 
 TEST(ReadCameras, ChainsThePlacesOfARig) {

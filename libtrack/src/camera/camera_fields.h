@@ -43,7 +43,9 @@ std::string format_response_table(const ResponseCurve& response);
 
 // One reader for each family of formats.
 
-CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path& folder);
+/// to_estimate: gets the names of cameras with `response: auto`, which nullptr refuses.
+CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path& folder,
+                               std::vector<std::string>* to_estimate);
 /// OpenCV FileStorage, ROS camera_info, WPILib and PhotonVision: a camera matrix and OpenCV's coefficients.
 CameraRig read_matrix_camera(const YamlNode& root);
 bool has_camera_matrix(const YamlNode& root);

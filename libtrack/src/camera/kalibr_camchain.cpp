@@ -74,7 +74,8 @@ double read_line_delay(const YamlNode& node) {
   return line_delay_s;
 }
 
-Camera read_camera(const std::string& name, const YamlNode& node, const std::filesystem::path& folder) {
+Camera read_camera(const std::string& name, const YamlNode& node, const std::filesystem::path& folder,
+                   std::vector<std::string>* to_estimate) {
   node.expect_keys({"camera_model", "intrinsics", "distortion_model", "distortion_coeffs", "resolution",
                     "exposure_time", "line_delay", "response", "T_cn_cnm1", "rostopic", "cam_overlaps",
                     "T_cam_imu", "timeshift_cam_imu"});
@@ -89,14 +90,21 @@ Camera read_camera(const std::string& name, const YamlNode& node, const std::fil
   camera.height = resolution.height;
   if (const auto value = node.find("exposure_time")) camera.exposure_s = read_exposure(*value);
   if (const auto value = node.find("line_delay")) camera.line_delay_s = read_line_delay(*value);
-  if (const auto value = node.find("response")) camera.response = read_response(*value, folder);
+  if (const auto value = node.find("response")) {
+    if (to_estimate && value->as_string() == "auto") {
+      to_estimate->push_back(name);
+    } else {
+      camera.response = read_response(*value, folder);
+    }
+  }
   if (const auto value = node.find("T_cn_cnm1")) camera.T_this_previous = read_rigid_transform(*value);
   return camera;
 }
 
 }  // namespace
 
-CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path& folder) {
+CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path& folder,
+                               std::vector<std::string>* to_estimate) {
   CameraRig rig;
   for (const auto& [key, node] : root.entries()) {
     if (key.starts_with("x_")) continue;
@@ -107,7 +115,7 @@ CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path
           "own",
           expected));
     }
-    rig.cameras.push_back(read_camera(key, node, folder));
+    rig.cameras.push_back(read_camera(key, node, folder, to_estimate));
     if (rig.cameras.size() == 1 && rig.cameras[0].T_this_previous) {
       node.at("T_cn_cnm1").fail("the first camera has none before it; remove this key");
     }

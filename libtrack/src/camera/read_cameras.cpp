@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/camera/auto_response.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/camera/response_tables.h"
 #include "apriltrack/io/atomic_file.h"
@@ -37,10 +38,11 @@ bool is_camera_name(std::string_view key) {
       keys.empty() ? "there are no keys at all" : "there are: " + keys.substr(0, 300)));
 }
 
-CameraRig read_any(const YamlNode& root, const std::filesystem::path& folder) {
+CameraRig read_any(const YamlNode& root, const std::filesystem::path& folder,
+                   std::vector<std::string>* to_estimate) {
   if (!root.is_map()) fail_unknown_kind(root);
   for (const auto& entry : root.entries()) {
-    if (is_camera_name(entry.first)) return read_kalibr_camchain(root, folder);
+    if (is_camera_name(entry.first)) return read_kalibr_camchain(root, folder, to_estimate);
   }
   if (has_camera_matrix(root)) return read_matrix_camera(root);
   if (root.find("intrinsics") && root.find("distortion_model")) return read_euroc_sensor(root);
@@ -72,9 +74,16 @@ void warn_of_oddities(const Camera& camera, const std::string& where, const LogS
 }  // namespace
 
 CameraRig read_cameras(const std::filesystem::path& path, const LogSink& log) {
-  CameraRig rig = read_any(read_tree(path), path.parent_path());
+  CameraRig rig = read_any(read_tree(path), path.parent_path(), nullptr);
   for (const Camera& camera : rig.cameras) warn_of_oddities(camera, path.string(), log);
   return rig;
+}
+
+UnestimatedRig read_cameras_to_estimate(const std::filesystem::path& path, const LogSink& log) {
+  UnestimatedRig result;
+  result.rig = read_any(read_tree(path), path.parent_path(), &result.to_estimate);
+  for (const Camera& camera : result.rig.cameras) warn_of_oddities(camera, path.string(), log);
+  return result;
 }
 
 std::vector<std::filesystem::path> response_tables(const std::filesystem::path& camera_file) {

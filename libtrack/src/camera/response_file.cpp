@@ -86,8 +86,10 @@ ResponseCurve read_response(const YamlNode& node, const std::filesystem::path& f
   constexpr std::string_view kChoices =
       "srgb, linear, gamma:G (such as gamma:2.2) or the path of a 256-entry table";
   if (text == "auto") {
-    node.fail(
-        fmt::format("'auto': estimating the response is not available in this version; write {}", kChoices));
+    node.fail(fmt::format(
+        "'auto': `apriltrack calibrate` estimates the response from images of tags and writes it to "
+        "<output>.camera.yaml: run it first and use that file, or write {}",
+        kChoices));
   }
   if (text.starts_with("gamma:")) {
     const auto exponent = parse_double(std::string_view(text).substr(6));
