@@ -143,7 +143,9 @@ std::string observations_to_write(const CalibrateOptions& a) {
 
 /// Whether cameras are refined shows only after the work.
 std::string camera_to_write(const CalibrateOptions& a, const std::vector<std::string>& read) {
-  if (a.calibration.intrinsics == Intrinsics::kKeep && !a.calibration.refine_extrinsics) return "";
+  if (a.calibration.intrinsics == Intrinsics::kKeep && !a.calibration.refine_extrinsics &&
+      !a.estimates_response)
+    return "";
   const std::string file = refined_camera_file(a).string();
   const bool is_read = std::ranges::any_of(read, [&](const std::string& input) {
     std::error_code ignored;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "calibrate_output.h"
 #include "inputs.h"
 
 namespace apriltrack::app {
@@ -71,6 +72,16 @@ std::string warning_of(const ResponseFinding& finding) {
       estimate.response.name());
 }
 
+/// What is estimated goes to a file of its own; inputs are never replaced.
+void require_other_file(const CalibrateOptions& a, const std::filesystem::path& camera_file) {
+  std::error_code ignored;
+  if (!std::filesystem::equivalent(camera_file, refined_camera_file(a), ignored)) return;
+  throw invalid_input("--output",
+                      fmt::format("the camera with its estimated response would replace '{}', which this "
+                                  "run reads: name another file",
+                                  camera_file.string()));
+}
+
 }  // namespace
 
 ResponseFindings estimate_responses(const CalibrateOptions& a, const std::filesystem::path& camera_file,
@@ -88,6 +99,7 @@ ResponseFindings estimate_responses(const CalibrateOptions& a, const std::filesy
     const bool is_asked = a.estimates_response || std::ranges::count(to_estimate, camera.name) > 0;
     const auto filmed = std::ranges::find(recordings, camera.name, &Recording::camera);
     if (!is_asked || filmed == recordings.end()) continue;
+    require_other_file(a, camera_file);
     camera = with_resolution_of_images(camera, filmed->input);  // it is to be written
     ResponseFinding finding{camera.name, camera.response.name(), true,
                             estimate_from(a, recordings, sizes, rig, camera)};
