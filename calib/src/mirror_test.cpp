@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 
 #include "apriltrack/base/degrees.h"
 #include "group_motion.h"
@@ -39,32 +40,60 @@ std::vector<int> most_seen(const std::map<int, int>& counts) {
   return tags;
 }
 
-Hinge find_hinge(const Observations& observations, const Part& part, const std::vector<int>& group) {
-  const auto is_of_group = [&](std::size_t v) {
-    return std::ranges::binary_search(group, observations.views[v].tag);
-  };
-  struct Sides {
-    bool group = false, others = false;
-  };
-  std::map<int, Sides> frames;
-  for (const std::size_t v : part.views) {
-    Sides& sides = frames[observations.views[v].frame];
-    (is_of_group(v) ? sides.group : sides.others) = true;
+/// The part's views by tag and by frame, so that a group costs no more than what is seen of it.
+class ViewIndex {
+ public:
+  ViewIndex(const Observations& observations, const Part& part) : observations_(&observations), part_(&part) {
+    int last_frame = -1;
+    for (const std::size_t v : part.views) {
+      const TagView& view = observations.views[v];
+      of_tag_[view.tag].push_back(v);
+      num_frames_ += view.frame != last_frame ? 1 : 0;
+      last_frame = view.frame;
+    }
   }
-  std::vector<std::size_t> joint;
-  for (const auto& [frame, sides] : frames) {
-    if (sides.group && sides.others) joint.push_back(static_cast<std::size_t>(frame));
+
+  std::size_t views_per_frame() const { return part_->views.size() / std::max<std::size_t>(1, num_frames_); }
+  std::span<const std::size_t> of_frame(std::size_t frame) const {
+    const auto range = std::ranges::equal_range(part_->views, static_cast<int>(frame), {},
+                                                [&](std::size_t v) { return observations_->views[v].frame; });
+    return {range.begin(), range.end()};
   }
-  const std::size_t views_of_frame = part.views.size() / std::max<std::size_t>(1, frames.size());
+  /// Those that show a tag of the group, and another one; sorted.
+  std::vector<std::size_t> joint_frames(const std::vector<int>& group) const {
+    std::set<std::size_t> frames;
+    for (const int tag : group) {
+      const auto views = of_tag_.find(tag);
+      if (views == of_tag_.end()) continue;
+      for (const std::size_t v : views->second)
+        frames.insert(static_cast<std::size_t>(observations_->views[v].frame));
+    }
+    std::erase_if(frames, [&](std::size_t frame) {
+      return std::ranges::all_of(of_frame(frame), [&](std::size_t v) { return is_of(group, v); });
+    });
+    return {frames.begin(), frames.end()};
+  }
+  bool is_of(const std::vector<int>& group, std::size_t v) const {
+    return std::ranges::binary_search(group, observations_->views[v].tag);
+  }
+
+ private:
+  const Observations* observations_;
+  const Part* part_;
+  std::map<int, std::vector<std::size_t>> of_tag_;
+  std::size_t num_frames_ = 0;
+};
+
+Hinge find_hinge(const Observations& observations, const ViewIndex& index, const std::vector<int>& group) {
   const std::size_t num_frames =
-      std::clamp(kMaxViews / std::max<std::size_t>(1, views_of_frame), kLeastFrames, kMaxFrames);
-  const std::vector<std::size_t> chosen = spread_selection(joint, num_frames);
+      std::clamp(kMaxViews / std::max<std::size_t>(1, index.views_per_frame()), kLeastFrames, kMaxFrames);
   Hinge hinge;
   std::map<int, int> counts, other_counts;
-  for (const std::size_t v : part.views) {
-    if (!std::ranges::binary_search(chosen, static_cast<std::size_t>(observations.views[v].frame))) continue;
-    hinge.views.push_back(v);
-    ++(is_of_group(v) ? counts : other_counts)[observations.views[v].tag];
+  for (const std::size_t frame : spread_selection(index.joint_frames(group), num_frames)) {
+    for (const std::size_t v : index.of_frame(frame)) {
+      hinge.views.push_back(v);
+      ++(index.is_of(group, v) ? counts : other_counts)[observations.views[v].tag];
+    }
   }
   hinge.anchors = most_seen(counts);
   hinge.other_anchors = most_seen(other_counts);
@@ -129,9 +158,9 @@ struct Alternatives {
   std::optional<GroupMotion> best_other;  ///< Another pose that the fit stays in.
 };
 
-Alternatives alternatives(const Observations& observations, const Part& part, const std::vector<int>& group,
-                          const MapState& state) {
-  const Hinge hinge = find_hinge(observations, part, group);
+Alternatives alternatives(const Observations& observations, const ViewIndex& index,
+                          const std::vector<int>& group, const MapState& state) {
+  const Hinge hinge = find_hinge(observations, index, group);
   const std::vector<GroupMotion> starts = hypotheses(observations, state, hinge);
   Alternatives result;
   if (starts.empty()) return result;
@@ -145,12 +174,12 @@ Alternatives alternatives(const Observations& observations, const Part& part, co
   return result;
 }
 
-std::vector<Alternatives> all_alternatives(const Observations& observations, const Part& part,
+std::vector<Alternatives> all_alternatives(const Observations& observations, const ViewIndex& index,
                                            const std::vector<std::vector<int>>& groups, const MapState& state,
                                            const ParallelFor& parallel) {
   std::vector<Alternatives> poses(groups.size());
   parallel(groups.size(),
-           [&](std::size_t i) { poses[i] = alternatives(observations, part, groups[i], state); });
+           [&](std::size_t i) { poses[i] = alternatives(observations, index, groups[i], state); });
   return poses;
 }
 
@@ -192,11 +221,12 @@ Pose mirrored_about(const Pose& T_frame_tag, const Eigen::Vector3d& direction) {
 bool turn_mirrored_groups(const Observations& observations, const Part& part, int held_tag, MapState& state,
                           const ParallelFor& parallel) {
   const std::vector<std::vector<int>> groups = hinged_groups(observations, part);
-  std::vector<Alternatives> poses = all_alternatives(observations, part, groups, state, parallel);
+  const ViewIndex index(observations, part);
+  std::vector<Alternatives> poses = all_alternatives(observations, index, groups, state, parallel);
   bool has_turned = false;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (has_turned)
-      poses[i] = alternatives(observations, part, groups[i], state);  // they were of another map
+      poses[i] = alternatives(observations, index, groups[i], state);  // they were of another map
     const auto& [now, best_other] = poses[i];
     if (!best_other || !(best_other->cost < now.cost - kBetter)) continue;
     take_over(observations, part, groups[i], *best_other, state);
@@ -209,7 +239,8 @@ bool turn_mirrored_groups(const Observations& observations, const Part& part, in
 std::vector<std::vector<int>> undecided_groups(const Observations& observations, const Part& part,
                                                const MapState& state, const ParallelFor& parallel) {
   const std::vector<std::vector<int>> groups = hinged_groups(observations, part);
-  const std::vector<Alternatives> poses = all_alternatives(observations, part, groups, state, parallel);
+  const ViewIndex index(observations, part);
+  const std::vector<Alternatives> poses = all_alternatives(observations, index, groups, state, parallel);
   std::vector<std::vector<int>> undecided;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (poses[i].best_other && poses[i].best_other->cost < poses[i].now.cost + kDecisive)
