@@ -12,7 +12,7 @@ namespace {
 using Kind = TagFinding::Kind;
 
 constexpr std::size_t kLeastProbes = 4;
-constexpr double kClearOfKept = 5.0;   // of the errors that a tag keeps
+constexpr double kClearOfKept = 4.5;   // of the errors that a tag keeps
 constexpr double kTwistPerEdge = 2.0;  // a twist shows where the tag is seen from aside, and there by half
 constexpr double kClearGain = 20.0;    // of half the sum of squares
 constexpr double kClearShare = 0.25;   // of what is beyond the usual

@@ -9,7 +9,7 @@
 namespace apriltrack {
 
 // Another shape is clear by so many standard deviations, and so much of the tag's size.
-inline constexpr double kClearSigmas = 5.0, kClearScale = 0.012, kClearBend = 0.006;
+inline constexpr double kClearSigmas = 4.5, kClearScale = 0.012, kClearBend = 0.006;
 
 /// What is wrong with a tag, told in words that a user can act on.
 struct TagFinding {
