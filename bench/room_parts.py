@@ -34,8 +34,8 @@ FAULTS_INTRODUCTION = """
 
 One fault a room, as bench/room_faults.py says. Named: a warning or the error names the tag and this kind of fault, and no other kind.
 Evidence, in sigmas: what no pose of the tag explains, the cameras' poses known; of a map: what no map without a fault explains, whatever the
-poses (bench/room_maps.py). Of wrong sizes, moves, bends and loose tags those with less than 8 of the latter hide behind the cameras' poses,
-and are counted apart.
+poses (bench/room_maps.py). Of wrong sizes, duplicates, moves, bends and loose tags those with less than 8 of the latter hide behind the cameras'
+poses (a tag that is seen beside one copy of an id alone lies, for all that is seen, beside the other), and are counted apart.
 """
 
 
@@ -197,7 +197,7 @@ def faults(b):
     unexplained = "evidence, in sigmas: what no pose of the tag explains"
     by_evidence = (unexplained, lambda o: o.evidence, EVIDENCE_BINS, room_faults.WITH_EVIDENCE)
     by_map = ("evidence of a map, in sigmas: what no map without a fault explains", lambda o: o.map_evidence, MAP_EVIDENCE_BINS,
-              room_faults.WITH_EVIDENCE)
+              (*room_faults.WITH_EVIDENCE, "duplicate"))
     by_px = ("the fault's rms in px", lambda o: o.signal_px, PX_BINS, [kind for kind in FAULTS if kind != "one_frame"])
     for title, value, bins, kinds in (by_evidence, by_map, by_px):
         for what, is_counted in (("Tag named", lambda o: o.is_tag_named), ("Tag and kind named", lambda o: o.is_named())):

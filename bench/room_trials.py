@@ -240,7 +240,7 @@ def trial(trials, kind, seed):
         statements, left_out = ([said], []) if status else (said["warnings"], [int(key.split("/")[1]) for key in said["left_out"]])
         outcome = Outcome(kind, seed, status, statements, left_out, seconds, case.culprits, case.size, case.signal_px, case.evidence,
                           case.room.sigma_px, len(case.views.frame), len(set(case.room.ids)))
-        if kind in room_faults.WITH_EVIDENCE:
+        if kind in (*room_faults.WITH_EVIDENCE, "duplicate"):
             outcome.map_evidence = room_maps.evidence(case.room, case.exact_views)
         if status == 0:
             judge_map(case, folder, outcome)

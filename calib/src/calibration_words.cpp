@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 
 namespace apriltrack {
@@ -10,6 +11,9 @@ namespace {
 constexpr double kHighResidual_px = 1.0;
 constexpr double kRejectedOfOneTag = 0.25;
 constexpr double kManyOfAllRejected = 0.1;
+constexpr int kFewRejected = 3;
+constexpr double kUsuallyRejected = 0.01;
+constexpr double kLogRare = 6.0;  // once in 400
 
 std::string in_words(const CameraCorrection& one) {
   if (one.parameter == "focal length" || one.parameter == "fy / fx")
@@ -18,12 +22,23 @@ std::string in_words(const CameraCorrection& one) {
                      one.unit == "1" ? "" : one.unit + " ", one.sigma);
 }
 
+/// Many, or more than others by more than chance: a few views that agree on another place may be right.
+bool is_rejected_often(int offered, int rejected, double share_of_others) {
+  const double share = static_cast<double>(rejected) / std::max(1, offered);
+  return share > kRejectedOfOneTag ||
+         (rejected >= kFewRejected &&
+          offered * divergence(share, std::max(kUsuallyRejected, share_of_others)) > kLogRare);
+}
+
 void warn_of_rejected_tags(const Observations& observations, const PartSolution& solution,
                            Findings& findings) {
   std::string names;
+  const double all_offered = static_cast<double>(solution.views_offered);
+  const double all_rejected = all_offered - static_cast<double>(solution.part.views.size());
   for (const auto& [tag, views] : count_views(observations, solution.part)) {
     const int offered = solution.views_offered_by_tag[static_cast<std::size_t>(tag)];
-    if (offered - views > kRejectedOfOneTag * offered)
+    const double of_others = (all_rejected - (offered - views)) / std::max(1.0, all_offered - offered);
+    if (is_rejected_often(offered, offered - views, of_others))
       names += fmt::format("{}{} ({} of {})", names.empty() ? "" : ", ", to_string(key_of(observations, tag)),
                            offered - views, offered);
   }

@@ -26,13 +26,6 @@ struct FrameTags {
   std::set<int> accused() const { return rejected.empty() || fitting.size() >= 2 ? rejected : all(); }
 };
 
-/// Of a coin of the first chance from one of the second (Kullback and Leibler); 0 where the first is less.
-double divergence(double share, double chance) {
-  if (share <= chance) return 0.0;
-  const double rest = share < 1.0 ? (1.0 - share) * std::log((1.0 - share) / (1.0 - chance)) : 0.0;
-  return share * std::log(share / chance) + rest;
-}
-
 /// Of the frames that show one tag, or two.
 struct Count {
   std::size_t frames = 0;
@@ -64,6 +57,12 @@ std::map<int, FrameTags> frames_of(const Observations& observations, const Part&
 }
 
 }  // namespace
+
+double divergence(double share, double chance) {
+  if (share <= chance) return 0.0;
+  const double rest = share < 1.0 ? (1.0 - share) * std::log((1.0 - share) / (1.0 - chance)) : 0.0;
+  return share * std::log(share / chance) + rest;
+}
 
 Contradictions find_contradictions(const Observations& observations, const Part& part,
                                    const std::vector<std::size_t>& gross) {

@@ -8,6 +8,10 @@
 
 namespace apriltrack {
 
+/// Of a coin of the first chance from one of the second (Kullback and Leibler); 0 where the first is less.
+/// Times the throws: the logarithm of how unlikely such a share is, at least (Chernoff's bound).
+double divergence(double share, double chance);
+
 /// Where an adjusted part contradicts the frames it was made from, more than outliers that come by chance do.
 struct Contradictions {
   std::size_t frames = 0;         ///< Frames of the part.

@@ -64,6 +64,25 @@ TEST(CalibrateMap, ShrugsOffTenPercentOfOutliers) {
             outliers + outliers / 2);  // those that hung on them alone may go, too
 }
 
+TEST(CalibrateMap, SpeaksOfATagOfWhichAFewViewsWereRejectedAndHardlyAnyOfOthers) {
+  const SyntheticWorld world = test::make_room(14, 120, test::perspective_camera());
+  std::vector<FrameDetections> frames = test::exact_detections(world);
+  RandomStream random(24);
+  test::add_noise(frames, 0.1, random);
+  const TagKey tag = world.map.tags[6].key;
+  int seen = 0, moved = 0;
+  for (FrameDetections& frame : frames) {
+    for (Detection& detection : frame.detections) {
+      if (detection.tag != tag || seen++ % 6 != 0) continue;
+      for (auto& corner : detection.corners_px) corner += Eigen::Vector2d(60.0, -35.0);
+      ++moved;
+    }
+  }
+  ASSERT_GE(moved, 3);
+  EXPECT_THAT(calibrate(world, frames).warnings,
+              Contains(HasSubstr("many views were rejected of " + to_string(tag))));
+}
+
 TEST(CalibrateMap, SaysHowManyCopiesOfAnIdThereAre) {
   // Forty boxes that all carry id 0.
   SyntheticWorld world = test::make_room(12, 20, test::perspective_camera());
