@@ -61,7 +61,7 @@ TEST(HiddenMoves, NameATagThatFlaps) {
   EXPECT_EQ(finding->kind, TagFinding::Kind::kLoose);
 }
 
-TEST(HiddenMoves, AreNoneWhereNothingMoved) {
+TEST(HiddenMovesStatistics, AreNoneWhereNothingMoved) {
   for (std::uint64_t seed = 70; seed < 90; ++seed) {
     const AdjustedWorld one = filmed_in_pairs([](std::size_t) { return Pose(); }, seed);
     EXPECT_FALSE(find_hidden_move(one.task(), one.solved)) << seed;
