@@ -41,6 +41,16 @@ struct AdjustedWorld {
   }
 };
 
+/// Of tags in a row each frame keeps two neighbours, by turns: a chain.
+inline void show_two_neighbours(int num_tags, std::vector<FrameDetections>& frames) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const int first = static_cast<int>(i) % (num_tags - 1);
+    std::erase_if(frames[i].detections, [&](const Detection& detection) {
+      return detection.tag.id != first && detection.tag.id != first + 1;
+    });
+  }
+}
+
 /// What the world shows when the corners of one tag are elsewhere in its own frame. moved: the corner, and
 /// the number of the frame, to where it is then.
 inline std::vector<FrameDetections> filmed_with(

@@ -37,12 +37,7 @@ SyntheticWorld front_row() {
 /// Frames show two neighbours each.
 AdjustedWorld chain_from_the_front() {
   std::vector<FrameDetections> frames = test::exact_detections(front_row());
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const int first = static_cast<int>(i) % (kTagsOfChain - 1);
-    std::erase_if(frames[i].detections, [&](const Detection& detection) {
-      return detection.tag.id != first && detection.tag.id != first + 1;
-    });
-  }
+  test::show_two_neighbours(kTagsOfChain, frames);
   RandomStream random(51);
   test::add_edge_noise(frames, 0.1, -0.45, random);
   return {front_row(), frames};

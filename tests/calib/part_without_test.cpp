@@ -33,12 +33,7 @@ SyntheticWorld row() {
 /// Frames show two neighbours each.
 AdjustedWorld chain() {
   std::vector<FrameDetections> frames = test::exact_detections(row());
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const int first = static_cast<int>(i) % (kTagsInARow - 1);
-    std::erase_if(frames[i].detections, [&](const Detection& detection) {
-      return detection.tag.id != first && detection.tag.id != first + 1;
-    });
-  }
+  test::show_two_neighbours(kTagsInARow, frames);
   return {row(), frames};
 }
 
