@@ -1,5 +1,6 @@
 #include "pose_information.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace apriltrack {
@@ -106,37 +107,44 @@ PoseInformation::Matrix6x8d PoseInformation::frame_by_errors(int frame, int tag,
   return of_frame.factor.solve(right);
 }
 
-std::map<int, Eigen::MatrixXd> PoseInformation::frames_by_parameter(
+PoseInformation::FrameColumns PoseInformation::frames_by_parameter(
     const std::vector<ParameterView>& columns) const {
-  std::map<int, Eigen::MatrixXd> by_frame;
+  FrameColumns by_frame;
   for (const ParameterView& column : columns) {
     const LinearView& view = (*views_)[column.view];
     const Eigen::MatrixXd own = view.by_rig.transpose() * column.by_parameter;
-    const auto [at, is_new] = by_frame.try_emplace(view.frame, own);
+    const auto [at, is_new] = by_frame[view.frame].try_emplace(column.first, own);
     if (!is_new) at->second += own;
   }
   return by_frame;
 }
 
 ParameterInformation PoseInformation::eliminate_poses(const std::vector<ParameterView>& columns) const {
-  const Eigen::Index num = columns.empty() ? 0 : columns.front().by_parameter.cols();
+  Eigen::Index num = 0;
+  for (const ParameterView& column : columns) num = std::max(num, column.first + column.by_parameter.cols());
   ParameterInformation result{Eigen::MatrixXd::Zero(num, num), Eigen::VectorXd::Zero(num), {}, {}};
   Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(size(), num);
-  for (const ParameterView& column : columns) {
-    const LinearView& view = (*views_)[column.view];
-    result.information += column.by_parameter.transpose() * column.by_parameter;
-    result.gradient += column.by_parameter.transpose() * view.residual;
+  for (const auto& [index, by_parameter, first] : columns) {
+    const LinearView& view = (*views_)[index];
+    const Eigen::Index count = by_parameter.cols();
+    result.information.block(first, first, count, count) += by_parameter.transpose() * by_parameter;
+    result.gradient.segment(first, count) += by_parameter.transpose() * view.residual;
     if (const auto offset = offset_of(view.tag))
-      coupling.middleRows<6>(*offset) += view.by_tag.transpose() * column.by_parameter;
+      coupling.block(*offset, first, 6, count) += view.by_tag.transpose() * by_parameter;
   }
-  const auto by_frame = frames_by_parameter(columns);
+  const FrameColumns by_frame = frames_by_parameter(columns);
   for (const auto& [index, of_frame] : by_frame) {
     const Frame& frame = frames_.at(index);
-    const Eigen::MatrixXd followed = frame.factor.solve(of_frame);
-    result.information -= of_frame.transpose() * followed;
-    result.gradient -= followed.transpose() * frame.gradient;
-    for (const auto& [tag, of_tag] : frame.tags) {
-      if (const auto offset = offset_of(tag)) coupling.middleRows<6>(*offset) -= of_tag.tag_rig * followed;
+    for (const auto& [first, own] : of_frame) {
+      const Eigen::Index count = own.cols();
+      const Eigen::MatrixXd followed = frame.factor.solve(own);
+      for (const auto& [other, of_other] : of_frame)
+        result.information.block(other, first, of_other.cols(), count) -= of_other.transpose() * followed;
+      result.gradient.segment(first, count) -= followed.transpose() * frame.gradient;
+      for (const auto& [tag, of_tag] : frame.tags) {
+        if (const auto offset = offset_of(tag))
+          coupling.block(*offset, first, 6, count) -= of_tag.tag_rig * followed;
+      }
     }
   }
   result.poses_by_parameter = -solve(coupling);
@@ -146,25 +154,28 @@ ParameterInformation PoseInformation::eliminate_poses(const std::vector<Paramete
   return result;
 }
 
-void PoseInformation::add_errors(const std::vector<ParameterView>& columns,
-                                 const std::map<int, Eigen::MatrixXd>& by_frame,
+void PoseInformation::add_errors(const std::vector<ParameterView>& columns, const FrameColumns& by_frame,
                                  ParameterInformation& result) const {
   const Eigen::Index num = result.gradient.size();
   const auto of = [&](int tag) -> Eigen::MatrixXd& {
     return result.gradient_by_errors.try_emplace(tag, Eigen::MatrixXd::Zero(num, 8)).first->second;
   };
-  for (const ParameterView& column : columns) {
-    const LinearView& view = (*views_)[column.view];
-    of(view.tag) += column.by_parameter.transpose() * view.by_error;
+  for (const auto& [index, by_parameter, first] : columns) {
+    const LinearView& view = (*views_)[index];
+    of(view.tag).middleRows(first, by_parameter.cols()) += by_parameter.transpose() * view.by_error;
   }
   for (const auto& [index, of_frame] : by_frame) {
     const Frame& frame = frames_.at(index);
-    const Eigen::MatrixXd followed = frame.factor.solve(of_frame);
-    for (const auto& [tag, of_tag] : frame.tags) of(tag) -= followed.transpose() * of_tag.rig_errors;
+    for (const auto& [first, own] : of_frame) {
+      const Eigen::MatrixXd followed = frame.factor.solve(own);
+      for (const auto& [tag, of_tag] : frame.tags)
+        of(tag).middleRows(first, own.cols()) -= followed.transpose() * of_tag.rig_errors;
+    }
   }
   for (const auto& [tag, blocks] : by_errors_) {
+    Eigen::MatrixXd& of_tag = of(tag);
     for (const auto& [offset, block] : blocks)
-      of(tag) += result.poses_by_parameter.middleRows<6>(offset).transpose() * block;
+      of_tag += result.poses_by_parameter.middleRows<6>(offset).transpose() * block;
   }
 }
 

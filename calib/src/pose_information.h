@@ -13,6 +13,7 @@ namespace apriltrack {
 struct ParameterView {
   std::size_t view = 0;  ///< Into the views that the information was made from.
   Eigen::MatrixXd by_parameter;
+  Eigen::Index first = 0;  ///< Of the parameters that the view depends on, side by side.
 };
 
 /// What the views say of such parameters when all poses follow them: the normal equations
@@ -73,9 +74,10 @@ class PoseInformation {
   Eigen::MatrixXd collect();
   void eliminate(const Frame& frame, Eigen::MatrixXd& reduced);
   bool factorise(Eigen::MatrixXd& reduced);
-  /// J_rig' times the parameters' columns, by frame.
-  std::map<int, Eigen::MatrixXd> frames_by_parameter(const std::vector<ParameterView>& columns) const;
-  void add_errors(const std::vector<ParameterView>& columns, const std::map<int, Eigen::MatrixXd>& by_frame,
+  /// J_rig' times the parameters' columns, by frame and the first of the parameters.
+  using FrameColumns = std::map<int, std::map<Eigen::Index, Eigen::MatrixXd>>;
+  FrameColumns frames_by_parameter(const std::vector<ParameterView>& columns) const;
+  void add_errors(const std::vector<ParameterView>& columns, const FrameColumns& by_frame,
                   ParameterInformation& result) const;
 
   const std::vector<LinearView>* views_;

@@ -150,21 +150,22 @@ void require_sound_held_tag(const PartTask& task, const TagFinding& finding) {
 }
 
 /// What no frame tells by itself.
-std::optional<TagFinding> find_hidden_fault(const PartTask& task, const AdjustedPart& sound) {
-  auto move = find_hidden_move(task, sound);
+std::optional<TagFinding> find_hidden_fault(const PartTask& task, const AdjustedPart& sound,
+                                            const ParallelFor& parallel) {
+  auto move = find_hidden_move(task, sound, parallel);
   return move ? move : find_odd_shape(task, sound);
 }
 
 /// Tags that were found bent stay in the map; but others are held against a map without them.
 void examine_by_all_views(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
-                          std::vector<TagFinding>& findings) {
+                          std::vector<TagFinding>& findings, const ParallelFor& parallel) {
   AdjustedPart sound = solved;
   for (const int tag : known) {
     if (std::ranges::binary_search(sound.part.tags, tag) && !solve_without(task, part, tag, known, sound))
       return;
   }
   for (int round = 0; round < kMostFaults; ++round) {
-    auto finding = find_hidden_fault(task, sound);
+    auto finding = find_hidden_fault(task, sound, parallel);
     if (!finding) return;
     require_sound_held_tag(task, *finding);
     const int tag = finding->tag;
@@ -210,7 +211,7 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
     if (best->finding.is_left_out) solved = std::move(best->rest);
     findings.push_back(std::move(best->finding));
   }
-  examine_by_all_views(task, part, solved, known, findings);
+  examine_by_all_views(task, part, solved, known, findings, parallel);
   return findings;
 }
 

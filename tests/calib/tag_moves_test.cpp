@@ -44,7 +44,7 @@ Pose turned(int axis, double degrees) {
 TEST(HiddenMoves, NameATagThatWasTurned) {
   const AdjustedWorld one =
       filmed_in_pairs([](std::size_t i) { return i < kNumFrames / 2 ? Pose() : turned(1, 8.0); }, 61);
-  const auto finding = find_hidden_move(one.task(), one.solved);
+  const auto finding = find_hidden_move(one.task(), one.solved, parallel_for(1));
   ASSERT_TRUE(finding);
   EXPECT_EQ(finding->tag, one.index_of(kMovedTag));
   EXPECT_EQ(finding->kind, TagFinding::Kind::kMoved);
@@ -55,7 +55,7 @@ TEST(HiddenMoves, NameATagThatWasTurned) {
 TEST(HiddenMoves, NameATagThatFlaps) {
   const AdjustedWorld one = filmed_in_pairs(
       [](std::size_t i) { return turned(0, 10.0 * std::sin(0.31 * static_cast<double>(i))); }, 62);
-  const auto finding = find_hidden_move(one.task(), one.solved);
+  const auto finding = find_hidden_move(one.task(), one.solved, parallel_for(1));
   ASSERT_TRUE(finding);
   EXPECT_EQ(finding->tag, one.index_of(kMovedTag));
   EXPECT_EQ(finding->kind, TagFinding::Kind::kLoose);
@@ -64,7 +64,7 @@ TEST(HiddenMoves, NameATagThatFlaps) {
 TEST(HiddenMovesStatistics, AreNoneWhereNothingMoved) {
   for (std::uint64_t seed = 70; seed < 90; ++seed) {
     const AdjustedWorld one = filmed_in_pairs([](std::size_t) { return Pose(); }, seed);
-    EXPECT_FALSE(find_hidden_move(one.task(), one.solved)) << seed;
+    EXPECT_FALSE(find_hidden_move(one.task(), one.solved, parallel_for(1))) << seed;
   }
 }
 

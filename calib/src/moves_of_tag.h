@@ -1,0 +1,63 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "error_scale.h"
+#include "part_adjustment.h"
+#include "pose_information.h"
+
+namespace apriltrack {
+
+/// From some moments on a tag is elsewhere.
+struct Move {
+  int tag = 0;
+  std::vector<std::size_t> views = {};    ///< Of the tag, into Observations::views; in the order of time.
+  std::vector<std::size_t> moments = {};  ///< Into these: the first of each new place.
+  Eigen::VectorXd changes = {};           ///< Right perturbations of the tag's pose, six for each moment.
+  double squares = 0.0;                   ///< Of the changes, over their spread.
+
+  Vector6d first_change() const { return changes.head<6>(); }
+};
+
+/// Views of a part, linearised with one noise for all frames: a tag that moves makes its frames seem noisy,
+/// which would hide it.
+struct LinearPart {
+  Part part;
+  std::vector<LinearView> views;         ///< Those of the part.
+  std::optional<PoseInformation> poses;  ///< None where the views leave a pose undetermined. Refers to `views`.
+  ErrorScale scale;
+
+  LinearPart(const PartTask& task, const MapState& state, Part part_of_map, int held_tag);
+  LinearPart(const LinearPart&) = delete;
+  LinearPart& operator=(const LinearPart&) = delete;
+};
+
+/// What all views say of a tag that is elsewhere from any of some moments on, every other pose free to
+/// follow, to first order. The poses are eliminated once, with a change of the tag's pose for each of the
+/// stretches between two moments: what comes after a moment is a sum of those.
+class MovesOfTag {
+ public:
+  /// part: outlives this; its poses are determined.
+  MovesOfTag(const LinearPart& part, int tag);
+
+  const Move& none() const { return none_; }
+  /// With a further moment, the one that explains most; as it is where none explains more.
+  Move with_one_more(const Move& move) const;
+
+ private:
+  void choose_moments();
+  std::vector<ParameterView> columns() const;
+  void sum_from_each_moment_on();
+  std::vector<Eigen::Index> rows_of(const Move& move) const;
+  void estimate(Move& move) const;
+
+  const LinearPart* part_;
+  Move none_;                          ///< Without a moment.
+  std::vector<std::size_t> views_;     ///< Those of the tag, into the part's.
+  std::vector<std::size_t> moments_;   ///< Into the tag's views.
+  ParameterInformation from_moments_;  ///< Six numbers for each: the change that lasts from there on.
+  Eigen::VectorXd own_;                ///< What the tag's own views say of them, all else known.
+};
+
+}  // namespace apriltrack
