@@ -50,17 +50,18 @@ void warn_of_rejected_tags(const Observations& observations, const PartSolution&
 
 /// Faults of tags that have a name; and of a culprit whose fault has none.
 void report_findings(const Observations& observations, const PartSolution& solution, Findings& findings) {
-  bool is_culprit_named = false;
+  std::vector<int> unnamed = solution.culprits;
   for (const TagFinding& finding : solution.findings) {
     findings.warnings.push_back(finding.words);
     if (finding.is_left_out) findings.left_out.push_back(key_of(observations, finding.tag));
-    is_culprit_named = is_culprit_named || finding.tag == solution.culprit;
+    std::erase(unnamed, finding.tag);
   }
-  if (solution.culprit && !is_culprit_named)
-    leave_out(observations, {*solution.culprit},
-              "its views contradict those of the other tags (a wrong size? moved while filming? an id that "
-              "hangs in two places?)",
-              findings);
+  leave_out(observations, unnamed,
+            unnamed.size() < 2 ? "its views contradict those of the other tags (a wrong size? moved while "
+                                 "filming? an id that hangs in two places?)"
+                               : "without any one of them the others agree, and nothing tells which is wrong "
+                                 "(a wrong size? moved while filming? an id that hangs in two places?)",
+            findings);
 }
 
 /// What was asked for in vain, and what was not to be taken.
@@ -117,8 +118,8 @@ void report_quality(const Observations& observations, const PartSolution& soluti
             "may be the cause",
             findings);
   leave_out(observations, solution.lost_tags,
-            solution.culprit ? "tied to the others by that tag, or by frames that contradict them"
-                             : "tied to the others by frames that contradict them",
+            solution.culprits.empty() ? "tied to the others by frames that contradict them"
+                                      : "tied to the others by such a tag, or by frames that contradict them",
             findings);
   warn_of_rejected_tags(observations, solution, findings);
   const double rejected =

@@ -17,33 +17,56 @@
 namespace apriltrack {
 namespace {
 
-/// The same without one tag; nullopt where nothing is left, where it is held by choice, and where what is
+/// The same without some tags; nullopt where nothing is left, where one is held by choice, and where what is
 /// left contradicts itself.
-std::optional<AdjustedPart> adjust_anew(const PartTask& task, const Part& part, int tag, int held_tag) {
-  const std::optional<HeldPart> rest = part_without(task, part, {tag}, held_tag);
+std::optional<AdjustedPart> adjust_anew(const PartTask& task, const Part& part, const std::set<int>& gone,
+                                        int held_tag) {
+  const std::optional<HeldPart> rest = part_without(task, part, gone, held_tag);
   if (!rest) return std::nullopt;
   try {
     AdjustedPart result = adjust_part(task, rest->part, rest->held_tag, parallel_for(1));
     if (result.contradictions.are_there()) return std::nullopt;
     return result;
-  } catch (const Error&) {  // contradictory, or not converged: so this tag is not the cause
+  } catch (const Error&) {  // contradictory, or not converged: so these tags are not the cause
     return std::nullopt;
   }
 }
 
 struct Trial {
+  int tag = 0;
   std::optional<AdjustedPart> rest;
   std::optional<TagFinding> finding;  ///< What is wrong with the tag that was left out.
   std::size_t accusations = 0;        ///< Of that tag.
 
   bool is_explained() const { return finding && finding->is_complete(); }
+  std::size_t num_left() const { return rest ? rest->part.tags.size() : 0; }
 };
 
 /// A tag whose fault can be named from the map without it, the more wrong the better; else one whose absence
 /// keeps many tags, and of such the one that is accused most.
 std::tuple<bool, double, std::size_t, std::size_t> merit(const Trial& trial) {
-  return {trial.is_explained(), trial.is_explained() ? trial.finding->gain() : 0.0,
-          trial.rest ? trial.rest->part.tags.size() : 0, trial.rest ? trial.accusations : 0};
+  return {trial.is_explained(), trial.is_explained() ? trial.finding->gain() : 0.0, trial.num_left(),
+          trial.rest ? trial.accusations : 0};
+}
+
+/// Of no tag the fault has a name: all whose absence ends the contradictions, and leaves about as many tags.
+std::set<int> possible_culprits(const std::vector<Trial>& trials) {
+  const std::size_t most = std::ranges::max(trials, {}, &Trial::num_left).num_left();
+  std::set<int> tags;
+  for (const Trial& trial : trials) {
+    if (trial.rest && 2 * trial.num_left() >= most) tags.insert(trial.tag);
+  }
+  return tags;
+}
+
+std::string name_of(const Observations& observations, int tag) {
+  return to_string(observations.tags[static_cast<std::size_t>(tag)]);
+}
+
+std::string names_of(const Observations& observations, const std::vector<int>& tags) {
+  std::string names;
+  for (const int tag : tags) names += (names.empty() ? "" : ", ") + name_of(observations, tag);
+  return names;
 }
 
 /// How often the contradictions name the tag, by itself or with another.
@@ -56,7 +79,8 @@ std::size_t count_accusations(const Contradictions& contradictions, int tag) {
 
 Trial try_without(const PartTask& task, const Part& part, const Contradictions& contradictions, int tag,
                   int held_tag) {
-  Trial trial{adjust_anew(task, part, tag, held_tag), std::nullopt, count_accusations(contradictions, tag)};
+  Trial trial{tag, adjust_anew(task, part, {tag}, held_tag), std::nullopt,
+              count_accusations(contradictions, tag)};
   if (trial.rest) trial.finding = look_at(task, probe_views(task, part, *trial.rest, tag), tag).finding;
   return trial;
 }
@@ -76,11 +100,10 @@ std::vector<int> culprit_candidates(const Part& part, const Contradictions& cont
 }
 
 void fail_with_contradictions(const Observations& observations, const Contradictions& contradictions) {
-  const auto name = [&](int tag) { return to_string(observations.tags[static_cast<std::size_t>(tag)]); };
-  std::string what;
-  for (const int tag : contradictions.tags) what += (what.empty() ? "" : ", ") + name(tag);
+  std::string what = names_of(observations, contradictions.tags);
   for (const auto& [a, b] : contradictions.links)
-    what += (what.empty() ? "" : ", ") + name(a) + " with " + name(b);
+    what += fmt::format("{}{} with {}", what.empty() ? "" : ", ", name_of(observations, a),
+                        name_of(observations, b));
   throw no_result("calibrate",
                   fmt::format("{} of {} frames contradict the others, and no one tag is clearly the cause; "
                               "most contradicted: {}. Does an id hang in two places? {}",
@@ -97,15 +120,19 @@ std::optional<AdjustedPart> adjust_without_culprit(const PartTask& task, const P
            [&](std::size_t i) { trials[i] = try_without(task, part, contradictions, tags[i], held_tag); });
   const auto best = std::ranges::max_element(trials, {}, merit);
   const bool needs_a_name = 2 * contradictions.contradicting > contradictions.frames;  // most frames disagree
-  if (best == trials.end() || !best->rest || (needs_a_name && !best->is_explained()) ||
-      std::ranges::count(trials, merit(*best), merit) != 1)
-    return std::nullopt;
-  const int culprit = tags[static_cast<std::size_t>(best - trials.begin())];
-  log(LogLevel::kInfo, fmt::format("{} is left out: with it, {} of {} frames contradict each other",
-                                   to_string(task.observations.tags[static_cast<std::size_t>(culprit)]),
-                                   contradictions.contradicting, contradictions.frames));
-  AdjustedPart result = std::move(*best->rest);
-  result.culprit = culprit;
+  if (best == trials.end() || !best->rest || (needs_a_name && !best->is_explained())) return std::nullopt;
+  std::set<int> culprits{best->tag};
+  if (!best->is_explained()) culprits = possible_culprits(trials);
+  std::optional<AdjustedPart> result =
+      culprits.size() == 1 ? std::move(best->rest) : adjust_anew(task, part, culprits, held_tag);
+  if (!result) return std::nullopt;
+  result->culprits.assign(culprits.begin(), culprits.end());
+  const std::string why = contradictions.frames == 0
+                              ? "the map cannot be adjusted"
+                              : fmt::format("{} of {} frames contradict each other",
+                                            contradictions.contradicting, contradictions.frames);
+  log(LogLevel::kInfo, fmt::format("left out: {}: with {}, {}", names_of(task.observations, result->culprits),
+                                   culprits.size() == 1 ? "it" : "them", why));
   return result;
 }
 

@@ -28,8 +28,8 @@ struct AdjustedPart {
   Part part;  ///< What was kept: outliers, and tags that hung on them alone, are gone.
   MapState state;
   Contradictions contradictions;
-  std::optional<int> culprit = std::nullopt;  ///< Left out before.
-  std::vector<int> undecided = {};            ///< Left out, for the views leave them two poses.
+  std::vector<int> culprits = {};   ///< Left out, for the frames contradict each other with them.
+  std::vector<int> undecided = {};  ///< Left out, for the views leave them two poses.
 };
 
 /// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment. Throws

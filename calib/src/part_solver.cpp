@@ -79,7 +79,7 @@ std::vector<int> cameras_of(const Observations& observations, const Part& part) 
 /// What may be mapped still.
 Part without_left_out(const Observations& observations, const Part& part, const AdjustedPart& solved) {
   std::set<int> out(solved.undecided.begin(), solved.undecided.end());
-  if (solved.culprit) out.insert(*solved.culprit);
+  out.insert(solved.culprits.begin(), solved.culprits.end());
   Part rest{{}, views_without(observations, part, out)};
   std::ranges::set_difference(part.tags, out, std::back_inserter(rest.tags));
   return rest;
@@ -133,12 +133,13 @@ std::optional<CameraRefinement> lens_not_taken(const PartTask& task, const Part&
   return lens;
 }
 
-/// Of the views, but for those of a culprit.
+/// Of the views, but for those of culprits.
 double kept_share(const Observations& observations, const Part& part,
                   const std::optional<AdjustedPart>& solved) {
   if (!solved || solved->contradictions.are_there()) return 0.0;
-  const auto offered = std::ranges::count_if(
-      part.views, [&](std::size_t v) { return solved->culprit != observations.views[v].tag; });
+  const auto offered = std::ranges::count_if(part.views, [&](std::size_t v) {
+    return std::ranges::find(solved->culprits, observations.views[v].tag) == solved->culprits.end();
+  });
   return static_cast<double>(solved->part.views.size()) / static_cast<double>(offered);
 }
 
@@ -180,7 +181,7 @@ void require_held_tag_that_fits(const PartTask& task, const Part& part, const Co
   options.held_tag.reset();
   const PartTask any{task.observations, task.candidates, options};
   const auto rest = adjust_without_culprit(any, part, contradictions, held_tag, parallel, log);
-  if (!rest || rest->culprit != held_tag) return;
+  if (!rest || rest->culprits != std::vector{held_tag}) return;
   const auto finding = look_at(any, probe_views(any, part, *rest, held_tag), held_tag).finding;
   fail_by_held_tag(finding ? finding->words
                            : fmt::format("The views of {} contradict those of all others",
@@ -292,7 +293,7 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
   // Without them, others' views may leave two poses that had one.
   if (solved.part.tags != tags_before) leave_out_undecided(task, part, solved, parallel);
   solution.held_tag = solved.held_tag;
-  solution.culprit = solved.culprit;
+  solution.culprits = solved.culprits;
   std::ranges::copy_if(solved.undecided, std::back_inserter(solution.undecided), [&](int tag) {
     return std::ranges::find(solution.findings, tag, &TagFinding::tag) == solution.findings.end();
   });
@@ -308,9 +309,9 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
     solution.views_offered_by_tag[static_cast<std::size_t>(tag)] = views;
   std::set_difference(part.tags.begin(), part.tags.end(), solution.part.tags.begin(),
                       solution.part.tags.end(), std::back_inserter(solution.lost_tags));
-  if (solution.culprit) std::erase(solution.lost_tags, *solution.culprit);
   std::erase_if(solution.lost_tags, [&](int tag) {
-    return std::ranges::binary_search(solution.undecided, tag) ||
+    return std::ranges::find(solution.culprits, tag) != solution.culprits.end() ||
+           std::ranges::binary_search(solution.undecided, tag) ||
            std::ranges::binary_search(solution.contradicted, tag) ||
            std::ranges::any_of(solution.findings, [&](const TagFinding& finding) {
              return finding.tag == tag && finding.is_left_out;

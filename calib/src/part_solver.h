@@ -25,7 +25,7 @@ struct PartSolution {
   double total_rms_px = 0.0;
   std::size_t views_offered = 0;          ///< Before outliers were removed.
   std::vector<int> views_offered_by_tag;  ///< Indexed like observations.tags.
-  std::optional<int> culprit;             ///< Left out, for with it the frames contradict each other.
+  std::vector<int> culprits;              ///< Left out, for the frames contradict each other with them.
   CameraRefinement cameras;
   std::optional<CameraRefinement> lens_not_taken;  ///< That agrees clearly better, where the user keeps his.
   std::vector<TagFinding> findings;
