@@ -14,6 +14,8 @@
 #include "part_without.h"
 #include "tag_moves.h"
 #include "tag_shapes.h"
+#include "tag_trials.h"
+#include "undecided_tags.h"
 
 namespace apriltrack {
 namespace {
@@ -149,11 +151,13 @@ void require_sound_held_tag(const PartTask& task, const TagFinding& finding) {
   fail_by_held_tag(finding.words);
 }
 
-/// What no frame tells by itself.
+/// What no frame tells by itself: a wrong size may pass for a move, and a move for a bend.
 std::optional<TagFinding> find_hidden_fault(const PartTask& task, const AdjustedPart& sound,
                                             const ParallelFor& parallel) {
   auto move = find_hidden_move(task, sound, parallel);
-  return move ? move : find_odd_shape(task, sound);
+  auto shape = find_odd_shape(task, sound);
+  if (!move || !shape) return move ? move : shape;
+  return move->explained > shape->explained ? move : shape;
 }
 
 /// Tags that were found bent stay in the map; but others are held against a map without them.
@@ -181,6 +185,42 @@ void examine_by_all_views(const PartTask& task, const Part& part, AdjustedPart& 
   }
 }
 
+[[noreturn]] void fail_without(const std::vector<TagFinding>& findings, const Error& error) {
+  std::string words;
+  for (const TagFinding& finding : findings) words += finding.words + ". ";
+  throw no_result(error.where(), words + "Then " + std::string(error.cause()));
+}
+
+/// Before others are held against a map that lacks what they explain: they may have been accused in their
+/// place, and may be why others are undecided.
+void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
+                        std::vector<TagFinding>& findings, const ParallelFor& parallel) {
+  std::vector<TagFinding> faults = find_faults_by_trial(task, part, solved, parallel);
+  if (faults.empty()) return;
+  AdjustedPart rest = solved;
+  std::erase_if(rest.culprits,
+                [&](int culprit) { return !is_explained_beyond_doubt(task, part, solved, culprit); });
+  std::set<int> gone(rest.culprits.begin(), rest.culprits.end());
+  for (const TagFinding& fault : faults) {
+    require_sound_held_tag(task, fault);
+    gone.insert(fault.tag);
+    if (!solve_without(task, part, fault.tag, gone, rest)) return;
+  }
+  if (rest.contradictions.are_there()) return;
+  rest.undecided.clear();
+  try {
+    leave_out_undecided(task, part, rest, parallel);
+  } catch (const Error& error) {
+    fail_without(faults, error);
+  }
+  solved = std::move(rest);
+  for (TagFinding& fault : faults) {
+    known.insert(fault.tag);
+    std::erase(solved.undecided, fault.tag);
+    findings.push_back(std::move(fault));
+  }
+}
+
 }  // namespace
 
 void fail_by_held_tag(const std::string& words) {
@@ -195,10 +235,11 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
   std::vector<TagFinding> findings;
   if (part.tags.size() < 3) return findings;  // of two that disagree, either may be wrong
   std::set<int> known;
-  std::vector<int> left_out = solved.undecided;
-  if (solved.culprit) left_out.insert(left_out.begin(), *solved.culprit);
+  leave_out_by_trial(task, part, solved, known, findings, parallel);
+  std::vector<int> left_out = solved.culprits;
+  left_out.insert(left_out.end(), solved.undecided.begin(), solved.undecided.end());
   for (const int tag : left_out) {
-    known.insert(tag);
+    if (!known.insert(tag).second) continue;
     if (auto finding = look_at_left_out(task, part, solved, tag)) findings.push_back(std::move(*finding));
   }
   for (int round = 0; round < kMostFaults; ++round) {

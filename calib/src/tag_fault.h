@@ -22,6 +22,7 @@ struct TagFinding {
   /// stated shape, and with what was found.
   double misfit_before = 0.0, misfit_after = 0.0;
   std::size_t num_views = 0;  ///< That this rests on.
+  double explained = 0.0;     ///< Half the squares, of all views, less a fee for the unknowns; if known.
 
   /// Nothing is left to be explained, or nothing can be of what has no fixed place.
   bool is_complete() const { return kind == Kind::kLoose || misfit_after < 1.6; }

@@ -102,6 +102,7 @@ TagFinding to_finding(const PartTask& task, const AdjustedPart& solved, const Mo
   finding.tag = move.tag;
   finding.is_left_out = true;
   finding.num_views = move.views.size();
+  finding.explained = 0.5 * move.squares - 7.0 * kFeeOfUnknown;
   finding.kind = is_loose ? TagFinding::Kind::kLoose : TagFinding::Kind::kMoved;
   finding.words = is_loose
                       ? words_of_loose(name)

@@ -14,9 +14,9 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kMostTags = 1.0 / 3.0;     // more of them, and it is the lens that is wrong
-constexpr std::size_t kManyTags = 200;      // the system is solved anew for each
-constexpr double kMedianOfNormal = 0.6745;  // of the sizes of standard normal numbers
+constexpr double kMostTags = 1.0 / 3.0;       // more of them, and it is the lens that is wrong
+constexpr std::size_t kMostTagsShaped = 200;  // the system is solved anew for each
+constexpr double kMedianOfNormal = 0.6745;    // of the sizes of standard normal numbers
 
 bool exceeds(double value, double sigma, double least) {
   return std::abs(value) > std::max(least, kClearSigmas * sigma);
@@ -91,7 +91,7 @@ ShapeEstimate estimate_shape(const ParameterInformation& of_shape, const ErrorSc
 
 std::vector<ShapeEstimate> estimate_shapes(const PartTask& task, const AdjustedPart& solved) {
   std::vector<ShapeEstimate> result;
-  if (solved.part.tags.size() > kManyTags) return result;
+  if (solved.part.tags.size() > kMostTagsShaped) return result;
   const std::vector<LinearView> views = corner_views(task.observations, solved.part.views, solved.state);
   const auto poses = PoseInformation::of(views, solved.part.tags, solved.held_tag);
   if (!poses || views.size() != solved.part.views.size()) return result;
@@ -153,11 +153,15 @@ void compare_with_others(std::vector<ShapeEstimate>& shapes) {
 TagFinding to_finding(const PartTask& task, const ShapeEstimate& one) {
   const std::string name = to_string(task.observations.tags[static_cast<std::size_t>(one.tag)]);
   if (one.is_bend_likelier())
-    return {.tag = one.tag, .kind = TagFinding::Kind::kNotFlat, .words = words_of_bend(one.bent, name)};
+    return {.tag = one.tag,
+            .kind = TagFinding::Kind::kNotFlat,
+            .words = words_of_bend(one.bent, name),
+            .explained = one.gain_of_bend - 3.0 * kFeeOfUnknown};
   return {.tag = one.tag,
           .kind = TagFinding::Kind::kSize,
           .words = words_of_size(one.scaled, name),
-          .is_left_out = true};
+          .is_left_out = true,
+          .explained = one.gain_of_size - kFeeOfUnknown};
 }
 
 }  // namespace

@@ -1,0 +1,259 @@
+#include "fault_trials.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "apriltrack/base/error.h"
+#include "tag_places.h"
+
+namespace apriltrack {
+namespace {
+
+using Kind = TagFinding::Kind;
+
+constexpr std::size_t kLeastAtPlace = 3;  // views
+constexpr int kMostShifts = 3;
+constexpr double kGivenUpCost = 64.0;      // half the squares at which a view is rejected
+constexpr double kClearMove = 150.0;       // of that: three views, or more that were explained by half
+constexpr double kClearSize = 30.0;        // eight sigmas
+constexpr double kHopeful = 10.0;          // of a size that is off by a half of itself
+constexpr double kFeeOfPlace = 12.0;
+constexpr double kTwoTags = 0.8;           // of the size: two tags that hang at a time cannot overlap
+constexpr double kMostUnexplained = 0.15;  // of the tag's views
+constexpr double kFirstStep = 0.06, kLastStep = 0.0075;  // of the logarithm of a size
+
+bool is_kept(const AdjustedPart& solved, std::size_t view) {
+  return std::ranges::binary_search(solved.part.views, view);
+}
+
+/// Half the squares of all views in question, none more than one that is given up.
+double cost_of(const Observations& observations, const std::vector<std::size_t>& views,
+               const AdjustedPart& solved, const NoiseScale& noise) {
+  std::set<int> frames;
+  for (const std::size_t v : solved.part.views) frames.insert(observations.views[v].frame);
+  MapState state = solved.state;
+  state.noise = {noise.sum, noise.difference, {}};
+  double sum = 0.0;
+  for (const std::size_t v : views) {
+    const TagView& view = observations.views[v];
+    bool is_valid = frames.contains(view.frame) && std::ranges::binary_search(solved.part.tags, view.tag);
+    Vector8d residual;
+    if (is_valid) residual = whitened_residual(observations, view, state, is_valid);
+    sum += is_valid ? std::min(kGivenUpCost, 0.5 * residual.squaredNorm()) : kGivenUpCost;
+  }
+  return sum;
+}
+
+/// From the start, of what hangs together; nullopt where nothing fits.
+std::optional<AdjustedPart> solve_anew(const PartTask& task, const Suspect& suspect) {
+  const std::vector<Part> parts =
+      find_parts(task.observations, suspect.part.views, task.options.min_views).parts;
+  if (parts.empty()) return std::nullopt;
+  const auto held = std::ranges::find_if(parts.front().tags, [&](int tag) { return tag != suspect.tag; });
+  try {
+    return adjust_part(task, parts.front(), *held, parallel_for(1));
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+/// The moment, or where the views that are given up beside it end.
+std::size_t shifted_moment(const Suspect& suspect, const FaultTrial& trial, std::size_t moment) {
+  std::size_t shifted = moment;
+  while (shifted > 0 && !is_kept(trial.solved, suspect.views[shifted - 1])) --shifted;
+  if (shifted != moment) return shifted;
+  while (shifted < suspect.views.size() && !is_kept(trial.solved, suspect.views[shifted])) ++shifted;
+  return shifted;
+}
+
+/// Where views that are given up and others are told apart best by time.
+std::size_t moment_of_change(const std::vector<bool>& is_given_up) {
+  const auto given_up = std::ranges::count(is_given_up, true);
+  const double share = static_cast<double>(given_up) / static_cast<double>(is_given_up.size());
+  double excess = 0.0, most = 0.0;
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < is_given_up.size(); ++i) {
+    excess += (is_given_up[i] ? 1.0 : 0.0) - share;
+    if (std::abs(excess) <= most) continue;
+    most = std::abs(excess);
+    best = i + 1;
+  }
+  return best;
+}
+
+/// Where the tag was not seen for the longest time.
+std::size_t moment_after_gap(const Observations& observations, const Suspect& suspect) {
+  const auto time = [&](std::size_t i) {
+    return observations.frames[static_cast<std::size_t>(observations.views[suspect.views[i]].frame)];
+  };
+  std::size_t best = 0;
+  double longest_s = 0.0;
+  for (std::size_t i = 1; i < suspect.views.size(); ++i) {
+    const double gap_s = seconds_between(time(i - 1), time(i));
+    if (gap_s <= longest_s) continue;
+    longest_s = gap_s;
+    best = i;
+  }
+  return best;
+}
+
+void keep_better(std::optional<FaultTrial>& best, std::optional<FaultTrial> trial, double least_gain = 0.0) {
+  if (trial && (!best || trial->gain > best->gain + least_gain)) best = std::move(trial);
+}
+
+/// Of three trials of sizes, a step apart: where the gain is greatest by the parabola.
+double at_vertex(const FaultTrial& middle, double gain_below, double gain_above, double step) {
+  const double bend = 2.0 * middle.gain - gain_below - gain_above;
+  if (!(bend > 0.0)) return middle.log_scale;
+  return middle.log_scale + step * std::clamp(0.5 * (gain_above - gain_below) / bend, -1.0, 1.0);
+}
+
+}  // namespace
+
+FaultTrials::FaultTrials(const PartTask& task, const Suspect& suspect, const AdjustedPart& solved)
+    : task_(task), suspect_(suspect), solved_(solved), observations_(task.observations) {
+  observations_.cameras = solved.state.cameras;
+  whole_ = solve_anew({observations_, task.candidates, task.options}, suspect);
+  for (const std::size_t v : suspect.views) is_given_up_.push_back(!is_kept(whole_ ? *whole_ : solved, v));
+}
+
+// What is explained by two places, one after the other, needs none by turns; and a size has fewer unknowns.
+std::optional<FaultTrial> FaultTrials::best() const {
+  std::optional<FaultTrial> best;
+  keep_better(best, if_enough(best_size()));
+  std::optional<FaultTrial> move = best_move();
+  keep_better(best, move ? std::move(move) : if_enough(best_copy()), kFeeOfPlace);
+  return best;
+}
+
+std::optional<FaultTrial> FaultTrials::try_fault(const Observations& observations, FaultTrial trial) const {
+  auto solved = solve_anew({observations, task_.candidates, task_.options}, suspect_);
+  if (!solved) return std::nullopt;
+  const NoiseScale noise = solved->state.noise;
+  const std::vector<std::size_t>& views = suspect_.part.views;
+  double without = cost_of(observations_, views, solved_, noise);
+  if (whole_) without = std::min(without, cost_of(observations_, views, *whole_, noise));
+  trial.gain = without - cost_of(observations, views, *solved, noise);
+  trial.solved = std::move(*solved);
+  return trial;
+}
+
+// The second place is a tag of its own, numbered after all others.
+std::optional<FaultTrial> FaultTrials::split(Kind kind, std::vector<bool> is_at_second) const {
+  const auto t = static_cast<std::size_t>(suspect_.tag);
+  Observations halves = observations_;
+  const auto second = static_cast<int>(halves.tags.size());
+  halves.tags.push_back(halves.tags[t]);
+  halves.sizes_m.push_back(halves.sizes_m[t]);
+  for (std::size_t i = 0; i < suspect_.views.size(); ++i) {
+    if (is_at_second[i]) halves.views[suspect_.views[i]].tag = second;
+  }
+  FaultTrial trial;
+  trial.kind = kind;
+  trial.is_at_second = std::move(is_at_second);
+  auto result = try_fault(halves, std::move(trial));
+  if (!result) return result;
+  result->T_map_first = result->solved.state.T_map_tag[t];
+  result->T_map_second = result->solved.state.T_map_tag.back();
+  return result;
+}
+
+std::optional<FaultTrial> FaultTrials::move_at(std::size_t moment) const {
+  std::vector<bool> is_at_second(suspect_.views.size());
+  std::fill(is_at_second.begin() + static_cast<std::ptrdiff_t>(moment), is_at_second.end(), true);
+  return split(Kind::kMoved, std::move(is_at_second));
+}
+
+std::optional<FaultTrial> FaultTrials::best_move_from(std::size_t moment) const {
+  std::optional<FaultTrial> best;
+  for (int shift = 0; shift <= kMostShifts; ++shift) {
+    if (moment < kLeastAtPlace || moment + kLeastAtPlace > suspect_.views.size()) break;
+    std::optional<FaultTrial> trial = move_at(moment);
+    if (!trial || (best && trial->gain <= best->gain)) break;
+    best = std::move(trial);
+    const std::size_t next = shifted_moment(suspect_, *best, moment);
+    if (next == moment) break;
+    moment = next;
+  }
+  return best;
+}
+
+std::optional<FaultTrial> FaultTrials::best_move() const {
+  const std::size_t num = suspect_.views.size();
+  for (const std::size_t moment : {moment_of_change(is_given_up_), moment_after_gap(observations_, suspect_),
+                                   num / 4, num / 2, 3 * num / 4}) {
+    if (auto move = if_enough(best_move_from(moment))) return move;
+  }
+  return std::nullopt;
+}
+
+// What one place does not explain shows the other.
+std::optional<FaultTrial> FaultTrials::best_copy() const {
+  std::optional<FaultTrial> best;
+  std::vector<bool> is_at_second = is_given_up_;
+  for (int round = 0; round <= kMostShifts; ++round) {
+    const auto num = static_cast<std::size_t>(std::ranges::count(is_at_second, true));
+    if (num < kLeastAtPlace || num + kLeastAtPlace > suspect_.views.size()) break;
+    std::optional<FaultTrial> trial = split(Kind::kTwoPlaces, is_at_second);
+    if (!trial || (best && trial->gain <= best->gain)) break;
+    best = std::move(trial);
+    for (std::size_t i = 0; i < suspect_.views.size(); ++i) {
+      if (!is_kept(best->solved, suspect_.views[i])) is_at_second[i] = !is_at_second[i];
+    }
+  }
+  return best;
+}
+
+std::optional<FaultTrial> FaultTrials::resize(double log_scale) const {
+  Observations resized = observations_;
+  resized.sizes_m[static_cast<std::size_t>(suspect_.tag)] *= std::exp(log_scale);
+  FaultTrial trial;
+  trial.kind = Kind::kSize;
+  trial.log_scale = log_scale;
+  return try_fault(resized, std::move(trial));
+}
+
+std::optional<FaultTrial> FaultTrials::best_size() const {
+  std::optional<FaultTrial> best;
+  for (const double steps : {-2.0, -1.0, 1.0, 2.0}) keep_better(best, resize(steps * kFirstStep));
+  if (!best || best->gain < kHopeful) return std::nullopt;
+  for (double step = 0.5 * kFirstStep; step > 0.9 * kLastStep; step *= 0.5) {
+    const double middle = best->log_scale;
+    auto below = resize(middle - step), above = resize(middle + step);
+    if (!below || !above) return std::nullopt;
+    const double gain_below = below->gain, gain_above = above->gain;
+    keep_better(best, std::move(below));
+    keep_better(best, std::move(above));
+    if (step < 1.1 * kLastStep && best->log_scale == middle)
+      best->log_scale = at_vertex(*best, gain_below, gain_above, step);
+  }
+  best->scale_sigma = std::abs(best->log_scale) / std::sqrt(2.0 * best->gain);  // half the squares are gained
+  return best;
+}
+
+std::optional<FaultTrial> FaultTrials::if_enough(std::optional<FaultTrial> trial) const {
+  if (!trial) return trial;
+  std::size_t at_first = 0, at_second = 0;
+  for (std::size_t i = 0; i < suspect_.views.size(); ++i) {
+    if (!is_kept(trial->solved, suspect_.views[i])) continue;
+    ++(trial->is_at_second.empty() || !trial->is_at_second[i] ? at_first : at_second);
+  }
+  const auto num = static_cast<double>(suspect_.views.size());
+  if (num - static_cast<double>(at_first + at_second) > kMostUnexplained * num) return std::nullopt;
+  const bool is_clear = trial->kind == Kind::kSize
+                            ? trial->gain > kClearSize && std::abs(trial->log_scale) > kClearScale
+                            : trial->gain > kClearMove && std::min(at_first, at_second) >= kLeastAtPlace &&
+                                  are_apart(*trial);
+  return is_clear ? std::move(trial) : std::nullopt;
+}
+
+bool FaultTrials::are_apart(const FaultTrial& trial) const {
+  const double size_m = task_.observations.sizes_m[static_cast<std::size_t>(suspect_.tag)];
+  const Pose change = trial.T_map_first.inverse() * trial.T_map_second;
+  const double least_m = trial.kind == Kind::kMoved ? least_shift_m(change, size_m) : kTwoTags * size_m;
+  return change.translation().norm() > least_m;
+}
+
+}  // namespace apriltrack

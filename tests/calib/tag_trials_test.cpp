@@ -1,0 +1,134 @@
+// Faults for which the fit gave up frames of two tags, so that either seems at fault.
+#include "tag_trials.h"
+
+#include <gmock/gmock.h>
+
+#include "adjusted_world.h"
+#include "tag_neighbourhoods.h"
+
+namespace apriltrack {
+namespace {
+
+using test::AdjustedWorld;
+using test::SyntheticWorld;
+using ::testing::AnyOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr int kTagOnTrial = 11, kBesideIt = 13;  // ids of a room: 3, 5, 7 and so on
+constexpr int kIndexOnTrial = 4, kIndexBesideIt = 5, kTagsOnWalls = 9;
+constexpr std::size_t kFramesOnTrial = 120;
+
+using WhereCornersAre = std::function<Eigen::Vector3d(const Eigen::Vector3d&, std::size_t)>;
+
+/// Frames show the two tags that come next in turn, with a noise of 0.1 px.
+std::vector<FrameDetections> shown_in_pairs(std::vector<FrameDetections> frames) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    auto& detections = frames[i].detections;
+    std::ranges::sort(detections, {}, [&](const Detection& one) {
+      return (static_cast<std::size_t>(one.tag.id) + i) % static_cast<std::size_t>(kTagsOnWalls);
+    });
+    if (detections.size() > 2) detections.resize(2);
+  }
+  RandomStream random(61);
+  test::add_edge_noise(frames, 0.1, -0.45, random);
+  return frames;
+}
+
+SyntheticWorld room_of_pairs() {
+  return test::make_room(kTagsOnWalls, static_cast<int>(kFramesOnTrial), test::equidistant_camera());
+}
+
+std::vector<TagFinding> find_on_trial(const AdjustedWorld& one) {
+  return find_faults_by_trial(one.task(), one.offered, one.solved, parallel_for(1));
+}
+
+std::vector<TagFinding> find_where_pairs_show(const WhereCornersAre& where) {
+  const SyntheticWorld world = room_of_pairs();
+  return find_on_trial({world, shown_in_pairs(test::filmed_with(world, kTagOnTrial, where))});
+}
+
+TEST(TagTrials, FindNothingWhereNothingIsWrong) {
+  EXPECT_THAT(find_where_pairs_show([](const Eigen::Vector3d& corner, std::size_t) { return corner; }), IsEmpty());
+}
+
+TEST(TagTrials, NameATagThatMoved) {
+  const auto findings = find_where_pairs_show([](const Eigen::Vector3d& corner, std::size_t i) {
+    return Eigen::Vector3d(corner + Eigen::Vector3d(i < 50 ? 0.0 : 0.15, 0.0, 0.0));
+  });
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].tag, kIndexOnTrial);
+  EXPECT_EQ(findings[0].kind, TagFinding::Kind::kMoved);
+  EXPECT_TRUE(findings[0].is_left_out);
+  EXPECT_THAT(findings[0].words, HasSubstr("was moved by 0.15"));
+}
+
+TEST(TagTrials, NameAnIdThatHangsInTwoPlacesByTurns) {
+  const auto findings = find_where_pairs_show([](const Eigen::Vector3d& corner, std::size_t i) {
+    return Eigen::Vector3d(corner + Eigen::Vector3d(i % 24 < 16 ? 0.0 : 0.6, 0.0, 0.0));
+  });
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].tag, kIndexOnTrial);
+  EXPECT_EQ(findings[0].kind, TagFinding::Kind::kTwoPlaces);
+}
+
+TEST(TagTrials, NameAWrongSize) {
+  const auto findings = find_where_pairs_show(
+      [](const Eigen::Vector3d& corner, std::size_t) { return Eigen::Vector3d(1.12 * corner); });
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].tag, kIndexOnTrial);
+  EXPECT_EQ(findings[0].kind, TagFinding::Kind::kSize);
+  EXPECT_THAT(findings[0].words, AnyOf(HasSubstr("12.0 % larger"), HasSubstr("11.9 % larger"),
+                                       HasSubstr("12.1 % larger")));
+}
+
+// Seen with one other tag alone once it had moved: the other one may have moved as well.
+TEST(TagTrials, NameBothWhereEitherWouldDo) {
+  const SyntheticWorld world = room_of_pairs();
+  std::vector<FrameDetections> frames = test::filmed_with(
+      world, kTagOnTrial, [](const Eigen::Vector3d& corner, std::size_t i) {
+        return Eigen::Vector3d(corner + Eigen::Vector3d(i < 60 ? 0.0 : 0.15, 0.0, 0.0));
+      });
+  for (std::size_t i = 60; i < frames.size(); ++i) {
+    std::erase_if(frames[i].detections, [&](const Detection& one) {
+      const bool is_of_pair = one.tag.id == kTagOnTrial || one.tag.id == kBesideIt;
+      return (i % 2 == 0) != is_of_pair;
+    });
+  }
+  RandomStream random(62);
+  test::add_edge_noise(frames, 0.1, -0.45, random);
+  const auto findings = find_on_trial({world, frames});
+  ASSERT_EQ(findings.size(), 2u);
+  for (const TagFinding& finding : findings) EXPECT_THAT(finding.words, HasSubstr("do not tell which"));
+  std::vector<int> tags{findings[0].tag, findings[1].tag};
+  std::ranges::sort(tags);
+  EXPECT_THAT(tags, ElementsAre(kIndexOnTrial, kIndexBesideIt));
+}
+
+TEST(TagNeighbourhoods, AreTheWholeOfASmallPart) {
+  const AdjustedWorld one(room_of_pairs());
+  const TagNeighbourhoods neighbourhoods(one.observations, one.offered, 250);
+  EXPECT_TRUE(neighbourhoods.are_all_one());
+  EXPECT_EQ(neighbourhoods.around(3).views, one.offered.views);
+}
+
+TEST(TagNeighbourhoods, OfALongRecordingAreSomeFramesOfEachTag) {
+  const SyntheticWorld world = test::make_room(kTagsOnWalls, 900, test::equidistant_camera());
+  const AdjustedWorld one(world);
+  const TagNeighbourhoods neighbourhoods(one.observations, one.offered, 250);
+  ASSERT_FALSE(neighbourhoods.are_all_one());
+  const Part part = neighbourhoods.around(3);
+  std::set<int> frames, with_tag;
+  for (const std::size_t v : part.views) {
+    frames.insert(one.observations.views[v].frame);
+    if (one.observations.views[v].tag == 3) with_tag.insert(one.observations.views[v].frame);
+  }
+  EXPECT_EQ(part.tags.size(), static_cast<std::size_t>(kTagsOnWalls));
+  EXPECT_LE(frames.size(), 500u);
+  EXPECT_GE(with_tag.size(), 200u);
+  EXPECT_TRUE(std::ranges::is_sorted(part.views));
+}
+
+}  // namespace
+}  // namespace apriltrack
