@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <vector>
+
+#include "apriltrack/detect/detector.h"
+#include "apriltrack/sim/named_scenes.h"
+#include "apriltrack/sim/renderer.h"
+#include "calibrating.h"
+#include "synthetic_world.h"
+
+namespace apriltrack::test {
+
+inline constexpr std::size_t kNumFilmed = 60;  // frames
+
+/// A frame of the scene, with corners and pictures of what is seen.
+inline FrameDetections filmed_frame(const Renderer& renderer, std::size_t i) {
+  const Scene& scene = renderer.scene();
+  DetectorOptions options;
+  options.families = {"tag36h11"};
+  options.response = scene.camera.response;
+  Detector detector(options);
+  const RenderedFrame rendered = renderer.render(i * scene.num_frames / kNumFilmed);
+  FrameDetections frame{rendered.timestamp, scene.camera.name, detector.detect(rendered.pixels.view())};
+  frame.exposure_s = scene.exposure_s;
+  for (const Detection& detection : frame.detections)
+    frame.patches.push_back(*cut_patch(rendered.pixels.view(), detection));
+  return frame;
+}
+
+/// A slow round past the walls, and the corners and pictures of what is seen.
+struct FilmedRoom {
+  Scene scene = make_scene("room-gentle", {.texel_m = 0.02});
+  std::vector<FrameDetections> frames;
+  CameraRig rig;
+  CalibrationResult by_corners;
+
+  FilmedRoom() {
+    scene.exposure_s = 0.003;
+    rig.cameras.push_back(scene.camera);
+    const Renderer renderer(scene, {.seed = 733});
+    for (std::size_t i = 0; i < kNumFilmed; ++i) frames.push_back(filmed_frame(renderer, i));
+    by_corners = calibrate_map(frames, rig, TagSizes(scene.map.tags.front().size_m), {});
+  }
+
+  static const FilmedRoom& once() {
+    static const FilmedRoom filmed;
+    return filmed;
+  }
+};
+
+/// xi' covariance^-1 xi / 6 of every tag but the held one, relative to it; their mean.
+inline double mean_normalised_error(const TagMap& truth, const TagKey& held, const TagMap& map,
+                                    double* largest) {
+  double sum = 0.0;
+  *largest = 0.0;
+  for (const MapTag& tag : map.tags) {
+    if (tag.key == held) continue;
+    const Vector6d xi = (tag.T_map_tag.inverse() * T_origin_tag(truth, held, tag.key)).log();
+    const double error = xi.dot(tag.covariance->ldlt().solve(xi)) / 6.0;
+    *largest = std::max(*largest, error);
+    sum += error;
+  }
+  return sum / static_cast<double>(map.tags.size() - 1);
+}
+
+}  // namespace apriltrack::test
