@@ -274,6 +274,63 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
   keep_to_constraints(observations, CovarianceOperator(*poses, solution.scale, shared), solution);
 }
 
+/// Lenses, edge offsets and places of cameras, where the views agree better with others.
+void improve_cameras(const PartTask& task, const Part& part, AdjustedPart& solved, PartSolution& solution) {
+  const Part to_map = without_left_out(task.observations, part, solved);
+  solution.cameras = better_cameras(task, to_map, solved);
+  solution.lens_not_taken = lens_not_taken(task, to_map, solved);
+}
+
+/// Looks at each tag for faults, and leaves out what cannot be trusted.
+void leave_out_faulty(const PartTask& task, const Part& part, AdjustedPart& solved,
+                      const ParallelFor& parallel, PartSolution& solution) {
+  const std::vector<int> tags_before = solved.part.tags;
+  solution.findings = examine_tags(task, part, solved, parallel);
+  solution.contradicted = leave_out_contradicted(task, part, solved);
+  // Without them, others' views may leave two poses that had one.
+  if (solved.part.tags != tags_before) leave_out_undecided(task, part, solved, parallel);
+}
+
+void take_adjusted(AdjustedPart solved, PartSolution& solution) {
+  solution.held_tag = solved.held_tag;
+  solution.culprits = solved.culprits;
+  std::ranges::copy_if(solved.undecided, std::back_inserter(solution.undecided), [&](int tag) {
+    return std::ranges::find(solution.findings, tag, &TagFinding::tag) == solution.findings.end();
+  });
+  solution.part = std::move(solved.part);
+  solution.state = std::move(solved.state);
+}
+
+/// Of the tags that are mapped, before outliers were removed.
+void count_offered_views(const Observations& observations, const Part& part, PartSolution& solution) {
+  const Part offered = narrowed_to(observations, part, solution.part.tags);
+  solution.views_offered = offered.views.size();
+  solution.views_offered_by_tag.assign(observations.tags.size(), 0);
+  for (const auto& [tag, views] : count_views(observations, offered))
+    solution.views_offered_by_tag[static_cast<std::size_t>(tag)] = views;
+}
+
+/// Those of the part that are not mapped, and were left out for no reason of their own.
+std::vector<int> lost_tags(const Part& part, const PartSolution& solution) {
+  std::set<int> explained(solution.undecided.begin(), solution.undecided.end());
+  explained.insert(solution.contradicted.begin(), solution.contradicted.end());
+  explained.insert(solution.culprits.begin(), solution.culprits.end());
+  for (const TagFinding& finding : solution.findings)
+    if (finding.is_left_out) explained.insert(finding.tag);
+  std::vector<int> lost;
+  std::ranges::set_difference(part.tags, solution.part.tags, std::back_inserter(lost));
+  std::erase_if(lost, [&](int tag) { return explained.contains(tag); });
+  return lost;
+}
+
+void require_sense(const PartSolution& solution) {
+  if (solution.total_rms_px < kNonsense_px) return;
+  throw no_result("calibrate",
+                  fmt::format("the adjusted map leaves errors of {:.1f} px: {}; corners from elsewhere must "
+                              "come in the order bottom-left, bottom-right, top-right, top-left",
+                              solution.total_rms_px, kWhatToCheck));
+}
+
 }  // namespace
 
 PartSolution solve_part(const Observations& observations, const Part& part, int held_tag,
@@ -282,47 +339,17 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
                         const LogSink& log) {
   const PartTask task{observations, candidates, options};
   AdjustedPart solved = adjust_without_contradictions(task, part, held_tag, parallel, log);
-  PartSolution solution;
   leave_out_undecided(task, part, solved, parallel);
-  const Part to_map = without_left_out(observations, part, solved);
-  solution.cameras = better_cameras(task, to_map, solved);
-  solution.lens_not_taken = lens_not_taken(task, to_map, solved);
-  const std::vector<int> tags_before = solved.part.tags;
-  solution.findings = examine_tags(task, part, solved, parallel);
-  solution.contradicted = leave_out_contradicted(task, part, solved);
-  // Without them, others' views may leave two poses that had one.
-  if (solved.part.tags != tags_before) leave_out_undecided(task, part, solved, parallel);
-  solution.held_tag = solved.held_tag;
-  solution.culprits = solved.culprits;
-  std::ranges::copy_if(solved.undecided, std::back_inserter(solution.undecided), [&](int tag) {
-    return std::ranges::find(solution.findings, tag, &TagFinding::tag) == solution.findings.end();
-  });
-  solution.part = std::move(solved.part);
-  solution.state = std::move(solved.state);
+  PartSolution solution;
+  improve_cameras(task, part, solved, solution);
+  leave_out_faulty(task, part, solved, parallel, solution);
+  take_adjusted(std::move(solved), solution);
+
   measure_covariances(observations, options, constraints, solution);
   measure_residuals(observations, solution);
-
-  const Part offered = narrowed_to(observations, part, solution.part.tags);
-  solution.views_offered = offered.views.size();
-  solution.views_offered_by_tag.assign(observations.tags.size(), 0);
-  for (const auto& [tag, views] : count_views(observations, offered))
-    solution.views_offered_by_tag[static_cast<std::size_t>(tag)] = views;
-  std::set_difference(part.tags.begin(), part.tags.end(), solution.part.tags.begin(),
-                      solution.part.tags.end(), std::back_inserter(solution.lost_tags));
-  std::erase_if(solution.lost_tags, [&](int tag) {
-    return std::ranges::find(solution.culprits, tag) != solution.culprits.end() ||
-           std::ranges::binary_search(solution.undecided, tag) ||
-           std::ranges::binary_search(solution.contradicted, tag) ||
-           std::ranges::any_of(solution.findings, [&](const TagFinding& finding) {
-             return finding.tag == tag && finding.is_left_out;
-           });
-  });
-  if (!(solution.total_rms_px < kNonsense_px))
-    throw no_result(
-        "calibrate",
-        fmt::format("the adjusted map leaves errors of {:.1f} px: {}; corners from elsewhere must "
-                    "come in the order bottom-left, bottom-right, top-right, top-left",
-                    solution.total_rms_px, kWhatToCheck));
+  count_offered_views(observations, part, solution);
+  solution.lost_tags = lost_tags(part, solution);
+  require_sense(solution);
   return solution;
 }
 
