@@ -2,13 +2,14 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cmath>
 #include <optional>
+
+#include "cauchy_loss.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr double kLossScale = 8.0;  // of a view's whitened norm; a good one's is sqrt(8)
+constexpr CauchyLoss kMotionLoss{8.0};  // of a view's whitened norm; a good one's is sqrt(8)
 constexpr double kFailedProjection = 1e4;
 constexpr int kMaxSteps = 40, kFirstSteps = 4;
 constexpr double kLeastDecrease = 1e-6;
@@ -103,7 +104,7 @@ class GroupFit {
       Vector8d whitened;
       const double squares =
           residual(view, at, &whitened, nullptr, nullptr) ? whitened.squaredNorm() : kFailedProjection;
-      sum += 0.5 * kLossScale * kLossScale * std::log1p(squares / (kLossScale * kLossScale));
+      sum += kMotionLoss.cost(squares);
     }
     return sum;
   }
@@ -114,7 +115,7 @@ class GroupFit {
       Vector8d whitened;
       Matrix8x6d by_rig, by_tag;
       if (!residual(view, at, &whitened, &by_rig, view.moves ? &by_tag : nullptr)) continue;
-      const double weight = 1.0 / (1.0 + whitened.squaredNorm() / (kLossScale * kLossScale));
+      const double weight = kMotionLoss.weight(whitened.squaredNorm());
       FrameBlock& frame = equations.frames[view.of->frame];
       const Matrix8x6d weighted = weight * by_rig;
       frame.H += weighted.transpose().lazyProduct(by_rig);

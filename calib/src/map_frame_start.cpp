@@ -10,13 +10,15 @@
 #include <optional>
 #include <string_view>
 
+#include "cauchy_loss.h"
+
 namespace apriltrack {
 namespace {
 
 constexpr int kMostFrameSteps = 60;
 constexpr int kMostHalvings = 12;
 constexpr double kMostFrameTurn_rad = 0.5;  // of a step
-constexpr double kCauchy2 = 9.0;            // three sigmas, squared
+constexpr CauchyLoss kFrameLoss{3.0};       // sigmas
 constexpr double kSame = 1e-3;              // of the cost
 constexpr double kAboutAsGood = 4.5;        // of the cost, half a sum of squares: three sigmas
 constexpr double kOtherTurn_rad = 0.1;
@@ -115,9 +117,9 @@ class FrameSearch {
       const Eigen::VectorXd variances = variances_of(bound, linear);
       for (Eigen::Index row = 0; row < linear.residual.size(); ++row) {
         const double square = linear.residual[row] * linear.residual[row] / variances[row];
-        const double weight = 1.0 / ((1.0 + square / kCauchy2) * variances[row]);
+        const double weight = kFrameLoss.weight(square) / variances[row];
         const Vector6d derivative = linear.by_frame.row(row).transpose();
-        fit.cost += 0.5 * kCauchy2 * std::log1p(square / kCauchy2);
+        fit.cost += kFrameLoss.cost(square);
         fit.information += weight * derivative * derivative.transpose();
         fit.gradient += weight * linear.residual[row] * derivative;
       }

@@ -5,13 +5,14 @@
 #include <map>
 
 #include "apriltrack/base/check.h"
+#include "cauchy_loss.h"
 #include "tag_links.h"
 
 namespace apriltrack {
 namespace {
 
 // Poses chained along the tree are a few pixels off before any adjustment, flips and misreads tens of pixels.
-constexpr double kChainedErrorScale_px = 4.0;
+constexpr CauchyLoss kChainedErrorLoss{4.0};  // px
 constexpr double kFailedProjection_px = 1000.0;
 constexpr int kRounds = 2;
 constexpr std::size_t kMaxProposers =
@@ -39,21 +40,17 @@ Pose& rig_pose(MapState& state, const TagView& view) {
   return state.T_map_rig[static_cast<std::size_t>(view.frame)];
 }
 
-/// Sum over the corners of log(1 + (error / 4 px)^2): grows for every error, but no view can outvote the
-/// others.
+/// Sum over the corners: grows for every error, but no view can outvote the others.
 double robust_error(const Observations& observations, const TagView& view,
                     const std::vector<RigCamera>& cameras, const Pose& T_map_rig, const Pose& T_map_tag) {
-  const auto cost = [](double error_px) {
-    const double ratio = error_px / kChainedErrorScale_px;
-    return std::log1p(ratio * ratio);
-  };
   Vector8d residual;
   if (!view_residual(cameras[static_cast<std::size_t>(view.camera)],
                      observations.sizes_m[static_cast<std::size_t>(view.tag)], view, T_map_rig, T_map_tag,
                      &residual, nullptr, nullptr))
-    return kNumCorners * cost(kFailedProjection_px);
+    return kNumCorners * kChainedErrorLoss.cost(kFailedProjection_px * kFailedProjection_px);
   double sum = 0.0;
-  for (int i = 0; i < kNumCorners; ++i) sum += cost(residual.segment<2>(2 * i).norm());
+  for (int i = 0; i < kNumCorners; ++i)
+    sum += kChainedErrorLoss.cost(residual.segment<2>(2 * i).squaredNorm());
   return sum;
 }
 

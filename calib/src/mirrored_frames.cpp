@@ -8,12 +8,13 @@
 #include <utility>
 #include <vector>
 
+#include "cauchy_loss.h"
 #include "corner_views.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr double kLoss = 8.0;          // Cauchy's scale on a view's whitened norm; a good one's is sqrt(8)
+constexpr CauchyLoss kViewLoss{8.0};   // of a view's whitened norm; a good one's is sqrt(8)
 constexpr double kFarOff = 8.0 * 9.0;  // squares: three sigmas in the mean
 constexpr double kUnseen = 400.0;      // cost of a view that cannot be projected
 constexpr double kClearlyLess = 10.0;  // of half the robust sum of squares
@@ -53,7 +54,7 @@ class Frame {
     double sum = 0.0;
     for (const std::size_t v : views_) {
       const double squares = squares_of(v);
-      sum += std::isfinite(squares) ? 0.5 * kLoss * kLoss * std::log1p(squares / (kLoss * kLoss)) : kUnseen;
+      sum += std::isfinite(squares) ? kViewLoss.cost(squares) : kUnseen;
     }
     return sum;
   }
@@ -93,7 +94,7 @@ class Frame {
       Matrix6d information = Matrix6d::Zero();
       Vector6d gradient = Vector6d::Zero();
       for (const LinearView& view : corner_views(task_.observations, views_, state_)) {
-        const double weight = 1.0 / (1.0 + view.residual.squaredNorm() / (kLoss * kLoss));
+        const double weight = kViewLoss.weight(view.residual.squaredNorm());
         information += weight * view.by_rig.transpose() * view.by_rig;
         gradient += weight * view.by_rig.transpose() * view.residual;
       }
