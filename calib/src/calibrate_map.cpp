@@ -70,16 +70,34 @@ std::vector<Part> solvable_parts(const Observations& observations, const Calibra
   return connectivity.parts;
 }
 
+/// Moments that show two tags or more.
+std::size_t num_joint_moments(const Observations& observations) {
+  std::map<int, std::set<int>> tags_of_frame;
+  for (const TagView& view : observations.views) tags_of_frame[view.frame].insert(view.tag);
+  return static_cast<std::size_t>(
+      std::ranges::count_if(tags_of_frame, [](const auto& frame) { return frame.second.size() > 1; }));
+}
+
+/// Where no two tags connect.
+std::string way_to_connect(const Observations& observations, int min_views) {
+  if (observations.tags.size() < 2) return "a map needs at least two tags: bring more of them into view";
+  const std::size_t joint = num_joint_moments(observations);
+  if (joint == 0)
+    return "move so that every tag shares some frames with another, in a chain that reaches all of them";
+  return fmt::format(
+      "{} two tags or more together, but a tag is mapped from {} such frames or more, taken from different "
+      "places (--min-views): film the same tags for longer, or take more pictures of them, from several "
+      "sides",
+      joint == 1 ? "only 1 frame shows" : fmt::format("{} frames show", joint), min_views);
+}
+
 /// What was found before may be why.
 void require_connection(const Observations& observations, const std::vector<Part>& parts,
-                        const Findings& findings) {
+                        const CalibrationOptions& options, const Findings& findings) {
   if (!parts.empty()) return;
-  const std::string way_out =
-      observations.tags.size() < 2
-          ? "a map needs at least two tags: bring more of them into view"
-          : "move so that every tag shares some frames with another, in a chain that reaches all of them";
   throw no_result("calibrate",
-                  fmt::format("no two tags connect (seen: {}): {}{}{}", list_tags(observations.tags), way_out,
+                  fmt::format("no two tags connect (seen: {}): {}{}{}", list_tags(observations.tags),
+                              way_to_connect(observations, options.min_views),
                               findings.warnings.empty() ? "" : ". ", fmt::join(findings.warnings, ". ")));
 }
 
@@ -305,7 +323,7 @@ CalibrationResult calibrated(std::span<const FrameDetections> frames, const Came
   require_camera_frames(constraints, observations);
   std::vector<ViewCandidates> candidates;
   std::vector<Part> parts = solvable_parts(observations, options, parallel, candidates, findings);
-  require_connection(observations, parts, findings);
+  require_connection(observations, parts, options, findings);
   std::vector<int> held_tags;
   choose_gauge(observations, options, findings, parts, held_tags);
   report_other_parts(observations, parts, findings);

@@ -19,8 +19,10 @@ using test::kExact_m;
 using test::kExact_rad;
 using test::SyntheticWorld;
 using test::tag36h11;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// A corner far outside one of the pictures, as a misread tag has.
 std::vector<FrameDetections> with_a_stray_corner(const SyntheticWorld& world) {
@@ -255,6 +257,21 @@ TEST(CalibrateMap, SaysWhenNothingIsSeenOrNothingConnects) {
   for (FrameDetections& frame : frames) frame.detections.clear();
   EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { calibrate(world, frames); }),
               HasSubstr("no tags were seen"));
+}
+
+TEST(CalibrateMap, AsksForMoreFramesWhereOneShowsSeveralTags) {
+  const SyntheticWorld world = test::make_room(6, 30, test::perspective_camera());
+  std::vector<FrameDetections> frames = test::exact_detections(world);
+  std::erase_if(frames, [](const FrameDetections& frame) { return frame.detections.size() < 2; });
+  ASSERT_FALSE(frames.empty());
+  frames.resize(1);
+  EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { calibrate(world, frames); }),
+              AllOf(HasSubstr("only 1 frame shows two tags or more together"),
+                    HasSubstr("take more pictures of them"), Not(HasSubstr("in a chain"))));
+  frames.resize(5, frames.front());  // a film that stands still is one picture
+  for (std::size_t i = 0; i < frames.size(); ++i) frames[i].timestamp.ns += static_cast<std::int64_t>(i);
+  EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { calibrate(world, frames); }),
+              AllOf(HasSubstr("only 1 frame shows"), HasSubstr("exactly the corners of an earlier one")));
 }
 
 TEST(CalibrateMap, JoinsTagsThatDifferentCamerasOfARigSee) {
