@@ -90,6 +90,7 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
   auto [rig, to_estimate] = read_cameras_to_estimate(camera, a.console.log());
   const TagSizes sizes = tag_sizes(a);
   const std::vector<Recording> recordings = parse_recordings(a.inputs, rig, a.camera_name);
+  complete_resolutions(a, camera, recordings, rig);
   warn_of_shutters(rig, a.camera_name, recordings, a.console);
   ResponseFindings responses = estimate_responses(a, camera, to_estimate, recordings, sizes, rig);
   const Sightings sightings = gather(a, rig, recordings);

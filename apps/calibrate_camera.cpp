@@ -9,9 +9,8 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/auto_response.h"
-#include "apriltrack/camera/camera.h"
 #include "apriltrack/source/frame_source.h"
-#include "calibrate_input.h"
+#include "inputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -72,6 +71,27 @@ fs::path camera_file(const CalibrateOptions& a) {
   }
   if (first) return *first;
   throw invalid_input("--camera", "is required: a detection file brings no camera.yaml of its own");
+}
+
+void complete_resolutions(CalibrateOptions& a, const fs::path& file, const std::vector<Recording>& recordings,
+                          CameraRig& rig) {
+  if (a.calibration.intrinsics == Intrinsics::kKeep && !a.calibration.refine_extrinsics) return;
+  for (const Recording& recording : recordings) {
+    const auto camera = std::ranges::find(rig.cameras, recording.camera, &Camera::name);
+    *camera = with_resolution_of_images(*camera, recording.input);
+  }
+  const auto without = std::ranges::find_if(
+      rig.cameras, [](const Camera& camera) { return camera.width <= 0 || camera.height <= 0; });
+  if (without == rig.cameras.end()) return;
+  const std::string missing = fmt::format(
+      "'resolution' of {} is missing, and no images tell it: a refined camera file needs it", without->name);
+  if (a.calibration.intrinsics == Intrinsics::kRefine || a.calibration.refine_extrinsics)
+    throw invalid_input(
+        file.string(),
+        missing + "; add resolution: {width: PIXELS, height: PIXELS}, or give --intrinsics keep");
+  a.calibration.intrinsics = Intrinsics::kKeep;
+  a.console.info(
+      fmt::format("{}: {}, so the intrinsics stay as they are (--intrinsics keep)", file.string(), missing));
 }
 
 }  // namespace apriltrack::app

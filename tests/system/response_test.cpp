@@ -8,6 +8,7 @@
 #include "apriltrack/camera/camera.h"
 #include "program.h"
 #include "support/shared_data.h"
+#include "wpilib_camera.h"
 
 namespace apriltrack::test {
 namespace {
@@ -65,14 +66,7 @@ TEST_F(Response, IsDoubtedWherePicturesSayOtherwise) {
 TEST_F(Response, IsEstimatedOfACameraFileWithoutAResolution) {
   simulate(16);
   const Camera camera = read_cameras(path("room/camera.yaml")).cameras.front();
-  const Pinhole& lens = camera.model.pinhole();
-  std::vector<double> coefficients =
-      std::visit([](const auto& one) { return one.coefficients(); }, camera.model.distortion());
-  coefficients.resize(8, 0.0);
-  const nlohmann::json wpilib = {{"camera_matrix", {lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1}},
-                                 {"distortion_coefficients", coefficients},
-                                 {"avg_reprojection_error", 0.1}};
-  write_text(path("camera.json"), wpilib.dump());
+  write_text(path("camera.json"), wpilib_text(camera.model));
   Words words = calibrate(path("camera.json"));
   words.insert(words.end(), {"--response", "auto"});
   run_for_json(words);

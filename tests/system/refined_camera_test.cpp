@@ -1,0 +1,89 @@
+// A camera that a calibration refined is written; also where its file tells no resolution.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apriltrack/camera/camera.h"
+#include "filmed_wall.h"
+#include "program.h"
+#include "support/shared_data.h"
+#include "wpilib_camera.h"
+
+namespace apriltrack::test {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class RefinedCamera : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// The camera of the pictures with other focal lengths, in a file that tells no resolution.
+  std::string without_resolution(const fs::path& camera, double focal_factor) const {
+    const CameraModel model = read_cameras(camera).cameras.front().model;
+    Pinhole lens = model.pinhole();
+    lens.fx *= focal_factor;
+    lens.fy *= focal_factor;
+    write_text(path("camera.json"), wpilib_text(CameraModel(lens, model.distortion())));
+    return path("camera.json");
+  }
+
+  std::vector<std::string> words(const std::vector<std::string>& more) const {
+    std::vector<std::string> all = {"calibrate", "--tag-size", "0.16", "--output", path("map.yaml")};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+  /// By a camera of 500 pixels of focal length, whose file says 520.
+  std::vector<std::string> of_detections(const std::vector<std::string>& more) const {
+    std::string csv = kDetectionsHeader;
+    for (int view = 0; view < 40; ++view) {
+      for (const int id : {0, 1, 2}) csv += wall_row(100'000'000LL * view, camera_from_wall(view), id);
+    }
+    write_text(path("corners.csv"), csv);
+    write_text(path("camera.yaml"), pinhole_entry("cam0"));
+    const std::string camera = without_resolution(path("camera.yaml"), 1.04);
+    std::vector<std::string> all = words({"--detections", path("corners.csv"), "--camera", camera});
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+  const fs::path folder_ = temporary_folder();
+};
+
+TEST_F(RefinedCamera, HasTheResolutionOfTheImagesWhereItsFileTellsNone) {
+  run_for_json({"simulate", "--scene", "room-gentle", "--frames", "60", "--rate", "8", "--speed", "2",
+                "--exposure", "0.003", "--output", path("room")});
+  const std::string camera = without_resolution(path("room/camera.yaml"), 1.04);
+  const nlohmann::json summary =
+      run_for_json(words({path("room"), "--camera", camera, "--intrinsics", "refine"}));
+  ASSERT_EQ(summary["camera"], path("map.camera.yaml")) << "it does refine";
+  const Camera written = read_cameras(path("map.camera.yaml")).cameras.front();
+  const Camera truth = read_cameras(path("room/camera.yaml")).cameras.front();
+  EXPECT_EQ(written.width, truth.width);
+  EXPECT_EQ(written.height, truth.height);
+  EXPECT_NEAR(written.model.pinhole().fx / truth.model.pinhole().fx, 1.0, 0.01);  // it says 0.005 itself
+}
+
+TEST_F(RefinedCamera, IsRefusedBeforeTheWorkWhereNothingTellsItsResolution) {
+  EXPECT_THAT(run_program(of_detections({"--intrinsics", "refine"})),
+              AllOf(EndsWith(2, path("camera.json") + ": 'resolution' of cam0 is missing"),
+                    EndsWith(2, "--intrinsics keep")));
+  EXPECT_FALSE(fs::exists(path("map.yaml")));
+}
+
+TEST_F(RefinedCamera, IsNotMadeUnaskedWhereNothingTellsItsResolution) {
+  const ProgramRun run = run_program(of_detections({}));
+  EXPECT_THAT(run, EndsWith(0, "so the intrinsics stay as they are"));
+  EXPECT_THAT(run.err, HasSubstr("with other intrinsics")) << "that they are wrong is told";
+  EXPECT_TRUE(fs::exists(path("map.yaml")));
+  EXPECT_FALSE(fs::exists(path("map.camera.yaml")));
+}
+
+}  // namespace
+}  // namespace apriltrack::test
