@@ -176,14 +176,10 @@ std::vector<int> frames_of(const Observations& observations, const std::vector<s
 }
 
 std::vector<RigPose> rig_poses(const Observations& observations, const PartSolution& solution) {
-  std::map<Timestamp, std::vector<Pose>> by_time;
+  std::vector<RigPose> poses;
   for (const int frame : frames_of(observations, solution.part.views)) {
     const auto f = static_cast<std::size_t>(frame);
-    by_time[observations.frames[f]].push_back(solution.state.T_map_rig[f]);
-  }
-  std::vector<RigPose> poses;
-  for (const auto& [time, of_time] : by_time) {
-    if (of_time.size() == 1) poses.push_back({time, of_time.front()});
+    poses.push_back({observations.frames[f], solution.state.T_map_rig[f]});
   }
   return poses;
 }

@@ -95,7 +95,6 @@ std::string describe(const TagKey& tag, const Repetition& repetition) {
 /// Everything about one image that later steps need, before tags get their numbers.
 struct UsableFrame {
   Timestamp timestamp;
-  int occurrence = 0;  ///< Second image of one camera alone with one time stamp: another moment.
   int camera = 0;
   std::map<TagKey, std::vector<const Detection*>> detections;
 };
@@ -123,37 +122,30 @@ int camera_index(const CameraRig& rig, const std::string& name) {
 std::vector<UsableFrame> usable_frames(std::span<const FrameDetections> frames, const CameraRig& rig,
                                        std::size_t& unusable) {
   std::vector<UsableFrame> result;
-  std::map<std::pair<std::int64_t, int>, int> occurrences;
   for (const FrameDetections& frame : frames) {
     const int camera = camera_index(rig, frame.camera);
     const CameraModel& model = rig.cameras[static_cast<std::size_t>(camera)].model;
-    const int occurrence = occurrences[{frame.timestamp.ns, camera}]++;
-    result.push_back({frame.timestamp, occurrence, camera, usable_by_tag(frame, model, unusable)});
+    result.push_back({frame.timestamp, camera, usable_by_tag(frame, model, unusable)});
   }
   std::stable_sort(result.begin(), result.end(), [](const UsableFrame& a, const UsableFrame& b) {
-    return std::tie(a.timestamp, a.occurrence, a.camera) < std::tie(b.timestamp, b.occurrence, b.camera);
+    return std::tie(a.timestamp, a.camera) < std::tie(b.timestamp, b.camera);
   });
   return result;
 }
 
-/// Equal time is all that tells which images of several cameras show one pose of the rig. Where a camera has
-/// two images of one time (two recordings whose clocks start anew), any pairing of them is a guess: a frame
-/// missed by one camera shifts all that follow it.
+/// Two images of one camera with one time are of two recordings whose clocks start anew. Taken as one film
+/// they would alternate, as if the camera leapt to and fro, and of several cameras equal times say which
+/// images show one pose of the rig. How to tell the recordings apart only the caller knows.
 void require_distinct_times(const std::vector<UsableFrame>& frames, const CameraRig& rig) {
-  std::set<int> cameras;
-  for (const UsableFrame& frame : frames) {
-    if (!frame.detections.empty()) cameras.insert(frame.camera);
-  }
-  if (cameras.size() < 2) return;
-  const auto repeated = std::find_if(frames.begin(), frames.end(), [](const UsableFrame& frame) {
-    return frame.occurrence > 0 && !frame.detections.empty();
+  const auto repeated = std::ranges::adjacent_find(frames, [](const UsableFrame& a, const UsableFrame& b) {
+    return a.timestamp == b.timestamp && a.camera == b.camera;
   });
   if (repeated == frames.end()) return;
   throw invalid_input(
       "calibrate",
-      fmt::format("{} has two images of the time {} ns: with several cameras equal times say which images "
-                  "belong together, so each camera may have one image of a time; shift the time stamps of "
-                  "further recordings behind those of the first",
+      fmt::format("{} has two images of the time {} ns: a camera may have one image of a time, as times tell "
+                  "what follows what, and which images of several cameras belong together; shift the time "
+                  "stamps of further recordings behind those of the first",
                   rig.cameras[static_cast<std::size_t>(repeated->camera)].name, repeated->timestamp.ns));
 }
 
@@ -214,8 +206,7 @@ Observations number_views(const std::vector<UsableFrame>& frames,
   }
   const UsableFrame* previous = nullptr;
   for (const UsableFrame& frame : frames) {
-    const bool shares_pose = previous != nullptr && previous->timestamp == frame.timestamp &&
-                             previous->occurrence == frame.occurrence;
+    const bool shares_pose = previous != nullptr && previous->timestamp == frame.timestamp;
     if (!shares_pose) observations.frames.push_back(frame.timestamp);
     previous = &frame;
     for (const auto& [tag, places] : frame.detections) {

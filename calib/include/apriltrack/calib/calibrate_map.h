@@ -103,7 +103,7 @@ struct CalibrationResult {
   CameraRig rig;
   std::vector<CameraCorrection> corrections;  ///< None where the cameras are as given.
   Eigen::MatrixXd corrections_covariance;     ///< Of these, in their order and units.
-  /// At the moments that `map` rests on, in the order of time; of two with the same time, neither.
+  /// At the moments that `map` rests on, in the order of time.
   std::vector<RigPose> rig_poses;
   MapEvidence evidence;                              ///< What `map` rests on.
   std::vector<MapEvidence> evidence_of_other_parts;  ///< The same, in the order of `other_parts`.
@@ -113,9 +113,8 @@ struct CalibrationResult {
 /// Builds a tag map by bundle adjustment: connectivity first, planar solutions resolved, spanning-tree start,
 /// robust adjustment with one tag held (docs/algorithms/calibration.md).
 ///
-/// frames: in any order; those of several cameras with equal time share the rig's pose. Of one camera
-/// alone, a second frame with the same time counts as another moment; of several it is refused.  rig: needs
-/// extrinsics only when several of its cameras were used.
+/// frames: in any order, each camera's with times of their own; those of several cameras with equal time
+/// share the rig's pose. rig: needs extrinsics only when several of its cameras were used.
 ///
 /// The tags' covariances rest on the residuals that are left (their size, and how much neighbouring frames
 /// repeat them) and on corner_bias_px. Errors that all tags share (a lens that is not the file's) are not in
@@ -123,8 +122,8 @@ struct CalibrationResult {
 ///
 /// Throws Error(kNoResult) when no two tags connect, ids are not unique, the adjustment does not converge, or
 /// a constraint contradicts all else, and says what to do; Error(kInvalidInput) when a size is missing, a
-/// camera is unknown, one of several cameras has two frames of one time, or the held tag or one that a
-/// constraint names was never seen.
+/// camera is unknown or has two frames of one time, or the held tag or one that a constraint names was never
+/// seen.
 CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const CameraRig& rig,
                                 const TagSizes& sizes, const CalibrationOptions& options,
                                 const LogSink& log = silent_log());
