@@ -13,6 +13,7 @@
 
 #include "apriltrack/base/error.h"
 #include "map_frame_start.h"
+#include "unit_of_lengths.h"
 #include "words.h"
 
 namespace apriltrack {
@@ -204,6 +205,15 @@ void require_few_rows(const std::vector<BoundConstraint>& constraints) {
                         fmt::format("tell {} numbers, and {} is the most: leave some out", rows, kMostRows));
 }
 
+ConstraintAudit unused_audit(const MapConstraint& constraint, std::string reason) {
+  ConstraintAudit audit;
+  audit.title = title_of(constraint);
+  audit.type = type_of(constraint);
+  audit.tags = tags_of(constraint);
+  audit.reason = std::move(reason);
+  return audit;
+}
+
 std::vector<ConstraintAudit> in_given_order(std::vector<ConstraintAudit> used,
                                             const std::vector<BoundConstraint>& bound, IndexedAudits unused) {
   for (std::size_t i = 0; i < used.size(); ++i) unused.emplace_back(bound[i].index, std::move(used[i]));
@@ -211,6 +221,20 @@ std::vector<ConstraintAudit> in_given_order(std::vector<ConstraintAudit> used,
   std::vector<ConstraintAudit> audits;
   for (auto& [index, audit] : unused) audits.push_back(std::move(audit));
   return audits;
+}
+
+/// Before any is weighed: those would all be taken away, with a fit for each.
+void require_metres(const std::vector<BoundConstraint>& bound, const ConstraintPrior& prior,
+                    IndexedAudits& unused) {
+  const auto other = find_other_unit(bound, prior);
+  if (!other) return;
+  std::vector<ConstraintAudit> audits;
+  for (const BoundConstraint& one : bound) {
+    const bool is_off = std::ranges::count(other->constraints, one.constraint) > 0;
+    audits.push_back(
+        unused_audit(*one.constraint, is_off ? "its length is in no metres" : "was not weighed"));
+  }
+  throw ConstraintError(other->words, in_given_order(std::move(audits), bound, std::move(unused)));
 }
 
 }  // namespace
@@ -256,13 +280,10 @@ std::vector<BoundConstraint> bind_constraints(std::span<const MapConstraint> con
       bound.push_back(std::move(one));
       continue;
     }
-    ConstraintAudit audit;
-    audit.title = title_of(constraints[i]);
-    audit.type = type_of(constraints[i]);
-    audit.tags = tags_of(constraints[i]);
-    audit.reason = has_no_plane ? "its tags lie in a line, through which many planes go: give sigma_rad"
-                                : fmt::format("not in the map: {}", fmt::join(missing, ", "));
-    unused.emplace_back(i, std::move(audit));
+    unused.emplace_back(
+        i, unused_audit(constraints[i],
+                        has_no_plane ? "its tags lie in a line, through which many planes go: give sigma_rad"
+                                     : fmt::format("not in the map: {}", fmt::join(missing, ", "))));
   }
   return bound;
 }
@@ -289,6 +310,7 @@ ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const I
   }
   require_few_rows(bound);
   const ConstraintPrior prior = prior_of(bound, map, joint);
+  require_metres(bound, prior, unused);
   const MapFrameStart frame = find_map_frame(bound, prior);
   ConstraintState start{map.T_held_tag, frame.T_map_held, {}};
   for (const BoundConstraint& one : bound) {

@@ -176,14 +176,14 @@ TEST(Constraints, OfManyThatContradictTheFirstAreNamedAndTheRestCounted) {
   EXPECT_LT(message.size(), 2500u);
 }
 
-/// All of them, as in millimetres.
+/// All of them, as in feet.
 TEST(Constraints, WhereMostContradictTheUnitIsAskedForAndNoneIsTriedOneByOne) {
   CalibrationOptions options;
   const std::vector<MapTag>& tags = walls().map.tags;
   for (std::size_t a = 0; a < tags.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {
       const int id_a = tags[a].key.id, id_b = tags[b].key.id;
-      options.constraints.push_back(distance(id_a, id_b, 999.0 * true_distance_m(id_a, id_b), 0.001));
+      options.constraints.push_back(distance(id_a, id_b, 2.28 * true_distance_m(id_a, id_b), 0.001));
     }
   }
   const auto why = [&] {
@@ -195,7 +195,7 @@ TEST(Constraints, WhereMostContradictTheUnitIsAskedForAndNoneIsTriedOneByOne) {
   options.constraints.clear();
   for (int repeat = 0; repeat < 3; ++repeat) {
     for (const MapTag& tag : tags)
-      options.constraints.push_back(position(tag.key.id, 999.0 * tag.T_map_tag.translation(), 0.001));
+      options.constraints.push_back(position(tag.key.id, 2.28 * tag.T_map_tag.translation(), 0.001));
   }
   EXPECT_THAT(why(), HasSubstr("of 30 contradict: is the unit metres"));
 
