@@ -224,7 +224,7 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
   files.parts = write_parts(a, result, outputs);
   files.has_joint_covariance = write_joint_covariance(a, result.map, *findings.joint, outputs);
   if (!a.report.empty()) {
-    const CalibrateRun run{command_line, a, camera, sightings, result, refinement, findings};
+    const CalibrateRun run{command_line, a, camera, sightings, responses, result, refinement, findings};
     outputs.write(a.report, [&](const fs::path& path) { write_calibrate_report(path, run); });
   }
   outputs.write(a.output, [&](const fs::path& path) { write_tag_map(path, result.map); });

@@ -87,6 +87,12 @@ void add_cameras(HtmlPage& page, const CalibrateRun& run) {
   }
 }
 
+void add_responses(HtmlPage& page, const CalibrateRun& run) {
+  if (run.responses.empty()) return;
+  page.heading("The response of the cameras");
+  page.table(responses_table(run.responses));
+}
+
 void add_refinement(HtmlPage& page, const CalibrateRun& run) {
   if (!run.refinement) return;
   page.heading("Refined on the tags' pictures");
@@ -144,6 +150,7 @@ void write_calibrate_report(const std::filesystem::path& path, const CalibrateRu
   add_halves(page, run);
   add_residuals(page, run);
   add_cameras(page, run);
+  add_responses(page, run);
   add_refinement(page, run);
   add_other_parts(page, run);
   page.heading("How it was made");

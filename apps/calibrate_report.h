@@ -6,6 +6,7 @@
 
 #include "calibrate_findings.h"
 #include "calibrate_options.h"
+#include "calibrate_response.h"
 
 namespace apriltrack::app {
 
@@ -15,6 +16,7 @@ struct CalibrateRun {
   const CalibrateOptions& options;
   std::filesystem::path camera_file;
   const Sightings& sightings;
+  const ResponseFindings& responses;
   const CalibrationResult& result;
   const std::optional<RefinementResult>& refinement;
   const CalibrationFindings& findings;

@@ -69,6 +69,15 @@ std::string short_name(const TagMap& map, const TagKey& key) {
   return is_unique ? fmt::format("{}", key.id) : to_string(key);
 }
 
+std::string outcome_of(const ResponseFinding& finding) {
+  if (finding.is_used) return "estimated from them, as was asked for";
+  if (finding.estimate.contradicts_assumed)
+    return fmt::format("wrong: the pictures say {}", finding.estimate.response.name());
+  if (finding.differs)
+    return fmt::format("the pictures say {}, not beyond doubt", finding.estimate.response.name());
+  return "the pictures agree";
+}
+
 std::string or_dash(const std::string& text) {
   return text.empty() ? "-" : text;
 }
@@ -143,6 +152,21 @@ HtmlTable corrections_table(const std::vector<CameraCorrection>& corrections) {
   for (const CameraCorrection& one : corrections)
     table.rows.push_back({one.camera, one.parameter, fmt::format("{:+.5g}", one.value),
                           fmt::format("{:.2g}", one.sigma), one.unit == "1" ? "-" : one.unit});
+  return table;
+}
+
+HtmlTable responses_table(const ResponseFindings& responses) {
+  HtmlTable table{{"camera", "taken", "exponent", "sigma", "pictures", "verdict"},
+                  {},
+                  "Light is grey level to the power of the exponent, as the edges of tags in sharp pictures "
+                  "tell it: linear is 1, sRGB about 2.26. With a wrong response edges seem shifted, by up to "
+                  "some tenths of a pixel."};
+  for (const ResponseFinding& one : responses) {
+    const ResponseEstimate& estimate = one.estimate;
+    table.rows.push_back({one.camera, one.is_used ? estimate.response.name() : one.assumed,
+                          fmt::format("{:.2f}", estimate.exponent), fmt::format("{:.2f}", estimate.sigma),
+                          std::to_string(estimate.views_used), outcome_of(one)});
+  }
   return table;
 }
 

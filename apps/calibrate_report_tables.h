@@ -14,6 +14,8 @@ std::string verdict(const CalibrateRun& run);
 HtmlTable tags_table(const TagMap& map, const JointCovariance& joint, const MapEvidence& evidence,
                      const MapAssessment& assessment);
 HtmlTable corrections_table(const std::vector<CameraCorrection>& corrections);
+/// Of each camera that the tags' pictures tell: what was taken for its response, and what they say.
+HtmlTable responses_table(const ResponseFindings& responses);
 /// "cam0 0.50 px, cam1 0.47 px".
 std::string in_words(const std::vector<LensBlur>& lenses);
 std::string words_of_refinement(const RefinementResult& refinement);

@@ -122,9 +122,10 @@ void check_responses(const CalibrateOptions& a, const CameraRig& rig, const TagS
     ResponseFinding finding{camera.name, camera.response.name(), false,
                             estimate_response(sightings.frames, camera, sizes, a.num_threads)};
     if (!finding.estimate.is_found) continue;
+    finding.differs = finding.estimate.response.linear_light() != camera.response.linear_light();
     if (finding.estimate.contradicts_assumed) {
       a.console.warning(warning_of(finding));
-    } else if (finding.estimate.response.linear_light() != camera.response.linear_light()) {
+    } else if (finding.differs) {
       a.console.info(told_doubt(finding));
     }
     findings.push_back(std::move(finding));

@@ -17,6 +17,7 @@ struct ResponseFinding {
   std::string assumed;   ///< Name of the curve that was taken for it.
   bool is_used = false;  ///< The estimated one is used, for it was asked for.
   ResponseEstimate estimate;
+  bool differs = false;  ///< The estimated one is another than that taken.
 };
 
 using ResponseFindings = std::vector<ResponseFinding>;

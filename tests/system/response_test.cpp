@@ -7,6 +7,7 @@
 
 #include "apriltrack/camera/camera.h"
 #include "program.h"
+#include "read_report.h"
 #include "support/shared_data.h"
 #include "wpilib_camera.h"
 
@@ -14,6 +15,7 @@ namespace apriltrack::test {
 namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -61,6 +63,27 @@ TEST_F(Response, IsDoubtedWherePicturesSayOtherwise) {
   EXPECT_THAT(wrong.err, HasSubstr("`response: srgb`"));
   EXPECT_FALSE(fs::exists(path("map.camera.yaml")));
   EXPECT_THAT(run_program(calibrate(camera_with("srgb"))).err, Not(HasSubstr("response")));
+}
+
+TEST_F(Response, IsToldInTheReport) {
+  simulate(16);
+  const auto row_of = [&](const std::string& response) {
+    Words words = calibrate(camera_with(response));
+    words.insert(words.end(), {"--report", path("page.html")});
+    run_for_json(words);
+    const ReadReport page(path("page.html"));
+    EXPECT_THAT(page.texts("h2"), Contains("The response of the cameras"));
+    return page.row("cam0");
+  };
+  const auto wrong = row_of("linear");
+  ASSERT_EQ(wrong.size(), 5U);
+  EXPECT_EQ(wrong[0], "linear");
+  EXPECT_NEAR(numbers_in(wrong[1])[0], 2.25, 0.1);
+  EXPECT_EQ(wrong[4], "wrong: the pictures say srgb");
+  EXPECT_EQ(row_of("srgb").back(), "the pictures agree");
+  const auto estimated = row_of("auto");
+  EXPECT_EQ(estimated[0], "srgb");
+  EXPECT_EQ(estimated.back(), "estimated from them, as was asked for");
 }
 
 TEST_F(Response, IsEstimatedOfACameraFileWithoutAResolution) {
