@@ -40,13 +40,14 @@ poses (a tag that is seen beside one copy of an id alone lies, for all that is s
 
 
 def tried(b, kind, number, held="first", scorer=None):
-    """Outcomes of seeds 1, 2, ..., the commands printed once for all of them."""
+    """Outcomes of seeds in turn, the commands printed once for all of them."""
     number = b.args.rooms or (QUICK_ROOMS if b.args.quick else number)
     trials = room_trials.Trials(b.program, scorer, b.args.processes, held)
-    print(f"    # for SEED in 1 to {number}: bench/make_room --kind {kind} --seed SEED --output OUT")
+    first, last = b.args.first_room, b.args.first_room + number - 1
+    print(f"    # for SEED in {first} to {last}: bench/make_room --kind {kind} --seed SEED --output OUT")
     words = " ".join(room_trials.command("apriltrack", b.out))
     print(f"    {b.shown([words])}{'' if held == 'first' else f' --held-tag (the one {held} seen)'}", flush=True)
-    return room_trials.run(trials, kind, range(1, number + 1))
+    return room_trials.run(trials, kind, range(first, last + 1))
 
 
 def quantiles(values, *shares, digits=2):
