@@ -119,8 +119,9 @@ void check_responses(const CalibrateOptions& a, const CameraRig& rig, const TagS
                      const Sightings& sightings, ResponseFindings& findings) {
   for (const Camera& camera : rig.cameras) {
     if (std::ranges::count(findings, camera.name, &ResponseFinding::camera) > 0) continue;
-    ResponseFinding finding{camera.name, camera.response.name(), false,
-                            estimate_response(sightings.frames, camera, sizes, a.num_threads)};
+    ResponseFinding finding{
+        camera.name, camera.response.name(), false,
+        estimate_response(sightings.frames, camera, sizes, a.num_threads, kPicturesToCheck)};
     if (!finding.estimate.is_found) continue;
     finding.differs = finding.estimate.response.linear_light() != camera.response.linear_light();
     if (finding.estimate.contradicts_assumed) {

@@ -49,7 +49,7 @@ ResponseCurve simplest(const std::vector<ResponseView>& views, const FittedExpon
 }  // namespace
 
 ResponseEstimate estimate_response(std::span<const FrameDetections> frames, const Camera& camera,
-                                   const TagSizes& sizes, int num_threads) {
+                                   const TagSizes& sizes, int num_threads, std::size_t most_pictures) {
   if (num_threads < 0)
     throw invalid_input("num_threads", fmt::format("must be 0 (all cores) or more (is {})", num_threads));
   const ParallelFor parallel = parallel_for(num_threads);
@@ -57,7 +57,7 @@ ResponseEstimate estimate_response(std::span<const FrameDetections> frames, cons
   result.response = camera.response;
   result.assumed_exponent = nearest_exponent(camera.response);
   std::vector<ResponseView> views =
-      response_views(frames, camera, sizes, CodeCurve::gamma(kFirstExponent), parallel);
+      response_views(frames, camera, sizes, CodeCurve::gamma(kFirstExponent), most_pictures, parallel);
   if (views.size() < kLeastTagPictures || frames_of(views) < kLeastFramesOfThem) {
     result.reason = fmt::format(
         "too few sharp pictures of tags: {} in {} of the frames looked at; {} in {} are needed, of tags over "

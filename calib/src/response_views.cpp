@@ -12,7 +12,6 @@ namespace apriltrack {
 namespace {
 
 constexpr std::size_t kMostFramesRead = 40;
-constexpr std::size_t kMostPictures = 80;
 constexpr std::size_t kMostPixelsOfTag = 1500;
 constexpr double kBlurToRead_px = 0.8;
 constexpr double kMostLensBlur_px = 1.0;  // moved, or out of focus
@@ -34,7 +33,7 @@ struct TagPicture {
 };
 
 std::vector<TagPicture> pictures_of(std::span<const FrameDetections> frames, const Camera& camera,
-                                    const TagSizes& sizes) {
+                                    const TagSizes& sizes, std::size_t most_pictures) {
   std::vector<const FrameDetections*> chosen;
   for (const FrameDetections& frame : frames) {
     if (frame.camera == camera.name && !frame.patches.empty()) chosen.push_back(&frame);
@@ -50,7 +49,7 @@ std::vector<TagPicture> pictures_of(std::span<const FrameDetections> frames, con
         candidates.push_back({&*detection, &patch, *size_m, static_cast<int>(f)});
     }
   }
-  keep_evenly(candidates, kMostPictures);
+  keep_evenly(candidates, most_pictures);
   return candidates;
 }
 
@@ -80,10 +79,10 @@ std::optional<ResponseView> sharp_view(const TagPicture& one, const Camera& code
 
 std::vector<ResponseView> response_views(std::span<const FrameDetections> frames, const Camera& camera,
                                          const TagSizes& sizes, const CodeCurve& first,
-                                         const ParallelFor& parallel) {
+                                         std::size_t most_pictures, const ParallelFor& parallel) {
   Camera coded = camera;  // its light is the grey levels
   coded.response = ResponseCurve::linear();
-  const std::vector<TagPicture> candidates = pictures_of(frames, camera, sizes);
+  const std::vector<TagPicture> candidates = pictures_of(frames, camera, sizes, most_pictures);
   std::vector<std::optional<ResponseView>> found(candidates.size());
   parallel(candidates.size(),
            [&](std::size_t i) { found[i] = sharp_view(candidates[i], coded, camera.model, first); });

@@ -21,6 +21,6 @@ struct ResponseView {
 /// Sharp pictures of tags from frames spread evenly over all, fitted with `first`. camera: must outlive them.
 std::vector<ResponseView> response_views(std::span<const FrameDetections> frames, const Camera& camera,
                                          const TagSizes& sizes, const CodeCurve& first,
-                                         const ParallelFor& parallel);
+                                         std::size_t most_pictures, const ParallelFor& parallel);
 
 }  // namespace apriltrack

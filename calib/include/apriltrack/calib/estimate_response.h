@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 
@@ -27,14 +28,19 @@ struct ResponseEstimate {
   int views_used = 0, frames_used = 0;
 };
 
+/// So many pictures of tags tell a response well; so few, spread over the film, that one is wrong.
+inline constexpr std::size_t kPicturesToEstimate = 80, kPicturesToCheck = 32;
+
 /// Estimates a camera's response from the grey levels across the edges of tags
 /// (docs/algorithms/response.md).
 ///
 /// frames: of this camera those with patches take part; corners right to a pixel suffice, so that it does not
 /// matter by which response they were localised. camera.response: as assumed so far. sizes: tags without
 /// a size do not take part. num_threads: 0 = as many as the machine has cores; changes no result.
+/// most_pictures: to look at, evenly chosen; time is proportional to them.
 ResponseEstimate estimate_response(std::span<const FrameDetections> frames, const Camera& camera,
-                                   const TagSizes& sizes, int num_threads = 1);
+                                   const TagSizes& sizes, int num_threads = 1,
+                                   std::size_t most_pictures = kPicturesToEstimate);
 
 /// "gamma 1.05 (sigma 0.04)".
 std::string words_of(const ResponseEstimate& estimate);
