@@ -49,12 +49,16 @@ std::tuple<bool, double, std::size_t, std::size_t> merit(const Trial& trial) {
           trial.rest ? trial.accusations : 0};
 }
 
-/// Of no tag the fault has a name: all whose absence ends the contradictions, and leaves about as many tags.
-std::set<int> possible_culprits(const std::vector<Trial>& trials) {
+/// All whose absence ends the contradictions, as good as the best: whose faults explain about as much; or,
+/// where no fault has a name, that leave about as many tags.
+std::set<int> possible_culprits(const std::vector<Trial>& trials, const Trial& best) {
   const std::size_t most = std::ranges::max(trials, {}, &Trial::num_left).num_left();
   std::set<int> tags;
   for (const Trial& trial : trials) {
-    if (trial.rest && 2 * trial.num_left() >= most) tags.insert(trial.tag);
+    if (!trial.rest || trial.is_explained() != best.is_explained()) continue;
+    const bool is_as_good = best.is_explained() ? 2.0 * trial.finding->gain() >= best.finding->gain()
+                                                : 2 * trial.num_left() >= most;
+    if (is_as_good) tags.insert(trial.tag);
   }
   return tags;
 }
@@ -121,8 +125,7 @@ std::optional<AdjustedPart> adjust_without_culprit(const PartTask& task, const P
   const auto best = std::ranges::max_element(trials, {}, merit);
   const bool needs_a_name = 2 * contradictions.contradicting > contradictions.frames;  // most frames disagree
   if (best == trials.end() || !best->rest || (needs_a_name && !best->is_explained())) return std::nullopt;
-  std::set<int> culprits{best->tag};
-  if (!best->is_explained()) culprits = possible_culprits(trials);
+  const std::set<int> culprits = possible_culprits(trials, *best);
   std::optional<AdjustedPart> result =
       culprits.size() == 1 ? std::move(best->rest) : adjust_anew(task, part, culprits, held_tag);
   if (!result) return std::nullopt;

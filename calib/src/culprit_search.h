@@ -14,8 +14,8 @@ namespace apriltrack {
 std::vector<int> culprit_candidates(const Part& part, const Contradictions& contradictions);
 
 /// The part without the one tag whose absence leaves no contradictions: of several the one whose fault can be
-/// named then. Where no fault has a name, without all of those: any may be wrong, and the map with it.
-/// nullopt when no tag is the cause.
+/// named then. Where several have faults that explain about as much, or none has a name, without all of
+/// those: any may be wrong, and the map with it. nullopt when no tag is the cause.
 /// contradictions: of the part with all its tags; none where it could not even be adjusted.
 std::optional<AdjustedPart> adjust_without_culprit(const PartTask& task, const Part& part,
                                                    const Contradictions& contradictions, int held_tag,

@@ -18,7 +18,9 @@ constexpr double kClearSquares = 45.0;  // of six numbers: chance in a million
 constexpr double kClearMove = 0.02;     // of the tag's size; and at least
 constexpr double kClearMove_m = 0.003;
 constexpr double kClearTurn_rad = 1.0 * kRadPerDeg;
-constexpr double kTwoTags = 0.8;  // of the size: two tags that hang at a time cannot overlap
+// Of the size: prints with their margins do not overlap; about an edge of two walls their centres may be
+// near.
+constexpr double kSideBySide = 1.2, kAboutAnEdge = 0.8, kAnEdge_rad = 45.0 * kRadPerDeg;
 
 double cost_at(const std::vector<ProbeView>& probes, const TagFit& fit) {
   double sum = 0.0;
@@ -92,6 +94,11 @@ double least_shift_m(const Pose& change, double size_m) {
   return turn_rad > kClearTurn_rad ? 0.0 : std::max(kClearMove * size_m, kClearMove_m);
 }
 
+double least_between_tags_m(const Pose& change, double size_m) {
+  const double turn_rad = rotation_angle_rad(change.rotation(), Eigen::Quaterniond::Identity());
+  return size_m * (turn_rad > kAnEdge_rad ? kAboutAnEdge : kSideBySide);
+}
+
 std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double size_m) {
   std::optional<TwoPlaces> best;
   for (const double share : {0.25, 0.5, 0.75}) {
@@ -129,7 +136,7 @@ std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const 
                      probe_cost(probes[i], result->fit.T_map_tag, result->fit.shape);
     if (at_second == result->is_at_second) break;
   }
-  if (!result || !are_apart(*result, kTwoTags * size_m)) return std::nullopt;
+  if (!result || !are_apart(*result, least_between_tags_m(result->change(), size_m))) return std::nullopt;
   const auto at_first = where(probes, result->is_at_second, false),
              elsewhere = where(probes, result->is_at_second, true);
   allow_another_size(at_first, result->fit);

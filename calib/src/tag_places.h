@@ -19,6 +19,9 @@ struct TwoPlaces {
 /// Of a change of a tag's pose: how far it must shift to be told; 0 where it turns enough.
 double least_shift_m(const Pose& change, double size_m);
 
+/// How far apart two tags that hang at a time must be, one turned and shifted so against the other.
+double least_between_tags_m(const Pose& change, double size_m);
+
 /// First at the one, then at the other; nullopt where the views tell no two places apart. probes: in the
 /// order of time.
 std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double size_m);
