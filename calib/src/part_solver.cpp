@@ -287,8 +287,12 @@ void leave_out_faulty(const PartTask& task, const Part& part, AdjustedPart& solv
   const std::vector<int> tags_before = solved.part.tags;
   solution.findings = examine_tags(task, part, solved, parallel);
   solution.contradicted = leave_out_contradicted(task, part, solved);
-  // Without them, others' views may leave two poses that had one.
-  if (solved.part.tags != tags_before) leave_out_undecided(task, part, solved, parallel);
+  if (solved.part.tags == tags_before) return;
+  try {  // Without them, others' views may leave two poses that had one.
+    leave_out_undecided(task, part, solved, parallel);
+  } catch (const Error& error) {
+    fail_after(solution.findings, error);
+  }
 }
 
 void take_adjusted(AdjustedPart solved, PartSolution& solution) {

@@ -185,12 +185,6 @@ void examine_by_all_views(const PartTask& task, const Part& part, AdjustedPart& 
   }
 }
 
-[[noreturn]] void fail_without(const std::vector<TagFinding>& findings, const Error& error) {
-  std::string words;
-  for (const TagFinding& finding : findings) words += finding.words + ". ";
-  throw no_result(error.where(), words + "Then " + std::string(error.cause()));
-}
-
 /// Before others are held against a map that lacks what they explain: they may have been accused in their
 /// place, and may be why others are undecided.
 void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
@@ -198,8 +192,7 @@ void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& so
   std::vector<TagFinding> faults = find_faults_by_trial(task, part, solved, parallel);
   if (faults.empty()) return;
   AdjustedPart rest = solved;
-  std::erase_if(rest.culprits,
-                [&](int culprit) { return !is_explained_beyond_doubt(task, part, solved, culprit); });
+  std::erase_if(rest.culprits, [&](int culprit) { return !do_frames_tell(task, part, solved, culprit); });
   std::set<int> gone(rest.culprits.begin(), rest.culprits.end());
   for (const TagFinding& fault : faults) {
     require_sound_held_tag(task, fault);
@@ -211,7 +204,7 @@ void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& so
   try {
     leave_out_undecided(task, part, rest, parallel);
   } catch (const Error& error) {
-    fail_without(faults, error);
+    fail_after(faults, error);
   }
   solved = std::move(rest);
   for (TagFinding& fault : faults) {
@@ -228,6 +221,12 @@ void fail_by_held_tag(const std::string& words) {
                   fmt::format("no map is held by a tag that is at fault. {}. --held-tag names it: "
                               "mend it, or hold another tag",
                               words));
+}
+
+void fail_after(const std::vector<TagFinding>& findings, const Error& error) {
+  std::string words;
+  for (const TagFinding& finding : findings) words += finding.words + ". ";
+  throw no_result(error.where(), words + (words.empty() ? "" : "Then ") + std::string(error.cause()));
 }
 
 std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, AdjustedPart& solved,

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/base/error.h"
 #include "tag_fault.h"
 
 namespace apriltrack {
@@ -16,5 +17,8 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
 
 /// Throws Error(kNoResult): the tag that the user holds is at fault, as `words` say.
 [[noreturn]] void fail_by_held_tag(const std::string& words);
+
+/// Throws Error(kNoResult): after the findings had left tags out, the others gave no map.
+[[noreturn]] void fail_after(const std::vector<TagFinding>& findings, const Error& error);
 
 }  // namespace apriltrack
