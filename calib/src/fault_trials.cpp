@@ -15,13 +15,12 @@ using Kind = TagFinding::Kind;
 
 constexpr std::size_t kLeastAtPlace = 3;  // views
 constexpr int kMostShifts = 3;
-constexpr double kGivenUpCost = 64.0;      // half the squares at which a view is rejected
-constexpr double kClearMove = 150.0;       // of that: three views, or more that were explained by half
-constexpr double kClearSize = 30.0;        // eight sigmas
-constexpr double kHopeful = 10.0;          // of a size that is off by a half of itself
+constexpr double kGivenUpCost = 64.0;  // half the squares at which a view is rejected
+constexpr double kClearMove = 150.0;   // of that: three views, or more that were explained by half
+constexpr double kClearSize = 30.0;    // eight sigmas
+constexpr double kHopeful = 10.0;      // of a size that is off by a half of itself
 constexpr double kFeeOfPlace = 12.0;
-constexpr double kTwoTags = 0.8;           // of the size: two tags that hang at a time cannot overlap
-constexpr double kMostUnexplained = 0.15;  // of the tag's views
+constexpr double kMostUnexplained = 0.15;                // of the tag's views
 constexpr double kFirstStep = 0.06, kLastStep = 0.0075;  // of the logarithm of a size
 
 bool is_kept(const AdjustedPart& solved, std::size_t view) {
@@ -117,6 +116,27 @@ FaultTrials::FaultTrials(const PartTask& task, const Suspect& suspect, const Adj
   observations_.cameras = solved.state.cameras;
   whole_ = solve_anew({observations_, task.candidates, task.options}, suspect);
   for (const std::size_t v : suspect.views) is_given_up_.push_back(!is_kept(whole_ ? *whole_ : solved, v));
+  ask_probes();
+}
+
+// What frames that show others of the map say to begin with.
+void FaultTrials::ask_probes() {
+  const PartTask task{observations_, task_.candidates, task_.options};
+  const std::vector<ProbeView> probes = probe_views(task, suspect_.part, solved_, suspect_.tag);
+  if (probes.size() < 2 * kLeastAtPlace) return;
+  const auto rank_of = [&](const ProbeView& probe) {
+    const auto view = static_cast<std::size_t>(probe.view - observations_.views.data());
+    return static_cast<std::size_t>(std::ranges::lower_bound(suspect_.views, view) - suspect_.views.begin());
+  };
+  if (const auto moved = moved_once(probes, size_m())) {
+    const auto second = std::ranges::find(moved->is_at_second, true) - moved->is_at_second.begin();
+    moment_of_probes_ = rank_of(probes[static_cast<std::size_t>(second)]);
+  }
+  const auto two = two_places(probes, fit_tag_anew(probes, size_m()), size_m());
+  if (!two) return;
+  places_of_probes_.assign(suspect_.views.size(), false);
+  for (std::size_t i = 0; i < probes.size(); ++i)
+    places_of_probes_[rank_of(probes[i])] = two->is_at_second[i];
 }
 
 // What is explained by two places, one after the other, needs none by turns; and a size has fewer unknowns.
@@ -182,17 +202,26 @@ std::optional<FaultTrial> FaultTrials::best_move_from(std::size_t moment) const 
 
 std::optional<FaultTrial> FaultTrials::best_move() const {
   const std::size_t num = suspect_.views.size();
-  for (const std::size_t moment : {moment_of_change(is_given_up_), moment_after_gap(observations_, suspect_),
-                                   num / 4, num / 2, 3 * num / 4}) {
-    if (auto move = if_enough(best_move_from(moment))) return move;
+  std::optional<FaultTrial> best;
+  for (const std::size_t moment :
+       {moment_of_probes_, moment_of_change(is_given_up_), moment_after_gap(observations_, suspect_), num / 4,
+        num / 2, 3 * num / 4}) {
+    keep_better(best, if_enough(best_move_from(moment)));
+    if (best && std::ranges::all_of(suspect_.views, [&](std::size_t v) { return is_kept(best->solved, v); }))
+      return best;
   }
-  return std::nullopt;
+  return best;
 }
 
 // What one place does not explain shows the other.
 std::optional<FaultTrial> FaultTrials::best_copy() const {
+  std::optional<FaultTrial> best = best_copy_from(is_given_up_);
+  keep_better(best, best_copy_from(places_of_probes_));
+  return best;
+}
+
+std::optional<FaultTrial> FaultTrials::best_copy_from(std::vector<bool> is_at_second) const {
   std::optional<FaultTrial> best;
-  std::vector<bool> is_at_second = is_given_up_;
   for (int round = 0; round <= kMostShifts; ++round) {
     const auto num = static_cast<std::size_t>(std::ranges::count(is_at_second, true));
     if (num < kLeastAtPlace || num + kLeastAtPlace > suspect_.views.size()) break;
@@ -242,18 +271,22 @@ std::optional<FaultTrial> FaultTrials::if_enough(std::optional<FaultTrial> trial
   }
   const auto num = static_cast<double>(suspect_.views.size());
   if (num - static_cast<double>(at_first + at_second) > kMostUnexplained * num) return std::nullopt;
-  const bool is_clear = trial->kind == Kind::kSize
-                            ? trial->gain > kClearSize && std::abs(trial->log_scale) > kClearScale
-                            : trial->gain > kClearMove && std::min(at_first, at_second) >= kLeastAtPlace &&
-                                  are_apart(*trial);
+  const bool is_clear =
+      trial->kind == Kind::kSize
+          ? trial->gain > kClearSize && std::abs(trial->log_scale) > kClearScale
+          : trial->gain > kClearMove && std::min(at_first, at_second) >= kLeastAtPlace && are_apart(*trial);
   return is_clear ? std::move(trial) : std::nullopt;
 }
 
 bool FaultTrials::are_apart(const FaultTrial& trial) const {
-  const double size_m = task_.observations.sizes_m[static_cast<std::size_t>(suspect_.tag)];
   const Pose change = trial.T_map_first.inverse() * trial.T_map_second;
-  const double least_m = trial.kind == Kind::kMoved ? least_shift_m(change, size_m) : kTwoTags * size_m;
+  const double least_m =
+      trial.kind == Kind::kMoved ? least_shift_m(change, size_m()) : least_between_tags_m(change, size_m());
   return change.translation().norm() > least_m;
+}
+
+double FaultTrials::size_m() const {
+  return observations_.sizes_m[static_cast<std::size_t>(suspect_.tag)];
 }
 
 }  // namespace apriltrack

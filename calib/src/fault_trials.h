@@ -36,14 +36,17 @@ class FaultTrials {
   std::optional<FaultTrial> best() const;
 
  private:
+  void ask_probes();
+  double size_m() const;
   std::optional<FaultTrial> try_fault(const Observations& observations, FaultTrial trial) const;
   std::optional<FaultTrial> split(TagFinding::Kind kind, std::vector<bool> is_at_second) const;
   /// From the moment on, into its views, the tag hangs elsewhere.
   std::optional<FaultTrial> move_at(std::size_t moment) const;
   std::optional<FaultTrial> best_move_from(std::size_t moment) const;
-  /// The first that explains enough.
+  /// The first that explains all of the views, else the best that explains enough.
   std::optional<FaultTrial> best_move() const;
   std::optional<FaultTrial> best_copy() const;
+  std::optional<FaultTrial> best_copy_from(std::vector<bool> is_at_second) const;
   std::optional<FaultTrial> resize(double log_scale) const;
   std::optional<FaultTrial> best_size() const;
   std::optional<FaultTrial> if_enough(std::optional<FaultTrial> trial) const;
@@ -53,8 +56,10 @@ class FaultTrials {
   const Suspect& suspect_;
   const AdjustedPart& solved_;
   Observations observations_;
-  std::optional<AdjustedPart> whole_;  ///< Without a fault, and with the suspect.
-  std::vector<bool> is_given_up_;      ///< Of the suspect's views, there.
+  std::optional<AdjustedPart> whole_;   ///< Without a fault, and with the suspect.
+  std::vector<bool> is_given_up_;       ///< Of the suspect's views, there.
+  std::size_t moment_of_probes_ = 0;    ///< Into the suspect's views; 0: none.
+  std::vector<bool> places_of_probes_;  ///< Of the suspect's views; empty: one place.
 };
 
 }  // namespace apriltrack

@@ -24,8 +24,9 @@ struct Move {
 /// which would hide it.
 struct LinearPart {
   Part part;
-  std::vector<LinearView> views;         ///< Those of the part.
-  std::optional<PoseInformation> poses;  ///< None where the views leave a pose undetermined. Refers to `views`.
+  std::vector<LinearView> views;  ///< Those of the part.
+  std::optional<PoseInformation>
+      poses;  ///< None where the views leave a pose undetermined. Refers to `views`.
   ErrorScale scale;
 
   LinearPart(const PartTask& task, const MapState& state, Part part_of_map, int held_tag);

@@ -50,7 +50,8 @@ std::set<std::size_t> TagNeighbourhoods::frames_around(int tag, const std::vecto
   const std::vector<std::size_t>& of_tag = frames_of_tag_.at(tag);
   const std::set<std::size_t> with_tag(of_tag.begin(), of_tag.end());
   std::set<std::size_t> others;
-  for (const int one : neighbours) others.insert(frames_of_tag_.at(one).begin(), frames_of_tag_.at(one).end());
+  for (const int one : neighbours)
+    others.insert(frames_of_tag_.at(one).begin(), frames_of_tag_.at(one).end());
   std::erase_if(others, [&](std::size_t frame) { return with_tag.contains(frame); });
   std::set<std::size_t> frames;
   for (const auto& some : {with_tag, others}) {

@@ -9,6 +9,7 @@
 
 #include "apriltrack/camera/pixel_jacobian.h"
 #include "apriltrack/geometry/planar_pnp.h"
+#include "cauchy_loss.h"
 #include "corner_views.h"
 #include "tag_links.h"
 
@@ -20,7 +21,7 @@ constexpr double kProbeLoss = 8.0, kCoarseLoss = 100.0;
 constexpr double kUnseenCost = 400.0;
 constexpr double kDoubtful = 0.051;  // of a second pose; the least that equation (1) gives is 0.05
 constexpr int kMaxFrameSteps = 4, kMaxTagSteps = 30;
-constexpr std::size_t kMaxProposals = 8, kMostProbes = 160;
+constexpr std::size_t kMaxProposals = 8;
 
 using Matrix8x9d = Eigen::Matrix<double, 8, 9>;
 using Vector9d = Eigen::Matrix<double, 9, 1>;
@@ -55,14 +56,10 @@ bool probe_residual(const ProbeView& probe, const Pose& T_map_tag, const TagShap
   return true;
 }
 
-double loss(double squares, double scale) {
-  return 0.5 * scale * scale * std::log1p(squares / (scale * scale));
-}
-
 double cost_of(const ProbeView& view, const Pose& T_map_tag, const TagShape& shape, double loss_scale) {
   Vector8d residual;
   if (!probe_residual(view, T_map_tag, shape, &residual, nullptr)) return kUnseenCost;
-  return loss(residual.squaredNorm(), loss_scale);
+  return CauchyLoss{loss_scale}.cost(residual.squaredNorm());
 }
 
 double total_cost(const std::vector<ProbeView>& views, const TagFit& fit, double loss_scale) {
@@ -85,7 +82,7 @@ Normal normal_equations(const std::vector<ProbeView>& views, const TagFit& fit, 
     if (!probe_residual(view, fit.T_map_tag, fit.shape, &residual, &jacobian)) continue;
     if (freedom == ShapeFreedom::kNone) jacobian.col(6).setZero();
     if (freedom != ShapeFreedom::kBend) jacobian.rightCols<2>().setZero();
-    const double weight = 1.0 / (1.0 + residual.squaredNorm() / (loss_scale * loss_scale));
+    const double weight = CauchyLoss{loss_scale}.weight(residual.squaredNorm());
     const Matrix8x9d weighted = weight * jacobian;
     normal.H += weighted.transpose().lazyProduct(jacobian);
     normal.g += weighted.transpose().lazyProduct(residual);
@@ -314,7 +311,7 @@ double probe_cost(const ProbeView& view, const Pose& T_map_tag, const TagShape& 
 }
 
 double usual_probe_cost() {
-  return loss(8.0, kProbeLoss);
+  return CauchyLoss{kProbeLoss}.cost(8.0);
 }
 
 TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom freedom) {

@@ -10,6 +10,9 @@ namespace apriltrack {
 /// What each further unknown must gain, of half the sum of squares, to be preferred.
 inline constexpr double kFeeOfUnknown = 2.0;
 
+/// Views of a tag that are looked at.
+inline constexpr std::size_t kMostProbes = 160;
+
 /// One view of a tag, as the other tags of its frame foretell it: the frame's pose rests on them alone.
 struct ProbeView {
   const TagView* view = nullptr;
@@ -22,8 +25,8 @@ struct ProbeView {
   Matrix8d whitening = Matrix8d::Identity();
 };
 
-/// Of the views of `tag` (outliers, too) in frames that show another tag of the solved part, up to 160 spread
-/// evenly; in the order of time.
+/// Of the views of `tag` (outliers, too) in frames that show another tag of the solved part, up to
+/// kMostProbes spread evenly; in the order of time.
 std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const AdjustedPart& solved,
                                    int tag);
 

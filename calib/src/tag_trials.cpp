@@ -17,28 +17,64 @@ namespace apriltrack {
 namespace {
 
 constexpr std::size_t kMostSuspects = 8;
+constexpr double kAsMany = 0.8;        // a partner, whatever share of its views that is
+constexpr double kLeastShare = 0.08;   // of the tag's views
+constexpr double kBeyondOthers = 1.5;  // times the share that half of the tags lose
+constexpr double kShareOfMost = 0.2;   // of what the first lost
 constexpr std::size_t kLeastGivenUp = 3, kLeastViews = 4;
 constexpr std::size_t kMostFramesTried = 120;  // of a tag; and as many others
-constexpr double kSureFrames = 0.7;       // of a tag's, which show two others that agree
-constexpr double kOneView = 100.0;        // of half the squares: more than chance gives up
-constexpr double kAsGood = 0.5;           // of the gain, where that is small
+constexpr double kSureFrames = 0.7;            // of those that were given up
+constexpr double kOneView = 100.0;             // of half the squares: more than chance gives up
+constexpr double kAsGood = 0.5;                // of the gain, where that is small
 
-/// Tags by how many of their views were given up, most first.
-std::vector<int> tags_given_up(const PartTask& task, const Part& part, const AdjustedPart& solved) {
-  std::map<int, std::size_t> given_up;
+/// Of one tag's views.
+struct GivenUp {
+  int tag = 0;
+  std::size_t views = 0, of = 0;
+
+  double share() const { return static_cast<double>(views) / static_cast<double>(of); }
+  bool is_all() const { return views == of; }
+};
+
+/// Of all tags.
+std::vector<GivenUp> count_given_up(const Observations& observations, const Part& part,
+                                    const AdjustedPart& solved) {
+  std::map<int, GivenUp> by_tag;
   for (const std::size_t v : part.views) {
-    if (!std::ranges::binary_search(solved.part.views, v)) ++given_up[task.observations.views[v].tag];
+    const int tag = observations.views[v].tag;
+    GivenUp& one = by_tag.try_emplace(tag, GivenUp{tag, 0, 0}).first->second;
+    ++one.of;
+    if (!std::ranges::binary_search(solved.part.views, v)) ++one.views;
   }
-  std::erase_if(given_up, [](const auto& one) { return one.second < kLeastGivenUp; });
+  std::vector<GivenUp> result;
+  for (const auto& [tag, one] : by_tag) result.push_back(one);
+  return result;
+}
+
+/// Those that lost more views than outliers cost the others; most first.
+std::vector<int> tags_given_up(const Observations& observations, const Part& part,
+                               const AdjustedPart& solved) {
+  std::vector<GivenUp> all = count_given_up(observations, part, solved);
+  if (all.empty()) return {};
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  std::ranges::nth_element(all, middle, {}, &GivenUp::share);
+  const double least = std::max(kLeastShare, kBeyondOthers * middle->share());
+  std::size_t most = 0;
+  for (const GivenUp& one : all) most = std::max(most, one.is_all() ? 0 : one.views);
+  std::erase_if(all, [&](const GivenUp& one) {
+    const double of_most =
+        static_cast<double>(one.views) / static_cast<double>(std::max<std::size_t>(most, 1));
+    const bool is_partner = of_most >= (one.share() >= least ? kShareOfMost : kAsMany);
+    return one.views < kLeastGivenUp || !(is_partner || one.is_all());
+  });
+  std::ranges::sort(all, std::greater<>(), [](const GivenUp& one) { return std::pair(one.views, -one.tag); });
   std::vector<int> tags;
-  for (const auto& [tag, views] : given_up) tags.push_back(tag);
-  std::ranges::stable_sort(tags, std::greater<>(), [&](int tag) { return given_up[tag]; });
+  for (const GivenUp& one : all) tags.push_back(one.tag);
   tags.resize(std::min(tags.size(), kMostSuspects));
   return tags;
 }
 
-Suspect to_suspect(const Observations& observations, const TagNeighbourhoods& neighbourhoods,
-                   int tag) {
+Suspect to_suspect(const Observations& observations, const TagNeighbourhoods& neighbourhoods, int tag) {
   Suspect suspect{tag, neighbourhoods.around(tag), {}};
   std::ranges::copy_if(suspect.part.views, std::back_inserter(suspect.views),
                        [&](std::size_t v) { return observations.views[v].tag == tag; });
@@ -46,14 +82,14 @@ Suspect to_suspect(const Observations& observations, const TagNeighbourhoods& ne
 }
 
 std::vector<Suspect> find_suspects(const PartTask& task, const Part& part, const AdjustedPart& solved) {
-  std::vector<int> suspected = tags_given_up(task, part, solved), others = part.tags;
-  const auto is_explained_already = [&](int tag) { return is_explained_beyond_doubt(task, part, solved, tag); };
-  std::set<int> explained;
-  std::ranges::copy_if(suspected, std::inserter(explained, explained.end()), is_explained_already);
-  std::erase_if(suspected, [&](int tag) { return explained.contains(tag); });
+  std::vector<int> suspected = tags_given_up(task.observations, part, solved), others = part.tags;
+  const auto is_told = [&](int tag) { return do_frames_tell(task, part, solved, tag); };
+  std::set<int> told;
+  std::ranges::copy_if(suspected, std::inserter(told, told.end()), is_told);
+  std::erase_if(suspected, [&](int tag) { return told.contains(tag); });
   std::vector<Suspect> suspects;
   if (suspected.empty()) return suspects;
-  std::erase_if(others, [&](int tag) { return explained.contains(tag); });
+  std::erase_if(others, [&](int tag) { return told.contains(tag); });
   const TagNeighbourhoods neighbourhoods(task.observations, narrowed_to(task.observations, part, others),
                                          kMostFramesTried);
   for (const int tag : suspected) {
@@ -104,19 +140,39 @@ TagFinding to_finding(const Observations& observations, const Suspect& suspect, 
 
 }  // namespace
 
-bool is_explained_beyond_doubt(const PartTask& task, const Part& part, const AdjustedPart& solved, int tag) {
+bool do_frames_tell(const PartTask& task, const Part& part, const AdjustedPart& solved, int tag) {
   const std::vector<ProbeView> probes = probe_views(task, part, solved, tag);
-  const auto sure = std::ranges::count_if(probes, &ProbeView::is_frame_sure);
-  if (static_cast<double>(sure) < kSureFrames * static_cast<double>(probes.size())) return false;
-  const TagLook look = look_at(task, probes, tag);
-  return look.finding && look.finding->is_complete();
+  const auto is_given_up = [&](std::size_t v) { return !std::ranges::binary_search(solved.part.views, v); };
+  std::size_t views = 0, given_up = 0, sure = 0, sure_given_up = 0;
+  for (const std::size_t v : part.views) {
+    if (task.observations.views[v].tag != tag) continue;
+    ++views;
+    if (is_given_up(v)) ++given_up;
+  }
+  for (const ProbeView& probe : probes) {
+    if (!probe.is_frame_sure) continue;
+    ++sure;
+    if (is_given_up(static_cast<std::size_t>(probe.view - task.observations.views.data()))) ++sure_given_up;
+  }
+  const auto are_most = [&](std::size_t some, std::size_t all) {  // of many, some are probed
+    const double probed = std::min(1.0, static_cast<double>(kMostProbes) / static_cast<double>(views));
+    return static_cast<double>(some) >= kSureFrames * probed * static_cast<double>(all);
+  };
+  const auto finding = look_at(task, probes, tag).finding;
+  const bool is_complete = finding && finding->is_complete();
+  const bool is_always_so = is_complete && (finding->kind == TagFinding::Kind::kSize ||
+                                            finding->kind == TagFinding::Kind::kNotFlat);
+  if (is_always_so && are_most(sure, views)) return true;
+  const bool is_in_map = std::ranges::binary_search(solved.part.tags, tag);
+  return (is_complete || is_in_map) && are_most(sure_given_up, given_up);
 }
 
 std::vector<TagFinding> find_faults_by_trial(const PartTask& task, const Part& part,
                                              const AdjustedPart& solved, const ParallelFor& parallel) {
   const std::vector<Suspect> suspects = find_suspects(task, part, solved);
   std::vector<std::optional<FaultTrial>> trials(suspects.size());
-  parallel(suspects.size(), [&](std::size_t i) { trials[i] = FaultTrials(task, suspects[i], solved).best(); });
+  parallel(suspects.size(),
+           [&](std::size_t i) { trials[i] = FaultTrials(task, suspects[i], solved).best(); });
   double most = 0.0;
   for (const auto& trial : trials) most = std::max(most, trial ? trial->gain : 0.0);
   const auto is_as_good = [&](const auto& trial) {

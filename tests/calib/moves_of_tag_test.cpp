@@ -57,8 +57,8 @@ class AllUnknowns {
 TEST(MovesOfTag, ExplainWhatTheLeastSquaresOverAllUnknownsDo) {
   const SyntheticWorld world = test::make_room(6, 30, test::equidistant_camera());
   constexpr int kTag = 11;
-  std::vector<FrameDetections> frames = test::filmed_with(
-      world, kTag, [](const Eigen::Vector3d& corner, std::size_t i) {
+  std::vector<FrameDetections> frames =
+      test::filmed_with(world, kTag, [](const Eigen::Vector3d& corner, std::size_t i) {
         return Eigen::Vector3d(corner + Eigen::Vector3d(i < 15 ? 0.0 : 0.006, 0.0, 0.0));
       });
   RandomStream random(5);
