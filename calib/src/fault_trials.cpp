@@ -144,7 +144,7 @@ std::optional<FaultTrial> FaultTrials::best() const {
   std::optional<FaultTrial> best;
   keep_better(best, if_enough(best_size()));
   std::optional<FaultTrial> move = best_move();
-  keep_better(best, move ? std::move(move) : if_enough(best_copy()), kFeeOfPlace);
+  keep_better(best, move ? std::move(move) : best_copy(), kFeeOfPlace);
   return best;
 }
 
@@ -215,8 +215,8 @@ std::optional<FaultTrial> FaultTrials::best_move() const {
 
 // What one place does not explain shows the other.
 std::optional<FaultTrial> FaultTrials::best_copy() const {
-  std::optional<FaultTrial> best = best_copy_from(is_given_up_);
-  keep_better(best, best_copy_from(places_of_probes_));
+  std::optional<FaultTrial> best = if_enough(best_copy_from(is_given_up_));
+  keep_better(best, if_enough(best_copy_from(places_of_probes_)));
   return best;
 }
 
@@ -246,7 +246,7 @@ std::optional<FaultTrial> FaultTrials::resize(double log_scale) const {
 
 std::optional<FaultTrial> FaultTrials::best_size() const {
   std::optional<FaultTrial> best;
-  for (const double steps : {-2.0, -1.0, 1.0, 2.0}) keep_better(best, resize(steps * kFirstStep));
+  for (const double steps : {-4.0, -2.0, -1.0, 1.0, 2.0, 4.0}) keep_better(best, resize(steps * kFirstStep));
   if (!best || best->gain < kHopeful) return std::nullopt;
   for (double step = 0.5 * kFirstStep; step > 0.9 * kLastStep; step *= 0.5) {
     const double middle = best->log_scale;

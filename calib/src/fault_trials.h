@@ -45,6 +45,7 @@ class FaultTrials {
   std::optional<FaultTrial> best_move_from(std::size_t moment) const;
   /// The first that explains all of the views, else the best that explains enough.
   std::optional<FaultTrial> best_move() const;
+  /// That explains enough.
   std::optional<FaultTrial> best_copy() const;
   std::optional<FaultTrial> best_copy_from(std::vector<bool> is_at_second) const;
   std::optional<FaultTrial> resize(double log_scale) const;

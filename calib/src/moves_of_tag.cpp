@@ -9,7 +9,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::size_t kLeastViews = 3;  // at each of the places
+constexpr std::size_t kLeastViews = 3;  // at the first place, and at the last
 constexpr std::size_t kMostMoments = 24;
 constexpr double kLeastInformed = 1e-4;  // of what the tag's own views say; less is what rounding leaves
 
@@ -46,9 +46,10 @@ MovesOfTag::MovesOfTag(const LinearPart& part, int tag) : part_(&part) {
 
 Move MovesOfTag::with_one_more(const Move& move) const {
   Move best = move;
-  for (std::size_t i = 0; i < moments_.size(); ++i) {
+  for (const std::size_t moment : moments_) {
+    if (std::ranges::find(move.moments, moment) != move.moments.end()) continue;
     Move trial = move;
-    trial.moments.push_back(moments_[i]);
+    trial.moments.push_back(moment);
     estimate(trial);
     if (trial.changes.allFinite() && trial.squares > best.squares) best = std::move(trial);
   }

@@ -35,9 +35,9 @@ struct PartSolution {
 };
 
 /// Start, robust adjustment, outliers removed, clean adjustment, mirrored tags turned, covariances; all of it
-/// again without the one tag that makes frames contradict each other, if there is one. Throws
-/// Error(kNoResult) when it does not converge, converges to nonsense, or contradictions stay, of views or of
-/// constraints. constraints: whose tags are named by family and id.
+/// again without the tag that makes frames contradict each other, if there is one, or those of which any may.
+/// Throws Error(kNoResult) when it does not converge, converges to nonsense, or contradictions stay, of views
+/// or of constraints. constraints: whose tags are named by family and id.
 PartSolution solve_part(const Observations& observations, const Part& part, int held_tag,
                         const std::vector<ViewCandidates>& candidates, const CalibrationOptions& options,
                         const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,

@@ -78,18 +78,17 @@ std::set<int> tags_out(const AdjustedPart& solved, int tag, const std::set<int>&
   return out;
 }
 
-/// The map without a tag, from the start, for with the tag it may have been folded; by the cameras of
+/// The map without some tags, from the start, for with them it may have been folded; by the cameras of
 /// `solved`, which may have been refined. Without the tag that the user holds another one is held. False
 /// where too little is left that agrees.
-bool solve_without(const PartTask& task, const Part& part, int tag, const std::set<int>& known,
-                   AdjustedPart& solved) {
+bool solve_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved) {
   CalibrationOptions options = task.options;
-  if (is_held_by_wish(task, tag)) options.held_tag.reset();
+  if (std::ranges::any_of(gone, [&](int tag) { return is_held_by_wish(task, tag); }))
+    options.held_tag.reset();
   Observations by_cameras = task.observations;
   by_cameras.cameras = solved.state.cameras;
   const PartTask without{by_cameras, task.candidates, options};
-  const std::optional<HeldPart> rest =
-      part_without(without, part, tags_out(solved, tag, known), solved.held_tag);
+  const std::optional<HeldPart> rest = part_without(without, part, gone, solved.held_tag);
   if (!rest) return false;
   try {
     AdjustedPart anew = adjust_part(without, rest->part, rest->held_tag, parallel_for(1));
@@ -101,6 +100,12 @@ bool solve_without(const PartTask& task, const Part& part, int tag, const std::s
   } catch (const Error&) {
     return false;
   }
+}
+
+/// And without those that are `known`, and not in the map.
+bool solve_without(const PartTask& task, const Part& part, int tag, const std::set<int>& known,
+                   AdjustedPart& solved) {
+  return solve_without(task, part, tags_out(solved, tag, known), solved);
 }
 
 /// Null where nothing is wrong with the tag by the map without it, nor by the one with it: without a tag that
@@ -191,14 +196,18 @@ void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& so
                         std::vector<TagFinding>& findings, const ParallelFor& parallel) {
   std::vector<TagFinding> faults = find_faults_by_trial(task, part, solved, parallel);
   if (faults.empty()) return;
+  // Of several that would do the one that the user holds is trusted.
+  if (faults.size() > 1)
+    std::erase_if(faults, [&](const TagFinding& fault) { return is_held_by_wish(task, fault.tag); });
   AdjustedPart rest = solved;
   std::erase_if(rest.culprits, [&](int culprit) { return !do_frames_tell(task, part, solved, culprit); });
   std::set<int> gone(rest.culprits.begin(), rest.culprits.end());
   for (const TagFinding& fault : faults) {
     require_sound_held_tag(task, fault);
     gone.insert(fault.tag);
-    if (!solve_without(task, part, fault.tag, gone, rest)) return;
   }
+  if (!solve_without(task, part, gone, rest))
+    fail_after(faults, no_result("calibrate", "what is left does not agree, or is too little"));
   if (rest.contradictions.are_there()) return;
   rest.undecided.clear();
   try {

@@ -26,6 +26,7 @@ constexpr double kClearAgain = 35.0, kAgain = 0.1;
 /// Where the tag seems to have moved once, and where twice.
 struct Suspicion {
   Move once, twice;
+  bool is_determined = false;
   double of_once = 0.0, of_twice = 0.0;  ///< Over 1: beyond chance, and beyond what the others show.
 
   double largest() const { return std::max(of_once, of_twice); }
@@ -37,7 +38,7 @@ double excess_of_others(const std::vector<Suspicion>& suspicions, const Suspicio
                         Move Suspicion::*which, double usual) {
   std::vector<double> others;
   for (const Suspicion& one : suspicions) {
-    if (&one != &own) others.push_back((one.*which).squares);
+    if (&one != &own && one.is_determined) others.push_back((one.*which).squares);
   }
   if (others.size() < kLeastOthers) return std::numeric_limits<double>::infinity();
   const auto middle = others.begin() + static_cast<std::ptrdiff_t>(others.size() / 2);
@@ -45,11 +46,12 @@ double excess_of_others(const std::vector<Suspicion>& suspicions, const Suspicio
   return std::max(1.0, *middle / usual);
 }
 
-/// Of no tag where the views leave a pose undetermined.
+/// Of nothing where the views leave a pose undetermined.
 Suspicion suspicion_of(const LinearPart& part, int tag) {
   Suspicion one;
   one.once.tag = one.twice.tag = tag;
   if (!part.poses) return one;
+  one.is_determined = true;
   const MovesOfTag moves(part, tag);
   one.once = moves.with_one_more(moves.none());
   one.twice = moves.with_one_more(one.once);

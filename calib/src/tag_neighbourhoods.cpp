@@ -5,17 +5,19 @@
 #include <set>
 #include <utility>
 
+#include "part_adjustment.h"
 #include "tag_links.h"
 
 namespace apriltrack {
 namespace {
 
 constexpr std::size_t kMostNeighbours = 24;
+constexpr int kLeastFramesOfTag = 3;  // fewer do not tell its pose well
 
 }  // namespace
 
 TagNeighbourhoods::TagNeighbourhoods(const Observations& observations, Part part, std::size_t most_frames)
-    : part_(std::move(part)), most_frames_(most_frames) {
+    : observations_(&observations), part_(std::move(part)), most_frames_(most_frames) {
   int last = -1;
   for (const std::size_t v : part_.views) {
     const TagView& view = observations.views[v];
@@ -46,36 +48,36 @@ std::vector<int> TagNeighbourhoods::neighbours_of(int tag) const {
   return tags;
 }
 
+// Frames that show two of the neighbours or more: those with the tag, and others.
 std::set<std::size_t> TagNeighbourhoods::frames_around(int tag, const std::vector<int>& neighbours) const {
-  const std::vector<std::size_t>& of_tag = frames_of_tag_.at(tag);
-  const std::set<std::size_t> with_tag(of_tag.begin(), of_tag.end());
-  std::set<std::size_t> others;
-  for (const int one : neighbours)
-    others.insert(frames_of_tag_.at(one).begin(), frames_of_tag_.at(one).end());
-  std::erase_if(others, [&](std::size_t frame) { return with_tag.contains(frame); });
+  std::map<std::size_t, std::set<int>> seen;
+  for (const int one : neighbours) {
+    for (const std::size_t frame : frames_of_tag_.at(one)) seen[frame].insert(one);
+  }
+  std::vector<std::size_t> with_tag, others;
+  for (const auto& [frame, tags] : seen) {
+    if (tags.size() > 1) (tags.contains(tag) ? with_tag : others).push_back(frame);
+  }
   std::set<std::size_t> frames;
   for (const auto& some : {with_tag, others}) {
-    const std::vector<std::size_t> spread = spread_selection({some.begin(), some.end()}, most_frames_);
+    const std::vector<std::size_t> spread = spread_selection(some, most_frames_);
     frames.insert(spread.begin(), spread.end());
   }
   return frames;
 }
 
 Part TagNeighbourhoods::around(int tag) const {
+  if (!frames_of_tag_.contains(tag)) return {};
   if (are_all_one()) return part_;
-  Part part{neighbours_of(tag), {}};
-  for (const std::size_t f : frames_around(tag, part.tags)) {
+  const std::vector<int> neighbours = neighbours_of(tag);
+  std::vector<std::size_t> views;
+  for (const std::size_t f : frames_around(tag, neighbours)) {
     const Frame& frame = frames_[f];
-    std::vector<std::size_t> views;
-    std::set<int> seen;
     for (std::size_t i = 0; i < frame.tags.size(); ++i) {
-      if (!std::ranges::binary_search(part.tags, frame.tags[i])) continue;
-      views.push_back(frame.views[i]);
-      seen.insert(frame.tags[i]);
+      if (std::ranges::binary_search(neighbours, frame.tags[i])) views.push_back(frame.views[i]);
     }
-    if (seen.size() > 1) part.views.insert(part.views.end(), views.begin(), views.end());
   }
-  return part;
+  return connected_to(*observations_, views, tag, kLeastFramesOfTag);
 }
 
 }  // namespace apriltrack

@@ -12,13 +12,13 @@ namespace apriltrack {
 /// What of a large part, or of a long recording, is near one of the tags.
 class TagNeighbourhoods {
  public:
-  /// most_frames: that show the tag, and as many others.
+  /// observations: outlive this. most_frames: that show the tag, and as many others.
   TagNeighbourhoods(const Observations& observations, Part part, std::size_t most_frames);
 
   /// Whether the part is so small that it is the neighbourhood of each.
   bool are_all_one() const;
-  /// The tag, those that are seen with it most often, and what some frames, spread evenly, show of them; all
-  /// of a small part.
+  /// The tag, those that are seen with it most often, and what some frames, spread evenly, show of them, as
+  /// far as it hangs together; all of a small part. Empty where no frame shows the tag with another.
   Part around(int tag) const;
 
  private:
@@ -30,6 +30,7 @@ class TagNeighbourhoods {
   std::vector<int> neighbours_of(int tag) const;
   std::set<std::size_t> frames_around(int tag, const std::vector<int>& neighbours) const;
 
+  const Observations* observations_;
   Part part_;
   std::size_t most_frames_;
   std::vector<Frame> frames_;

@@ -24,7 +24,7 @@ constexpr double kShareOfMost = 0.2;   // of what the first lost
 constexpr std::size_t kLeastGivenUp = 3, kLeastViews = 4;
 constexpr std::size_t kMostFramesTried = 120;  // of a tag; and as many others
 constexpr double kSureFrames = 0.7;            // of those that were given up
-constexpr double kOneView = 100.0;             // of half the squares: more than chance gives up
+constexpr double kNoClearLead = 100.0;         // of half the squares: less than two views that are given up
 constexpr double kAsGood = 0.5;                // of the gain, where that is small
 
 /// Of one tag's views.
@@ -70,7 +70,6 @@ std::vector<int> tags_given_up(const Observations& observations, const Part& par
   std::ranges::sort(all, std::greater<>(), [](const GivenUp& one) { return std::pair(one.views, -one.tag); });
   std::vector<int> tags;
   for (const GivenUp& one : all) tags.push_back(one.tag);
-  tags.resize(std::min(tags.size(), kMostSuspects));
   return tags;
 }
 
@@ -87,6 +86,7 @@ std::vector<Suspect> find_suspects(const PartTask& task, const Part& part, const
   std::set<int> told;
   std::ranges::copy_if(suspected, std::inserter(told, told.end()), is_told);
   std::erase_if(suspected, [&](int tag) { return told.contains(tag); });
+  suspected.resize(std::min(suspected.size(), kMostSuspects));
   std::vector<Suspect> suspects;
   if (suspected.empty()) return suspects;
   std::erase_if(others, [&](int tag) { return told.contains(tag); });
@@ -176,7 +176,7 @@ std::vector<TagFinding> find_faults_by_trial(const PartTask& task, const Part& p
   double most = 0.0;
   for (const auto& trial : trials) most = std::max(most, trial ? trial->gain : 0.0);
   const auto is_as_good = [&](const auto& trial) {
-    return trial && trial->gain > most - std::min(kOneView, kAsGood * most);
+    return trial && trial->gain > most - std::min(kNoClearLead, kAsGood * most);
   };
   const bool is_alone = std::ranges::count_if(trials, is_as_good) == 1;
   std::vector<TagFinding> findings;

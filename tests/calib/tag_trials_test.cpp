@@ -107,6 +107,15 @@ TEST(TagTrials, NameBothWhereEitherWouldDo) {
   EXPECT_THAT(tags, ElementsAre(kIndexOnTrial, kIndexBesideIt));
 }
 
+// Seen only beside a tag that frames of others tell of: nothing is left to try it on.
+TEST(TagNeighbourhoods, OfATagThatIsNotThereAreEmpty) {
+  const AdjustedWorld one(test::make_room(kTagsOnWalls, 300, test::equidistant_camera()));
+  Part without = narrowed_to(one.observations, one.offered, {0, 1, 2, 4, 5, 6});
+  const TagNeighbourhoods neighbourhoods(one.observations, without, 100);
+  ASSERT_FALSE(neighbourhoods.are_all_one());
+  EXPECT_THAT(neighbourhoods.around(3).views, IsEmpty());
+}
+
 TEST(TagNeighbourhoods, AreTheWholeOfASmallPart) {
   const AdjustedWorld one(room_of_pairs());
   const TagNeighbourhoods neighbourhoods(one.observations, one.offered, 250);
@@ -126,6 +135,7 @@ TEST(TagNeighbourhoods, OfALongRecordingAreSomeFramesOfEachTag) {
     if (one.observations.views[v].tag == 3) with_tag.insert(one.observations.views[v].frame);
   }
   EXPECT_EQ(part.tags.size(), static_cast<std::size_t>(kTagsOnWalls));
+  for (const int tag : part.tags) EXPECT_GE(count_views(one.observations, part)[tag], 3) << tag;
   EXPECT_LE(frames.size(), 500u);
   EXPECT_GE(with_tag.size(), 200u);
   EXPECT_TRUE(std::ranges::is_sorted(part.views));
