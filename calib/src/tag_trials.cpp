@@ -58,13 +58,14 @@ std::vector<int> tags_given_up(const Observations& observations, const Part& par
   if (all.empty()) return {};
   const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
   std::ranges::nth_element(all, middle, {}, &GivenUp::share);
-  const double least = std::max(kLeastShare, kBeyondOthers * middle->share());
+  const double of_others = kBeyondOthers * middle->share();
   std::size_t most = 0;
   for (const GivenUp& one : all) most = std::max(most, one.is_all() ? 0 : one.views);
   std::erase_if(all, [&](const GivenUp& one) {
     const double of_most =
         static_cast<double>(one.views) / static_cast<double>(std::max<std::size_t>(most, 1));
-    const bool is_partner = of_most >= (one.share() >= least ? kShareOfMost : kAsMany);
+    const bool is_partner =
+        one.share() > of_others && of_most >= (one.share() >= kLeastShare ? kShareOfMost : kAsMany);
     return one.views < kLeastGivenUp || !(is_partner || one.is_all());
   });
   std::ranges::sort(all, std::greater<>(), [](const GivenUp& one) { return std::pair(one.views, -one.tag); });
