@@ -90,7 +90,6 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
   auto [rig, to_estimate] = read_cameras_to_estimate(camera, a.console.log());
   const TagSizes sizes = tag_sizes(a);
   const std::vector<Recording> recordings = parse_recordings(a.inputs, rig, a.camera_name);
-  complete_resolutions(a, camera, recordings, rig);
   warn_of_shutters(rig, a.camera_name, recordings, a.console);
   ResponseFindings responses = estimate_responses(a, camera, to_estimate, recordings, sizes, rig);
   const Sightings sightings = gather(a, rig, recordings);
@@ -99,6 +98,7 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
       std::ranges::all_of(sightings.frames, [](const auto& one) { return one.detections.empty(); }))
     throw no_result("calibrate", told_of_blank_images(sightings.counts.readable));
 
+  complete_resolutions(a, camera, recordings, rig);  // not before: images are held against the file's own
   check_responses(a, rig, sizes, sightings, responses);
   a.calibration.num_threads = a.num_threads;
   a.calibration.cross_validate = a.calibration.cross_validate || !a.report.empty();
