@@ -136,12 +136,13 @@ CornersPx median_of(const std::vector<const TagView*>& views) {
   return median;
 }
 
-/// The view nearest to the median of each coordinate, which may itself be no view of a tag that moved askew.
-CornersPx central_of(const std::vector<const TagView*>& views) {
+/// The median of each coordinate; but of a tag that moved askew this may be at none of its places: then the
+/// view nearest to it.
+CornersPx central_of(const std::vector<const TagView*>& views, double same_place_px) {
   const CornersPx median = median_of(views);
-  const TagView* nearest = *std::ranges::min_element(
-      views, {}, [&](const TagView* one) { return distance_px(one->corners_px, median); });
-  return nearest->corners_px;
+  const auto from_median = [&](const TagView* one) { return distance_px(one->corners_px, median); };
+  const TagView* nearest = *std::ranges::min_element(views, {}, from_median);
+  return from_median(nearest) <= same_place_px ? median : nearest->corners_px;
 }
 
 /// Of a tag's views, by how much each differs from the next: what moves once, or slowly, scatters little.
@@ -235,7 +236,7 @@ class PlaceMerge {
     std::map<Sight, double> reach_px;
     std::set<Sight> moving;
     for (const auto& [sight, views] : by_sight) {
-      const CornersPx& central = central_px[sight] = central_of(views);
+      const CornersPx& central = central_px[sight] = central_of(views, same_place_px_);
       const double reach = reach_px[sight] = std::max(same_place_px_, kReach * scatter_px(views));
       const auto far = std::ranges::count_if(
           views, [&](const TagView* one) { return distance_px(one->corners_px, central) > reach; });
