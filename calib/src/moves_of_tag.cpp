@@ -56,6 +56,13 @@ Move MovesOfTag::with_one_more(const Move& move) const {
   return best;
 }
 
+Move MovesOfTag::all() const {
+  Move result = none_;
+  result.moments = moments_;
+  if (!moments_.empty()) estimate(result);
+  return result;
+}
+
 void MovesOfTag::choose_moments() {
   if (views_.size() < 2 * kLeastViews) return;
   const std::size_t choices = views_.size() - 2 * kLeastViews + 1;

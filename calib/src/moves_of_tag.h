@@ -45,6 +45,8 @@ class MovesOfTag {
   const Move& none() const { return none_; }
   /// With a further moment, the one that explains most; as it is where none explains more.
   Move with_one_more(const Move& move) const;
+  /// As if the tag were elsewhere after every moment: what flaps, or drifts, does no two moments tell.
+  Move all() const;
 
  private:
   void choose_moments();

@@ -1,6 +1,7 @@
 #include "tag_moves.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -22,39 +23,71 @@ constexpr std::size_t kLeastOthers = 3;
 constexpr std::size_t kMostFramesAsked = 250;  // of a tag; and as many others
 // What a second move explains further: beyond chance, and beyond what the first, linearised, leaves.
 constexpr double kClearAgain = 35.0, kAgain = 0.1;
+// Of places after every moment: standard deviations of the sum of squares; and what is usual of others at
+// least, by chance 1 (one that moves all the time makes all views seem noisy, so others show less).
+constexpr double kClearAlways = 6.0, kLeastUsual = 0.5;
 
-/// Where the tag seems to have moved once, and where twice.
+/// Where the tag seems to have moved once, where twice, and all the time.
 struct Suspicion {
-  Move once, twice;
+  Move once, twice, always;
   bool is_determined = false;
-  double of_once = 0.0, of_twice = 0.0;  ///< Over 1: beyond chance, and beyond what the others show.
+  double of_once = 0.0, of_twice = 0.0, of_always = 0.0;  ///< Over 1: beyond chance, and what others show.
+  double usual_always = 1.0;  ///< Squares for each number of `always`, as others show them.
 
-  double largest() const { return std::max(of_once, of_twice); }
+  double largest() const { return std::max({of_once, of_twice, of_always}); }
 };
 
-/// How much more than by chance the others seem to move: neighbouring frames repeat their errors, and what a
-/// lens does to all tags is no move.
-double excess_of_others(const std::vector<Suspicion>& suspicions, const Suspicion& own,
-                        Move Suspicion::*which, double usual) {
+/// Squares for each number of a place after every moment.
+double mean_square(const Move& always) {
+  return always.squares / static_cast<double>(std::max<Eigen::Index>(always.changes.size(), 1));
+}
+
+/// The median of what the others show; infinite where they are few.
+template <class Value>
+double median_of_others(const std::vector<Suspicion>& suspicions, const Suspicion& own, const Value& value) {
   std::vector<double> others;
   for (const Suspicion& one : suspicions) {
-    if (&one != &own && one.is_determined) others.push_back((one.*which).squares);
+    if (&one != &own && one.is_determined) others.push_back(value(one));
   }
   if (others.size() < kLeastOthers) return std::numeric_limits<double>::infinity();
   const auto middle = others.begin() + static_cast<std::ptrdiff_t>(others.size() / 2);
   std::ranges::nth_element(others, middle);
-  return std::max(1.0, *middle / usual);
+  return *middle;
+}
+
+/// Over 1: clear.
+double beyond_others(const Move& always, double usual) {
+  const auto num = static_cast<double>(always.changes.size());
+  if (num == 0.0) return 0.0;
+  return (always.squares / (usual * num) - 1.0) / (kClearAlways * std::sqrt(2.0 / num));
+}
+
+/// How much more than by chance a tag seems to move, and more than the others: neighbouring frames repeat
+/// their errors, and what a lens does to all tags is no move.
+void compare(std::vector<Suspicion>& suspicions) {
+  for (Suspicion& one : suspicions) {
+    const auto excess_of_others = [&](Move Suspicion::*which, double usual) {
+      const auto squares = [&](const Suspicion& other) { return (other.*which).squares; };
+      return std::max(1.0, median_of_others(suspicions, one, squares) / usual);
+    };
+    one.of_once = one.once.squares / (kClearOnce * excess_of_others(&Suspicion::once, kUsualOnce));
+    one.of_twice = one.twice.squares / (kClearTwice * excess_of_others(&Suspicion::twice, kUsualTwice));
+    const auto of_number = [](const Suspicion& other) { return mean_square(other.always); };
+    one.usual_always = std::max(kLeastUsual, median_of_others(suspicions, one, of_number));
+    one.of_always = beyond_others(one.always, one.usual_always);
+  }
 }
 
 /// Of nothing where the views leave a pose undetermined.
 Suspicion suspicion_of(const LinearPart& part, int tag) {
   Suspicion one;
-  one.once.tag = one.twice.tag = tag;
+  one.once.tag = one.twice.tag = one.always.tag = tag;
   if (!part.poses) return one;
   one.is_determined = true;
   const MovesOfTag moves(part, tag);
   one.once = moves.with_one_more(moves.none());
   one.twice = moves.with_one_more(one.once);
+  one.always = moves.all();
   return one;
 }
 
@@ -69,17 +102,27 @@ std::vector<Suspicion> suspicions_of(const PartTask& task, const AdjustedPart& s
     result[i] = whole ? suspicion_of(*whole, tag)
                       : suspicion_of({task, solved.state, neighbourhoods.around(tag), tag}, tag);
   });
-  for (Suspicion& one : result) {
-    one.of_once =
-        one.once.squares / (kClearOnce * excess_of_others(result, one, &Suspicion::once, kUsualOnce));
-    one.of_twice =
-        one.twice.squares / (kClearTwice * excess_of_others(result, one, &Suspicion::twice, kUsualTwice));
-  }
+  compare(result);
   return result;
+}
+
+/// What moves again, or all the time, has no place.
+bool is_loose(const Suspicion& one) {
+  if (one.of_once < 1.0) return true;
+  const double least = kAgain * one.once.squares;
+  if (one.twice.squares - one.once.squares > std::max(kClearAgain, least)) return true;
+  Move rest = one.always;
+  rest.squares -= one.once.squares;
+  return beyond_others(rest, one.usual_always) > 1.0 && rest.squares > least;
 }
 
 double size_m_of(const PartTask& task, int tag) {
   return task.observations.sizes_m[static_cast<std::size_t>(tag)];
+}
+
+bool is_too_small(const PartTask& task, const Move& move) {
+  const Vector6d change = move.first_change();
+  return change.head<3>().norm() < least_shift_m(Pose::exp(change), size_m_of(task, move.tag));
 }
 
 TwoPlaces places_of(const Move& move, const AdjustedPart& solved) {
@@ -90,7 +133,17 @@ TwoPlaces places_of(const Move& move, const AdjustedPart& solved) {
   return two;
 }
 
-TagFinding to_finding(const PartTask& task, const AdjustedPart& solved, const Move& move, bool is_loose) {
+/// Half of what is beyond chance, less a fee for each unknown.
+double explained_by(const Suspicion& one) {
+  const auto num = static_cast<double>(one.always.changes.size());
+  const double by_always = std::isfinite(one.usual_always) && one.of_always > 1.0
+                               ? 0.5 * (one.always.squares - one.usual_always * num)
+                               : 0.0;
+  return std::max(0.5 * one.once.squares, by_always) - 7.0 * kFeeOfUnknown;
+}
+
+TagFinding to_finding(const PartTask& task, const AdjustedPart& solved, const Suspicion& one) {
+  const Move& move = one.once;
   std::vector<ProbeView> when;
   for (const std::size_t i : move.views) {
     const TagView& view = task.observations.views[i];
@@ -104,9 +157,9 @@ TagFinding to_finding(const PartTask& task, const AdjustedPart& solved, const Mo
   finding.tag = move.tag;
   finding.is_left_out = true;
   finding.num_views = move.views.size();
-  finding.explained = 0.5 * move.squares - 7.0 * kFeeOfUnknown;
-  finding.kind = is_loose ? TagFinding::Kind::kLoose : TagFinding::Kind::kMoved;
-  finding.words = is_loose
+  finding.explained = explained_by(one);
+  finding.kind = is_loose(one) ? TagFinding::Kind::kLoose : TagFinding::Kind::kMoved;
+  finding.words = is_loose(one)
                       ? words_of_loose(name)
                       : words_of_move(places_of(move, solved), when, task.observations.frames.front(), name);
   return finding;
@@ -119,14 +172,8 @@ std::optional<TagFinding> find_hidden_move(const PartTask& task, const AdjustedP
   const std::vector<Suspicion> suspicions = suspicions_of(task, solved, parallel);
   const Suspicion& most = *std::ranges::max_element(suspicions, {}, &Suspicion::largest);
   if (most.largest() < 1.0) return std::nullopt;
-  // What moves again has no place.
-  const Move& best = most.once;
-  const bool is_loose =
-      most.of_once < 1.0 || most.twice.squares - best.squares > std::max(kClearAgain, kAgain * best.squares);
-  const double shift_m = best.first_change().head<3>().norm();
-  if (!is_loose && shift_m < least_shift_m(Pose::exp(best.first_change()), size_m_of(task, best.tag)))
-    return std::nullopt;
-  return to_finding(task, solved, best, is_loose);
+  if (!is_loose(most) && is_too_small(task, most.once)) return std::nullopt;
+  return to_finding(task, solved, most);
 }
 
 }  // namespace apriltrack

@@ -61,6 +61,16 @@ TEST(HiddenMoves, NameATagThatFlaps) {
   EXPECT_EQ(finding->kind, TagFinding::Kind::kLoose);
 }
 
+/// By so little, and so often, that no two moments tell.
+TEST(HiddenMoves, NameATagThatTrembles) {
+  const AdjustedWorld one = filmed_in_pairs(
+      [](std::size_t i) { return turned(0, 5.0 * std::sin(0.9 * static_cast<double>(i))); }, 63);
+  const auto finding = find_hidden_move(one.task(), one.solved, parallel_for(1));
+  ASSERT_TRUE(finding);
+  EXPECT_EQ(finding->tag, one.index_of(kMovedTag));
+  EXPECT_EQ(finding->kind, TagFinding::Kind::kLoose);
+}
+
 TEST(HiddenMovesStatistics, AreNoneWhereNothingMoved) {
   for (std::uint64_t seed = 70; seed < 90; ++seed) {
     const AdjustedWorld one = filmed_in_pairs([](std::size_t) { return Pose(); }, seed);
