@@ -41,6 +41,13 @@ Pose turned(int axis, double degrees) {
   return Pose::exp(xi);
 }
 
+void expect_loose(const AdjustedWorld& one) {
+  const auto finding = find_hidden_move(one.task(), one.solved, parallel_for(1));
+  ASSERT_TRUE(finding);
+  EXPECT_EQ(finding->tag, one.index_of(kMovedTag));
+  EXPECT_EQ(finding->kind, TagFinding::Kind::kLoose);
+}
+
 TEST(HiddenMoves, NameATagThatWasTurned) {
   const AdjustedWorld one =
       filmed_in_pairs([](std::size_t i) { return i < kNumFrames / 2 ? Pose() : turned(1, 8.0); }, 61);
@@ -55,20 +62,14 @@ TEST(HiddenMoves, NameATagThatWasTurned) {
 TEST(HiddenMoves, NameATagThatFlaps) {
   const AdjustedWorld one = filmed_in_pairs(
       [](std::size_t i) { return turned(0, 10.0 * std::sin(0.31 * static_cast<double>(i))); }, 62);
-  const auto finding = find_hidden_move(one.task(), one.solved, parallel_for(1));
-  ASSERT_TRUE(finding);
-  EXPECT_EQ(finding->tag, one.index_of(kMovedTag));
-  EXPECT_EQ(finding->kind, TagFinding::Kind::kLoose);
+  expect_loose(one);
 }
 
 /// By so little, and so often, that no two moments tell.
 TEST(HiddenMoves, NameATagThatTrembles) {
   const AdjustedWorld one = filmed_in_pairs(
       [](std::size_t i) { return turned(0, 5.0 * std::sin(0.9 * static_cast<double>(i))); }, 63);
-  const auto finding = find_hidden_move(one.task(), one.solved, parallel_for(1));
-  ASSERT_TRUE(finding);
-  EXPECT_EQ(finding->tag, one.index_of(kMovedTag));
-  EXPECT_EQ(finding->kind, TagFinding::Kind::kLoose);
+  expect_loose(one);
 }
 
 TEST(HiddenMovesStatistics, AreNoneWhereNothingMoved) {
