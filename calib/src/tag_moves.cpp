@@ -136,9 +136,7 @@ TwoPlaces places_of(const Move& move, const AdjustedPart& solved) {
 /// Half of what is beyond chance, less a fee for each unknown.
 double explained_by(const Suspicion& one) {
   const auto num = static_cast<double>(one.always.changes.size());
-  const double by_always = std::isfinite(one.usual_always) && one.of_always > 1.0
-                               ? 0.5 * (one.always.squares - one.usual_always * num)
-                               : 0.0;
+  const double by_always = one.of_always > 1.0 ? 0.5 * (one.always.squares - one.usual_always * num) : 0.0;
   return std::max(0.5 * one.once.squares, by_always) - 7.0 * kFeeOfUnknown;
 }
 
