@@ -23,9 +23,11 @@ constexpr std::size_t kLeastOthers = 3;
 constexpr std::size_t kMostFramesAsked = 250;  // of a tag; and as many others
 // What a second move explains further: beyond chance, and beyond what the first, linearised, leaves.
 constexpr double kClearAgain = 35.0, kAgain = 0.1;
-// Of places after every moment: standard deviations of the sum of squares; and what is usual of others at
-// least, by chance 1 (one that moves all the time makes all views seem noisy, so others show less).
-constexpr double kClearAlways = 6.0, kLeastUsual = 0.5;
+// Of places after every moment: standard deviations of the sum of squares, many, for tags differ in more than
+// chance (errors that neighbouring frames share, lamps, shadows: up to 12 of them where nothing moved); and
+// what is usual of others at least, by chance 1 (one that moves all the time makes all views seem noisy, so
+// others show less).
+constexpr double kClearAlways = 15.0, kLeastUsual = 0.5;
 
 /// Where the tag seems to have moved once, where twice, and all the time.
 struct Suspicion {
