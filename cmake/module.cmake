@@ -38,11 +38,13 @@ function(apriltrack_test_options target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
-# One test program per folder of tests/: tests/<name>/*_test.cpp -> test_<name>.
+# One test program per folder of tests/: tests/<name>/*_test.cpp -> test_<name>, run by ctest in PARTS processes. A process
+# for each test would make anew the scene that many share, and start two thousand times. One test alone:
+# bin/test_camera --gtest_filter=Camera.Undistorts.
 #
-#   apriltrack_add_tests(camera LIBRARIES apriltrack::camera [LABELS threaded])
+#   apriltrack_add_tests(camera LIBRARIES apriltrack::camera [LABELS threaded] [PARTS 2])
 function(apriltrack_add_tests name)
-  cmake_parse_arguments(ARG "" "" "LIBRARIES;LABELS;DEFINITIONS" ${ARGN})
+  cmake_parse_arguments(ARG "" "PARTS" "LIBRARIES;LABELS;DEFINITIONS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   if(NOT sources)
     return()
@@ -57,6 +59,18 @@ function(apriltrack_add_tests name)
   if("threaded" IN_LIST ARG_LABELS)
     set_property(GLOBAL APPEND PROPERTY APRILTRACK_THREADED_TESTS test_${name})
   endif()
-  gtest_discover_tests(test_${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}/"
-    PROPERTIES LABELS "${ARG_LABELS};${name}" TIMEOUT 600)
+  apriltrack_add_test_parts(${name} "${ARG_PARTS}" "${ARG_LABELS};${name}")
+endfunction()
+
+# GoogleTest deals its tests out itself, so none can be missed. The largest programs start first.
+function(apriltrack_add_test_parts name num_parts labels)
+  if(NOT num_parts)
+    set(num_parts 1)
+  endif()
+  foreach(part RANGE 1 ${num_parts})
+    math(EXPR index "${part} - 1")
+    add_test(NAME ${name}/${part} COMMAND test_${name})
+    set_tests_properties(${name}/${part} PROPERTIES LABELS "${labels}" TIMEOUT 3600 COST ${num_parts}
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${num_parts};GTEST_SHARD_INDEX=${index}")
+  endforeach()
 endfunction()

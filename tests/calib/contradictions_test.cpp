@@ -203,7 +203,7 @@ TEST(CalibrateMap, AnIdThatHangsInTwoPlacesNeverMakesAWrongMap) {
   int num_pairs = 0, num_maps = 0;
   for (const MapTag& hidden : world.map.tags) {
     for (const MapTag& twin : world.map.tags) {
-      if (twin.key.id <= hidden.key.id || (hidden.key.id + twin.key.id) % 10 != 0) continue;  // some of all
+      if (twin.key.id <= hidden.key.id || (hidden.key.id + twin.key.id) % 44 != 0) continue;  // a few
       std::vector<FrameDetections> frames = test::exact_detections(world);
       RandomStream random(37, static_cast<std::uint64_t>(num_pairs));
       test::add_noise(frames, 0.1, random);
@@ -219,7 +219,7 @@ TEST(CalibrateMap, AnIdThatHangsInTwoPlacesNeverMakesAWrongMap) {
       num_maps += refuses_or_is_right(world, frames, to_string(hidden.key) + " as " + to_string(twin.key));
     }
   }
-  EXPECT_GE(num_pairs, 8);
+  EXPECT_GE(num_pairs, 3);
   EXPECT_GE(2 * num_maps, num_pairs);  // the cause is found in most cases
 }
 
