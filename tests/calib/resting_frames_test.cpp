@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <map>
+#include <numbers>
 
 #include "calibrating.h"
 
@@ -177,6 +178,21 @@ TEST(RestingFrames, OfATagThatMovedAskewBothPlacesAreStillThere) {
   const RestingFrames counts = merge_resting_frames(observations, 1.0, {}, {});
   EXPECT_EQ(counts.merged, 38);
   EXPECT_EQ(counts.places, 2);
+}
+
+TEST(RestingFrames, OfATagThatSwaysAreFarFromTheMiddleAndNotFromAnyOfThem) {
+  // On a circle of 0.6 px: from any of its places some others are more than a pixel away, from its middle
+  // none.
+  const SyntheticWorld world = test::make_room(14, 24, test::equidistant_camera());
+  auto swaying = at_rest(world, 12, 0.0);
+  ASSERT_GE(swaying[0].detections.size(), 5u);
+  for (std::size_t i = 0; i < swaying.size(); ++i) {
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(i) / 12.0;
+    for (Eigen::Vector2d& corner : swaying[i].detections[1].corners_px)
+      corner += 0.6 * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  }
+  Observations observations = observations_of(world, swaying);
+  EXPECT_EQ(merge_resting_frames(observations, 1.0, {}, {}).merged, 11);
 }
 
 TEST(RestingFrames, LinksBetweenTagsThatFlickerStay) {
