@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "tag_moves.h"
 #include "tag_places.h"
 
 namespace apriltrack {
@@ -145,6 +146,7 @@ std::optional<FaultTrial> FaultTrials::best() const {
   keep_better(best, if_enough(best_size()));
   std::optional<FaultTrial> move = best_move();
   keep_better(best, move ? std::move(move) : best_copy(), kFeeOfPlace);
+  if (best && best->kind == Kind::kMoved && moves_again(*best)) best->kind = Kind::kLoose;
   return best;
 }
 
@@ -161,7 +163,7 @@ std::optional<FaultTrial> FaultTrials::try_fault(const Observations& observation
 }
 
 // The second place is a tag of its own, numbered after all others.
-std::optional<FaultTrial> FaultTrials::split(Kind kind, std::vector<bool> is_at_second) const {
+Observations FaultTrials::halves(const std::vector<bool>& is_at_second) const {
   const auto t = static_cast<std::size_t>(suspect_.tag);
   Observations halves = observations_;
   const auto second = static_cast<int>(halves.tags.size());
@@ -170,14 +172,27 @@ std::optional<FaultTrial> FaultTrials::split(Kind kind, std::vector<bool> is_at_
   for (std::size_t i = 0; i < suspect_.views.size(); ++i) {
     if (is_at_second[i]) halves.views[suspect_.views[i]].tag = second;
   }
+  return halves;
+}
+
+std::optional<FaultTrial> FaultTrials::split(Kind kind, std::vector<bool> is_at_second) const {
+  const Observations observations = halves(is_at_second);
   FaultTrial trial;
   trial.kind = kind;
   trial.is_at_second = std::move(is_at_second);
-  auto result = try_fault(halves, std::move(trial));
+  auto result = try_fault(observations, std::move(trial));
   if (!result) return result;
-  result->T_map_first = result->solved.state.T_map_tag[t];
+  result->T_map_first = result->solved.state.T_map_tag[static_cast<std::size_t>(suspect_.tag)];
   result->T_map_second = result->solved.state.T_map_tag.back();
   return result;
+}
+
+bool FaultTrials::moves_again(const FaultTrial& moved) const {
+  const Observations observations = halves(moved.is_at_second);
+  const auto second = static_cast<int>(observations.tags.size()) - 1;
+  const auto again =
+      find_hidden_move({observations, task_.candidates, task_.options}, moved.solved, parallel_for(1));
+  return again && (again->tag == suspect_.tag || again->tag == second);
 }
 
 std::optional<FaultTrial> FaultTrials::move_at(std::size_t moment) const {

@@ -39,6 +39,7 @@ class FaultTrials {
   void ask_probes();
   double size_m() const;
   std::optional<FaultTrial> try_fault(const Observations& observations, FaultTrial trial) const;
+  Observations halves(const std::vector<bool>& is_at_second) const;
   std::optional<FaultTrial> split(TagFinding::Kind kind, std::vector<bool> is_at_second) const;
   /// From the moment on, into its views, the tag hangs elsewhere.
   std::optional<FaultTrial> move_at(std::size_t moment) const;
@@ -48,6 +49,8 @@ class FaultTrials {
   /// That explains enough.
   std::optional<FaultTrial> best_copy() const;
   std::optional<FaultTrial> best_copy_from(std::vector<bool> is_at_second) const;
+  /// What moves once more, at either place, has none.
+  bool moves_again(const FaultTrial& moved) const;
   std::optional<FaultTrial> resize(double log_scale) const;
   std::optional<FaultTrial> best_size() const;
   std::optional<FaultTrial> if_enough(std::optional<FaultTrial> trial) const;

@@ -119,6 +119,7 @@ std::string words_of_places(const Observations& observations, const Suspect& sus
 std::string words_of(const Observations& observations, const Suspect& suspect, const FaultTrial& trial) {
   const auto t = static_cast<std::size_t>(suspect.tag);
   const std::string name = to_string(observations.tags[t]);
+  if (trial.kind == TagFinding::Kind::kLoose) return words_of_loose(name);
   if (trial.kind != TagFinding::Kind::kSize) return words_of_places(observations, suspect, trial, name);
   TagFit fit;
   fit.shape.size_m = observations.sizes_m[t];

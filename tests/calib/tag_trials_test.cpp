@@ -65,6 +65,19 @@ TEST(TagTrials, NameATagThatMoved) {
   EXPECT_THAT(findings[0].words, HasSubstr("was moved by 0.1"));
 }
 
+// Two places explain most of its views, but at the second it trembles.
+TEST(TagTrials, NameATagThatMovedAndHangsLooselySince) {
+  const auto findings = find_where_pairs_show([](const Eigen::Vector3d& corner, std::size_t i) {
+    const double angle_rad = i < 33 ? 0.0 : 0.09 * std::sin(0.35 * static_cast<double>(i));
+    const Eigen::AngleAxisd turn(angle_rad, Eigen::Vector3d::UnitX());
+    return Eigen::Vector3d(turn * corner + Eigen::Vector3d(i < 33 ? 0.0 : 0.15, 0.0, 0.0));
+  });
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].tag, kIndexOnTrial);
+  EXPECT_EQ(findings[0].kind, TagFinding::Kind::kLoose);
+  EXPECT_THAT(findings[0].words, HasSubstr("hangs loosely"));
+}
+
 TEST(TagTrials, NameAnIdThatHangsInTwoPlacesByTurns) {
   const auto findings = find_where_pairs_show([](const Eigen::Vector3d& corner, std::size_t i) {
     return Eigen::Vector3d(corner + Eigen::Vector3d(i % 24 < 16 ? 0.0 : 0.6, 0.0, 0.0));
