@@ -163,20 +163,20 @@ std::optional<FaultTrial> FaultTrials::try_fault(const Observations& observation
 }
 
 // The second place is a tag of its own, numbered after all others.
-Observations FaultTrials::halves(const std::vector<bool>& is_at_second) const {
+Observations FaultTrials::split_suspect(const std::vector<bool>& is_at_second) const {
   const auto t = static_cast<std::size_t>(suspect_.tag);
-  Observations halves = observations_;
-  const auto second = static_cast<int>(halves.tags.size());
-  halves.tags.push_back(halves.tags[t]);
-  halves.sizes_m.push_back(halves.sizes_m[t]);
+  Observations result = observations_;
+  const auto second = static_cast<int>(result.tags.size());
+  result.tags.push_back(result.tags[t]);
+  result.sizes_m.push_back(result.sizes_m[t]);
   for (std::size_t i = 0; i < suspect_.views.size(); ++i) {
-    if (is_at_second[i]) halves.views[suspect_.views[i]].tag = second;
+    if (is_at_second[i]) result.views[suspect_.views[i]].tag = second;
   }
-  return halves;
+  return result;
 }
 
 std::optional<FaultTrial> FaultTrials::split(Kind kind, std::vector<bool> is_at_second) const {
-  const Observations observations = halves(is_at_second);
+  const Observations observations = split_suspect(is_at_second);
   FaultTrial trial;
   trial.kind = kind;
   trial.is_at_second = std::move(is_at_second);
@@ -188,11 +188,10 @@ std::optional<FaultTrial> FaultTrials::split(Kind kind, std::vector<bool> is_at_
 }
 
 bool FaultTrials::moves_again(const FaultTrial& moved) const {
-  const Observations observations = halves(moved.is_at_second);
+  const Observations observations = split_suspect(moved.is_at_second);
   const auto second = static_cast<int>(observations.tags.size()) - 1;
-  const auto again =
-      find_hidden_move({observations, task_.candidates, task_.options}, moved.solved, parallel_for(1));
-  return again && (again->tag == suspect_.tag || again->tag == second);
+  return is_any_moving({observations, task_.candidates, task_.options}, moved.solved, {suspect_.tag, second},
+                       parallel_for(1));
 }
 
 std::optional<FaultTrial> FaultTrials::move_at(std::size_t moment) const {

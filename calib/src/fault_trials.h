@@ -39,7 +39,7 @@ class FaultTrials {
   void ask_probes();
   double size_m() const;
   std::optional<FaultTrial> try_fault(const Observations& observations, FaultTrial trial) const;
-  Observations halves(const std::vector<bool>& is_at_second) const;
+  Observations split_suspect(const std::vector<bool>& is_at_second) const;
   std::optional<FaultTrial> split(TagFinding::Kind kind, std::vector<bool> is_at_second) const;
   /// From the moment on, into its views, the tag hangs elsewhere.
   std::optional<FaultTrial> move_at(std::size_t moment) const;

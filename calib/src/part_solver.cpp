@@ -288,7 +288,10 @@ void leave_out_faulty(const PartTask& task, const Part& part, AdjustedPart& solv
   solution.findings = examine_tags(task, part, solved, parallel);
   solution.contradicted = leave_out_contradicted(task, part, solved);
   if (solved.part.tags == tags_before) return;
-  try {  // Without them, others' views may leave two poses that had one.
+  try {
+    if (solution.contradicted.empty() && solved.contradictions.are_there())
+      fail_with_contradictions(task.observations, solved.contradictions);
+    // Without them, others' views may leave two poses that had one.
     leave_out_undecided(task, part, solved, parallel);
   } catch (const Error& error) {
     fail_after(solution.findings, error);

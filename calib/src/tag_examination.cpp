@@ -24,6 +24,7 @@ constexpr int kMostFaults = 4;
 constexpr std::size_t kMostSuspects = 6;
 constexpr double kSuspicious = 2.5;
 constexpr double kManyRejected = 1.0 / 3.0;  // of a tag's views
+constexpr const char* kTooLittleLeft = "what is left does not agree, or is too little";
 
 TagLook look_by(const PartTask& task, const Part& part, const AdjustedPart& solved, int tag) {
   return look_at(task, probe_views(task, part, solved, tag), tag);
@@ -178,7 +179,8 @@ void examine_by_all_views(const PartTask& task, const Part& part, AdjustedPart& 
     if (!finding) return;
     require_sound_held_tag(task, *finding);
     const int tag = finding->tag;
-    if (finding->is_left_out && !solve_without(task, part, tag, known, solved)) return;
+    if (finding->is_left_out && !solve_without(task, part, tag, known, solved))
+      fail_after({*finding}, no_result("calibrate", kTooLittleLeft));
     known.insert(tag);
     const bool is_sound = solve_without(task, part, tag, known, sound);
     // What was estimated to first order is told better from the map without it, where frames tell.
@@ -206,8 +208,7 @@ void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& so
     require_sound_held_tag(task, fault);
     gone.insert(fault.tag);
   }
-  if (!solve_without(task, part, gone, rest))
-    fail_after(faults, no_result("calibrate", "what is left does not agree, or is too little"));
+  if (!solve_without(task, part, gone, rest)) fail_after(faults, no_result("calibrate", kTooLittleLeft));
   if (rest.contradictions.are_there()) return;
   rest.undecided.clear();
   try {

@@ -32,7 +32,7 @@ constexpr double kClearAlways = 15.0, kLeastUsual = 0.5;
 /// Where the tag seems to have moved once, where twice, and all the time.
 struct Suspicion {
   Move once, twice, always;
-  bool is_determined = false;
+  bool is_asked = false;                                  ///< It has views enough, which determine its pose.
   double of_once = 0.0, of_twice = 0.0, of_always = 0.0;  ///< Over 1: beyond chance, and what others show.
   double usual_always = 1.0;  ///< Squares for each number of `always`, as others show them.
 
@@ -49,7 +49,7 @@ template <class Value>
 double median_of_others(const std::vector<Suspicion>& suspicions, const Suspicion& own, const Value& value) {
   std::vector<double> others;
   for (const Suspicion& one : suspicions) {
-    if (&one != &own && one.is_determined) others.push_back(value(one));
+    if (&one != &own && one.is_asked) others.push_back(value(one));
   }
   if (others.size() < kLeastOthers) return std::numeric_limits<double>::infinity();
   const auto middle = others.begin() + static_cast<std::ptrdiff_t>(others.size() / 2);
@@ -85,11 +85,11 @@ Suspicion suspicion_of(const LinearPart& part, int tag) {
   Suspicion one;
   one.once.tag = one.twice.tag = one.always.tag = tag;
   if (!part.poses) return one;
-  one.is_determined = true;
   const MovesOfTag moves(part, tag);
   one.once = moves.with_one_more(moves.none());
   one.twice = moves.with_one_more(one.once);
   one.always = moves.all();
+  one.is_asked = one.always.changes.size() > 0;
   return one;
 }
 
@@ -125,6 +125,16 @@ double size_m_of(const PartTask& task, int tag) {
 bool is_too_small(const PartTask& task, const Move& move) {
   const Vector6d change = move.first_change();
   return change.head<3>().norm() < least_shift_m(Pose::exp(change), size_m_of(task, move.tag));
+}
+
+/// Beyond chance and beyond others; and far enough to matter.
+std::vector<Suspicion> clear_suspicions(const PartTask& task, const AdjustedPart& solved,
+                                        const ParallelFor& parallel) {
+  std::vector<Suspicion> clear = suspicions_of(task, solved, parallel);
+  std::erase_if(clear, [&](const Suspicion& one) {
+    return one.largest() < 1.0 || (!is_loose(one) && is_too_small(task, one.once));
+  });
+  return clear;
 }
 
 TwoPlaces places_of(const Move& move, const AdjustedPart& solved) {
@@ -169,11 +179,15 @@ TagFinding to_finding(const PartTask& task, const AdjustedPart& solved, const Su
 
 std::optional<TagFinding> find_hidden_move(const PartTask& task, const AdjustedPart& solved,
                                            const ParallelFor& parallel) {
-  const std::vector<Suspicion> suspicions = suspicions_of(task, solved, parallel);
-  const Suspicion& most = *std::ranges::max_element(suspicions, {}, &Suspicion::largest);
-  if (most.largest() < 1.0) return std::nullopt;
-  if (!is_loose(most) && is_too_small(task, most.once)) return std::nullopt;
-  return to_finding(task, solved, most);
+  const std::vector<Suspicion> clear = clear_suspicions(task, solved, parallel);
+  if (clear.empty()) return std::nullopt;
+  return to_finding(task, solved, *std::ranges::max_element(clear, {}, &Suspicion::largest));
+}
+
+bool is_any_moving(const PartTask& task, const AdjustedPart& solved, const std::set<int>& tags,
+                   const ParallelFor& parallel) {
+  const std::vector<Suspicion> clear = clear_suspicions(task, solved, parallel);
+  return std::ranges::any_of(clear, [&](const Suspicion& one) { return tags.contains(one.once.tag); });
 }
 
 }  // namespace apriltrack

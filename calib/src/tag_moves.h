@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 
 #include "tag_fault.h"
 
@@ -12,5 +13,9 @@ namespace apriltrack {
 /// clear.
 std::optional<TagFinding> find_hidden_move(const PartTask& task, const AdjustedPart& solved,
                                            const ParallelFor& parallel);
+
+/// Whether one of these tags of `solved` moves so.
+bool is_any_moving(const PartTask& task, const AdjustedPart& solved, const std::set<int>& tags,
+                   const ParallelFor& parallel);
 
 }  // namespace apriltrack

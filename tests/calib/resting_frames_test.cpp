@@ -180,7 +180,7 @@ TEST(RestingFrames, OfATagThatMovedAskewBothPlacesAreStillThere) {
   EXPECT_EQ(counts.places, 2);
 }
 
-TEST(RestingFrames, OfATagThatSwaysAreFarFromTheMiddleAndNotFromAnyOfThem) {
+TEST(RestingFrames, OfATagThatSwaysAreNearItsMiddleThoughFarFromEachOther) {
   // On a circle of 0.6 px: from any of its places some others are more than a pixel away, from its middle
   // none.
   const SyntheticWorld world = test::make_room(14, 24, test::equidistant_camera());

@@ -72,6 +72,14 @@ TEST(HiddenMoves, NameATagThatTrembles) {
   expect_loose(one);
 }
 
+TEST(HiddenMoves, AreAskedOfSomeTagsAlone) {
+  const AdjustedWorld one = filmed_in_pairs(
+      [](std::size_t i) { return turned(0, 5.0 * std::sin(0.9 * static_cast<double>(i))); }, 63);
+  const int moved = one.index_of(kMovedTag);
+  EXPECT_TRUE(is_any_moving(one.task(), one.solved, {moved, moved + 1}, parallel_for(1)));
+  EXPECT_FALSE(is_any_moving(one.task(), one.solved, {moved + 1, moved + 2}, parallel_for(1)));
+}
+
 TEST(HiddenMovesStatistics, AreNoneWhereNothingMoved) {
   for (std::uint64_t seed = 70; seed < 90; ++seed) {
     const AdjustedWorld one = filmed_in_pairs([](std::size_t) { return Pose(); }, seed);
