@@ -188,21 +188,22 @@ std::vector<RigPose> rig_poses(const Observations& observations, const PartSolut
 void take_cameras(const Observations& observations, const CameraRig& rig, const PartSolution& solution,
                   CalibrationResult& result, Findings& findings) {
   result.rig = rig;
-  if (!solution.cameras.is_accepted) return;
+  if (!solution.cameras.refined.is_accepted) return;
   bool is_lens_refined = false;
-  for (const EstimatedParameter& one : solution.cameras.estimates) {
+  for (const EstimatedParameter& one : solution.cameras.refined.estimates) {
     const auto camera = static_cast<std::size_t>(one.parameter.camera);
     result.corrections.push_back({rig.cameras[camera].name,
                                   name_of(one.parameter, observations.cameras[camera]),
                                   unit_of(one.parameter), one.value, one.sigma});
     is_lens_refined = is_lens_refined || one.parameter.kind != CameraParameter::Kind::kEdgeOffset;
   }
-  result.corrections_covariance = solution.cameras.covariance;
+  result.corrections_covariance = solution.cameras.refined.covariance;
   std::vector<CameraParameter> parameters;
-  for (const EstimatedParameter& one : solution.cameras.estimates) parameters.push_back(one.parameter);
+  for (const EstimatedParameter& one : solution.cameras.refined.estimates)
+    parameters.push_back(one.parameter);
   result.rig = with_corrections(rig, solution.state.cameras, parameters);
   if (!is_lens_refined) return;
-  findings.warnings.push_back(corrections_in_words(solution.cameras, result.corrections));
+  findings.warnings.push_back(corrections_in_words(solution.cameras.refined, result.corrections));
 }
 
 /// Constraints weigh against the covariance of all tags.
@@ -329,13 +330,13 @@ CalibrationResult calibrated(std::span<const FrameDetections> frames, const Came
                                    parts.front().views.size()));
   const PartSolution main = solve_part(observations, parts.front(), held_tags.front(), candidates, options,
                                        constraints, parallel, log);
+  take_cameras(observations, rig, main, result, findings);
   report_quality(observations, main, options, findings);
   result.held_tag = key_of(observations, main.held_tag);
   result.map = to_map(observations, main, options.map_frame);
   take_constraints(main, result, findings);
   take_statistics(observations, main, options, result);
   result.rig_poses = rig_poses(observations, main);
-  take_cameras(observations, rig, main, result, findings);
   if (options.cross_validate) result.cross_validation = cross_validate(observations, main, options);
   for (std::size_t i = 1; i < parts.size(); ++i)
     add_part({observations, candidates, options, parallel, log}, parts[i], held_tags[i], i + 1, result,

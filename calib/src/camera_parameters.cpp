@@ -7,6 +7,8 @@
 #include <set>
 #include <variant>
 
+#include "apriltrack/base/error.h"
+
 namespace apriltrack {
 namespace {
 
@@ -55,6 +57,8 @@ double distortion_sigma(const CameraModel& model, int index) {
 CameraModel moved_lens(const CameraModel& model, const CameraParameter& parameter, double step) {
   Pinhole pinhole = model.pinhole();
   std::vector<double> coefficients = coefficients_of(model);
+  const bool is_share = parameter.kind == Kind::kFocalLength || parameter.kind == Kind::kAspect;
+  if (is_share && !(step > -1.0)) throw invalid_input("focal length", "is not above 0");
   switch (parameter.kind) {
     case Kind::kFocalLength:
       pinhole.fx *= 1.0 + step;
@@ -187,6 +191,28 @@ RigCamera moved(const RigCamera& camera, const CameraParameter& parameter, doubl
     result.model = moved_lens(camera.model, parameter, step);
   }
   return result;
+}
+
+double difference(const RigCamera& from, const RigCamera& to, const CameraParameter& parameter) {
+  const Pinhole &lens = from.model.pinhole(), &other_lens = to.model.pinhole();
+  const auto i = static_cast<std::size_t>(parameter.index);
+  switch (parameter.kind) {
+    case Kind::kEdgeOffset:
+      return to.edge_offset_px - from.edge_offset_px;
+    case Kind::kFocalLength:
+      return other_lens.fx / lens.fx - 1.0;
+    case Kind::kAspect:
+      return other_lens.fy / other_lens.fx * lens.fx / lens.fy - 1.0;
+    case Kind::kCenter:
+      return parameter.index == 0 ? other_lens.cx - lens.cx : other_lens.cy - lens.cy;
+    case Kind::kDistortion:
+      return coefficients_of(to.model)[i] - coefficients_of(from.model)[i];
+    case Kind::kTranslation:
+    case Kind::kRotation:
+      return (from.T_camera_rig.inverse() * to.T_camera_rig)
+          .log()[parameter.index + (parameter.kind == Kind::kRotation ? 3 : 0)];
+  }
+  return 0.0;
 }
 
 CameraRig with_corrections(const CameraRig& rig, const std::vector<RigCamera>& cameras,

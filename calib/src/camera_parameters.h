@@ -38,6 +38,9 @@ std::optional<CameraParameter> parameter_of(const CameraCorrection& correction,
 /// The camera with the parameter moved by `step`; throws Error(kInvalidInput) where no lens has that.
 RigCamera moved(const RigCamera& camera, const CameraParameter& parameter, double step);
 
+/// By how much moved() took the parameter from one camera to the other; of places to first order.
+double difference(const RigCamera& from, const RigCamera& to, const CameraParameter& parameter);
+
 /// The rig with the lenses of `cameras`, and the places of those that had `parameters` of theirs estimated.
 CameraRig with_corrections(const CameraRig& rig, const std::vector<RigCamera>& cameras,
                            const std::vector<CameraParameter>& parameters);

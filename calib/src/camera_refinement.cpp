@@ -86,20 +86,14 @@ class Fit {
   }
 
  private:
-  /// Edge offsets and focal lengths that were found before are part of what is estimated now; all else starts
-  /// as it was given.
+  /// What was found before is part of what is estimated now.
   Eigen::VectorXd already_moved(const MapState& state) const {
-    Eigen::VectorXd total = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(parameters_.size()));
+    Eigen::VectorXd total(static_cast<Eigen::Index>(parameters_.size()));
     for (std::size_t i = 0; i < parameters_.size(); ++i) {
       const auto camera = static_cast<std::size_t>(parameters_[i].camera);
-      double& moved = total[static_cast<Eigen::Index>(i)];
-      if (parameters_[i].kind == CameraParameter::Kind::kEdgeOffset)
-        moved = state.cameras[camera].edge_offset_px / parameters_[i].sigma;
-      if (parameters_[i].kind == CameraParameter::Kind::kFocalLength)
-        moved = (state.cameras[camera].model.pinhole().fx /
-                     task_.observations.cameras[camera].model.pinhole().fx -
-                 1.0) /
-                parameters_[i].sigma;
+      total[static_cast<Eigen::Index>(i)] =
+          difference(task_.observations.cameras[camera], state.cameras[camera], parameters_[i]) /
+          parameters_[i].sigma;
     }
     return total;
   }

@@ -85,15 +85,16 @@ bool solve_half(const Observations& observations, const PartSolution& solution, 
 /// How the poses follow errors of the cameras, which both halves take as the whole recording has them.
 Eigen::MatrixXd by_cameras(const Observations& observations, const PartSolution& solution, const Half& half,
                            const PoseInformation& poses) {
-  if (!solution.cameras.is_accepted) return Eigen::MatrixXd::Zero(poses.size(), 0);
+  if (!solution.cameras.refined.is_accepted) return Eigen::MatrixXd::Zero(poses.size(), 0);
   std::vector<CameraParameter> parameters;
-  for (const EstimatedParameter& one : solution.cameras.estimates) {
+  for (const EstimatedParameter& one : solution.cameras.refined.estimates) {
     parameters.push_back(one.parameter);
     parameters.back().sigma = 1.0;
   }
   return poses
-      .eliminate_poses(with_independent_errors(
-          camera_columns(observations, half.part.views, half.state, parameters), solution.cameras.covariance))
+      .eliminate_poses(
+          with_independent_errors(camera_columns(observations, half.part.views, half.state, parameters),
+                                  solution.cameras.refined.covariance))
       .poses_by_parameter;
 }
 

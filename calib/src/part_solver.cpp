@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <set>
 #include <utility>
 
+#include "agreeing_part.h"
 #include "apriltrack/base/error.h"
 #include "block_scatter.h"
 #include "camera_gravity.h"
@@ -17,8 +17,8 @@
 #include "culprit_search.h"
 #include "error_scale.h"
 #include "joint_tag_covariance.h"
+#include "lens_by_single_views.h"
 #include "part_adjustment.h"
-#include "part_without.h"
 #include "reduced_equations.h"
 #include "tag_examination.h"
 #include "undecided_tags.h"
@@ -27,10 +27,6 @@ namespace apriltrack {
 namespace {
 
 constexpr double kNonsense_px = 5.0;
-constexpr double kOtherFocalLengths[] = {-0.07, -0.035, 0.035, 0.07};  // shares
-constexpr double kMost = 0.9;                                          // of the views
-constexpr double kClearlyMore = 0.03;                                  // of them
-constexpr double kClearGain = 0.05;                                    // of a lens that was not asked for
 
 void measure_residuals(const Observations& observations, PartSolution& solution) {
   std::vector<double> sums(observations.tags.size(), 0.0);
@@ -56,9 +52,10 @@ void measure_residuals(const Observations& observations, PartSolution& solution)
 std::optional<SharedErrors> errors_of_cameras(const Observations& observations, const PartSolution& solution,
                                               const std::vector<LinearView>& views,
                                               const PoseInformation& poses) {
-  if (!solution.cameras.is_accepted) return std::nullopt;
+  if (!solution.cameras.refined.is_accepted) return std::nullopt;
   std::vector<CameraParameter> parameters;
-  for (const EstimatedParameter& one : solution.cameras.estimates) parameters.push_back(one.parameter);
+  for (const EstimatedParameter& one : solution.cameras.refined.estimates)
+    parameters.push_back(one.parameter);
   const std::vector<ParameterView> columns =
       camera_columns(observations, solution.part.views, solution.state, parameters);
   SharedParameters shared{poses.eliminate_poses(columns), {}};
@@ -68,153 +65,6 @@ std::optional<SharedErrors> errors_of_cameras(const Observations& observations, 
   shared.noise_factor =
       BlockScatter(views, poses).parameters_factor(columns, shared.information, noise_variance);
   return SharedErrors(shared);
-}
-
-std::vector<int> cameras_of(const Observations& observations, const Part& part) {
-  std::set<int> cameras;
-  for (const std::size_t v : part.views) cameras.insert(observations.views[v].camera);
-  return {cameras.begin(), cameras.end()};
-}
-
-/// What may be mapped still.
-Part without_left_out(const Observations& observations, const Part& part, const AdjustedPart& solved) {
-  std::set<int> out(solved.undecided.begin(), solved.undecided.end());
-  out.insert(solved.culprits.begin(), solved.culprits.end());
-  Part rest{{}, views_without(observations, part, out)};
-  std::ranges::set_difference(part.tags, out, std::back_inserter(rest.tags));
-  return rest;
-}
-
-/// Edge offsets alone first, which are most often what is wrong with corners from elsewhere; then lenses, and
-/// cameras' places.
-CameraRefinement better_cameras(const PartTask& task, const Part& part, AdjustedPart& solved) {
-  const CalibrationOptions& options = task.options;
-  const std::vector<int> cameras = cameras_of(task.observations, solved.part);
-  std::vector<CameraParameter> parameters;
-  const auto add = [&](const std::vector<CameraParameter>& more) {
-    parameters.insert(parameters.end(), more.begin(), more.end());
-  };
-  const bool has_other_focal_length = std::ranges::any_of(cameras, [&](int camera) {
-    const auto c = static_cast<std::size_t>(camera);
-    return solved.state.cameras[c].model.pinhole().fx != task.observations.cameras[c].model.pinhole().fx;
-  });
-  CameraRefinement result;
-  if (options.edge_offset_sigma_px > 0.0) {
-    add(edge_offset_parameters(cameras, options.edge_offset_sigma_px));
-    if (!has_other_focal_length) result = refine_cameras(task, part, parameters, 0.0, solved);
-  }
-  if (options.intrinsics == Intrinsics::kKeep && !options.refine_extrinsics) return result;
-  if (options.intrinsics != Intrinsics::kKeep) add(intrinsic_parameters(cameras, task.observations.cameras));
-  if (options.refine_extrinsics) add(extrinsic_parameters(cameras));
-  if (has_other_focal_length) {
-    CameraRefinement forced = refine_cameras(task, part, parameters, -1.0, solved);
-    if (!forced.is_accepted)
-      throw no_result(
-          "calibrate",
-          fmt::format("the views agree with a focal length that is not the camera file's, but do not "
-                      "determine it: {}",
-                      kWhatToCheck));
-    return forced;
-  }
-  const bool is_asked_for = options.intrinsics == Intrinsics::kRefine || options.refine_extrinsics;
-  CameraRefinement of_all = refine_cameras(task, part, parameters, is_asked_for ? 0.0 : kClearGain, solved);
-  if (of_all.is_accepted || !result.is_accepted) return of_all;
-  result.reason = of_all.reason;
-  return result;
-}
-
-/// A lens that agrees clearly better than the file's, which the user keeps all the same; `solved` is a copy.
-std::optional<CameraRefinement> lens_not_taken(const PartTask& task, const Part& part, AdjustedPart solved) {
-  if (task.options.intrinsics != Intrinsics::kKeep) return std::nullopt;
-  CameraRefinement lens = refine_cameras(
-      task, part, intrinsic_parameters(cameras_of(task.observations, solved.part), task.observations.cameras),
-      kClearGain, solved);
-  if (!lens.is_accepted) return std::nullopt;
-  return lens;
-}
-
-/// Of the views, but for those of culprits.
-double kept_share(const Observations& observations, const Part& part,
-                  const std::optional<AdjustedPart>& solved) {
-  if (!solved || solved->contradictions.are_there()) return 0.0;
-  const auto offered = std::ranges::count_if(part.views, [&](std::size_t v) {
-    return std::ranges::find(solved->culprits, observations.views[v].tag) == solved->culprits.end();
-  });
-  return static_cast<double>(solved->part.views.size()) / static_cast<double>(offered);
-}
-
-/// Of views that count: what hides under more noise is not explained by it.
-double noise_of(const std::optional<AdjustedPart>& solved) {
-  return solved ? std::hypot(solved->state.noise.sum, solved->state.noise.difference)
-                : std::numeric_limits<double>::infinity();
-}
-
-/// Where the views contradict each other, or many were rejected, the focal length may be why: one that most
-/// of them agree with, with no more than `noise`, if there is one.
-std::optional<AdjustedPart> adjust_with_other_focal_length(const PartTask& task, const Part& part,
-                                                           int held_tag, double share, double noise,
-                                                           const ParallelFor& parallel) {
-  std::optional<AdjustedPart> best;
-  for (const double change : kOtherFocalLengths) {
-    Observations other = task.observations;
-    for (RigCamera& camera : other.cameras)
-      camera = moved(camera, {.kind = CameraParameter::Kind::kFocalLength}, change);
-    const std::vector<ViewCandidates> candidates = solve_views(other, part.views, parallel);
-    try {
-      AdjustedPart solved = adjust_part({other, candidates, task.options}, part, held_tag, parallel);
-      const double of_this = kept_share(task.observations, part, solved);
-      if (of_this < share + kClearlyMore || of_this < kMost || noise_of(solved) > noise) continue;
-      share = of_this;
-      best = std::move(solved);
-    } catch (const Error&) {  // nor does this one fit
-    }
-  }
-  return best;
-}
-
-/// No map can be held by a tag that all others contradict: throws Error(kNoResult) where the one that the
-/// user holds is that.
-void require_held_tag_that_fits(const PartTask& task, const Part& part, const Contradictions& contradictions,
-                                int held_tag, const ParallelFor& parallel, const LogSink& log) {
-  if (!is_held_by_wish(task, held_tag)) return;
-  CalibrationOptions options = task.options;
-  options.held_tag.reset();
-  const PartTask any{task.observations, task.candidates, options};
-  const auto rest = adjust_without_culprit(any, part, contradictions, held_tag, parallel, log);
-  if (!rest || rest->culprits != std::vector{held_tag}) return;
-  const auto finding = look_at(any, probe_views(any, part, *rest, held_tag), held_tag).finding;
-  fail_by_held_tag(finding ? finding->words
-                           : fmt::format("The views of {} contradict those of all others",
-                                         to_string(*task.options.held_tag)));
-}
-
-AdjustedPart adjust_without_contradictions(const PartTask& task, const Part& part, int held_tag,
-                                           const ParallelFor& parallel, const LogSink& log) {
-  std::optional<Error> failure;
-  std::optional<AdjustedPart> solved;
-  try {
-    solved = adjust_part(task, part, held_tag, parallel);
-  } catch (const Error& error) {  // one tag may be the cause, or the camera file
-    failure = error;
-  }
-  if (solved && !solved->contradictions.are_there() && kept_share(task.observations, part, solved) > kMost)
-    return std::move(*solved);
-  const Contradictions contradictions = solved ? solved->contradictions : Contradictions{};
-  std::optional<AdjustedPart> without;
-  if (failure || contradictions.are_there())
-    without = adjust_without_culprit(task, part, contradictions, held_tag, parallel, log);
-  if (!without && (failure || contradictions.are_there()))
-    require_held_tag_that_fits(task, part, contradictions, held_tag, parallel, log);
-  const double share =
-      std::max(kept_share(task.observations, part, solved), kept_share(task.observations, part, without));
-  if (task.options.intrinsics != Intrinsics::kKeep && share < kMost) {
-    if (auto other = adjust_with_other_focal_length(task, part, held_tag, share, noise_of(solved), parallel))
-      return std::move(*other);
-  }
-  if (without) return std::move(*without);
-  if (failure) throw *failure;
-  if (contradictions.are_there()) fail_with_contradictions(task.observations, contradictions);
-  return std::move(*solved);
 }
 
 /// Each frame anew, the tags as they are.
@@ -274,11 +124,25 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
   keep_to_constraints(observations, CovarianceOperator(*poses, solution.scale, shared), solution);
 }
 
-/// Lenses, edge offsets and places of cameras, where the views agree better with others.
-void improve_cameras(const PartTask& task, const Part& part, AdjustedPart& solved, PartSolution& solution) {
-  const Part to_map = without_left_out(task.observations, part, solved);
-  solution.cameras = better_cameras(task, to_map, solved);
-  solution.lens_not_taken = lens_not_taken(task, to_map, solved);
+AdjustedPart adjusted(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel,
+                      const LogSink& log) {
+  AdjustedPart solved = adjust_without_contradictions(task, part, held_tag, parallel, log);
+  leave_out_undecided(task, part, solved, parallel);
+  return solved;
+}
+
+/// By the file's lenses, or, where single views already speak against these, by what they say.
+AdjustedPart adjusted_by_fitting_lens(const PartTask& task, const Part& part, int held_tag,
+                                      const ParallelFor& parallel, const LogSink& log) {
+  if (task.options.intrinsics == Intrinsics::kKeep) return adjusted(task, part, held_tag, parallel, log);
+  const auto cameras = lens_by_single_views(task, part, parallel);
+  if (!cameras) return adjusted(task, part, held_tag, parallel, log);
+  log(LogLevel::kInfo,
+      "the tags' outlines speak against the camera file: starting from a lens that fits them");
+  Observations by_lens = task.observations;
+  by_lens.cameras = *cameras;
+  return adjusted({by_lens, solve_views(by_lens, part.views, parallel), task.options}, part, held_tag,
+                  parallel, log);
 }
 
 /// Looks at each tag for faults, and leaves out what cannot be trusted.
@@ -345,11 +209,12 @@ PartSolution solve_part(const Observations& observations, const Part& part, int 
                         const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
                         const LogSink& log) {
   const PartTask task{observations, candidates, options};
-  AdjustedPart solved = adjust_without_contradictions(task, part, held_tag, parallel, log);
-  leave_out_undecided(task, part, solved, parallel);
+  AdjustedPart solved = adjusted_by_fitting_lens(task, part, held_tag, parallel, log);
   PartSolution solution;
-  improve_cameras(task, part, solved, solution);
-  leave_out_faulty(task, part, solved, parallel, solution);
+  solution.cameras = improve_cameras(task, part, parallel, log, solved);
+  const std::vector<ViewCandidates>& by_cameras = solution.cameras.candidates;
+  leave_out_faulty({observations, by_cameras.empty() ? candidates : by_cameras, options}, part, solved,
+                   parallel, solution);
   take_adjusted(std::move(solved), solution);
 
   measure_covariances(observations, options, constraints, solution);

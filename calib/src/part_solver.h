@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "camera_refinement.h"
+#include "better_cameras.h"
 #include "constrained_map.h"
 #include "tag_covariance.h"
 #include "tag_examination.h"
@@ -26,8 +26,7 @@ struct PartSolution {
   std::size_t views_offered = 0;          ///< Before outliers were removed.
   std::vector<int> views_offered_by_tag;  ///< Indexed like observations.tags.
   std::vector<int> culprits;              ///< Left out, for the frames contradict each other with them.
-  CameraRefinement cameras;
-  std::optional<CameraRefinement> lens_not_taken;  ///< That agrees clearly better, where the user keeps his.
+  BetterCameras cameras;
   std::vector<TagFinding> findings;
   std::vector<int> undecided;     ///< Left out, for the views leave them two poses, and no fault says why.
   std::vector<int> contradicted;  ///< Left out, for most of their views were rejected.

@@ -138,19 +138,50 @@ TEST(CameraRefinement, FindsHowFarEdgesLieInside) {
   EXPECT_LT(error(result.map), 0.4 * error(without.map));
 }
 
-TEST(CameraRefinement, FindsWhereTheSecondCameraSits) {
+/// A file without distortion, of a lens that has much; and of about any focal length.
+TEST(CameraRefinement, FindsALensThatTheFileLacks) {
+  Camera camera = test::perspective_camera();
+  const Pinhole pinhole = camera.model.pinhole();
+  camera.model = CameraModel(pinhole, RadtanDistortion({-0.28, 0.09, 5e-4, -3e-4}));
+  for (const double factor : {1.0, 1.15, 2.0, 0.5}) {
+    const double focal_px = factor * pinhole.fx;
+    Filmed filmed = film(camera, 0.05);
+    filmed.stated.rig.cameras[0].model =
+        CameraModel({focal_px, focal_px, 500.0, 400.0}, RadtanDistortion({0.0, 0.0, 0.0, 0.0}));
+    const CalibrationResult result = calibrate(filmed.stated, filmed.frames);
+    EXPECT_EQ(result.map.tags.size(), 14u) << factor;
+    EXPECT_THAT(result.warnings, ::testing::ElementsAre(HasSubstr("the camera file does not fit")));
+    expect_truth(filmed.truth, result.map, result.held_tag, 0.01, 0.005);
+    const CameraCorrection* k1 = correction(result, "k1");
+    ASSERT_NE(k1, nullptr);
+    EXPECT_NEAR(k1->value, -0.28, 5.0 * k1->sigma);
+    const CameraCorrection* focal = correction(result, "focal length");
+    ASSERT_NE(focal, nullptr);
+    EXPECT_NEAR(focal->value, pinhole.fx / focal_px - 1.0, 5.0 * focal->sigma);
+    EXPECT_LT(focal->sigma, 0.005);
+  }
+}
+
+Pose by(double x_m, double y_m, double z_m) {
+  return {Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(x_m, y_m, z_m)};
+}
+
+Filmed film_with_two_cameras(const Pose& T_cam1_cam0) {
   Filmed filmed;
   filmed.truth = test::make_room(14, 120, test::perspective_camera());
   Camera second = test::perspective_camera("cam1");
-  second.T_this_previous =
-      Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(-0.12, 0.0, 0.0));
+  second.T_this_previous = T_cam1_cam0;
   filmed.truth.rig.cameras.push_back(second);
   filmed.frames = test::exact_detections(filmed.truth);
   RandomStream random(42);
   test::add_edge_noise(filmed.frames, 0.1, -0.45, random);
   filmed.stated = filmed.truth;
-  filmed.stated.rig.cameras[1].T_this_previous =
-      Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(-0.125, 0.002, 0.0));
+  return filmed;
+}
+
+TEST(CameraRefinement, FindsWhereTheSecondCameraSits) {
+  Filmed filmed = film_with_two_cameras(by(-0.12, 0.0, 0.0));
+  filmed.stated.rig.cameras[1].T_this_previous = by(-0.125, 0.002, 0.0);
   const CalibrationResult result =
       calibrate(filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep, .refine_extrinsics = true});
   ASSERT_NE(correction(result, "translation x"), nullptr);

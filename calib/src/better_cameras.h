@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "apriltrack/base/log.h"
+#include "camera_refinement.h"
+
+namespace apriltrack {
+
+/// Of the cameras of a part.
+struct BetterCameras {
+  CameraRefinement refined;
+  /// That agrees clearly better, where the user keeps his.
+  std::optional<CameraRefinement> lens_not_taken;
+  /// The views' candidates by a lens far from the file's; none where the file's will do.
+  std::vector<ViewCandidates> candidates;
+};
+
+/// Estimates edge offsets, lenses, and where it is asked for the cameras' places, and takes them into
+/// `solved` where the views agree better with them. A wrong lens makes views outliers, two-fold or noisy
+/// that are none of that: with one that is far from the file's all is solved again by it, until it stays.
+/// part: before outliers were removed. Throws Error(kNoResult) where the file is wrong by far, and the views
+/// do not tell what is right.
+BetterCameras improve_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
+                              const LogSink& log, AdjustedPart& solved);
+
+}  // namespace apriltrack
