@@ -81,6 +81,16 @@ std::optional<CameraRefinement> not_taken(const PartTask& task, const Part& part
   return better;
 }
 
+/// With all else that was estimated, or the places would take the blame for it.
+std::optional<CameraRefinement> places_not_taken(const PartTask& task, const Part& part,
+                                                 const CameraRefinement& refined,
+                                                 const AdjustedPart& solved) {
+  std::vector<CameraParameter> parameters = extrinsic_parameters(cameras_of(task.observations, solved.part));
+  if (task.options.refine_extrinsics || parameters.empty()) return std::nullopt;
+  for (const EstimatedParameter& one : refined.estimates) parameters.push_back(one.parameter);
+  return not_taken(task, part, parameters, solved);
+}
+
 /// By how many sigmas of what files of the same camera are off by. Detectors' edges are in no file.
 double sigmas_off(const EstimatedParameter& one) {
   return one.parameter.kind == CameraParameter::Kind::kEdgeOffset ? 0.0
@@ -176,6 +186,7 @@ BetterCameras improve_cameras(const PartTask& task, const Part& part, const Para
     cameras.lens_not_taken = not_taken(
         task, to_map,
         intrinsic_parameters(cameras_of(task.observations, solved.part), task.observations.cameras), solved);
+  cameras.places_not_taken = places_not_taken(task, to_map, cameras.refined, solved);
   return cameras;
 }
 

@@ -11,8 +11,8 @@ namespace apriltrack {
 /// Of the cameras of a part.
 struct BetterCameras {
   CameraRefinement refined;
-  /// That agrees clearly better, where the user keeps his.
-  std::optional<CameraRefinement> lens_not_taken;
+  /// That agree clearly better, where the user keeps his.
+  std::optional<CameraRefinement> lens_not_taken, places_not_taken;
   /// The views' candidates by a lens far from the file's; none where the file's will do.
   std::vector<ViewCandidates> candidates;
 };

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+
+#include "apriltrack/base/degrees.h"
 
 namespace apriltrack {
 namespace {
@@ -70,14 +73,38 @@ std::string gain_of(const CameraRefinement& cameras) {
                      cameras.held_out_before, cameras.held_out_after);
 }
 
+/// "cam1 0.012 m and 0.3 degrees": how far the places of cameras are from the file's.
+std::string places_in_words(const Observations& observations, const CameraRefinement& cameras) {
+  std::map<int, std::pair<double, double>> squares;
+  for (const EstimatedParameter& one : cameras.estimates) {
+    if (one.parameter.kind == CameraParameter::Kind::kTranslation)
+      squares[one.parameter.camera].first += one.value * one.value;
+    if (one.parameter.kind == CameraParameter::Kind::kRotation)
+      squares[one.parameter.camera].second += one.value * one.value;
+  }
+  std::string words;
+  for (const auto& [camera, of] : squares)
+    words += fmt::format("{}{} {:.2g} m and {:.2g} degrees", words.empty() ? "" : ", ",
+                         observations.cameras[static_cast<std::size_t>(camera)].name, std::sqrt(of.first),
+                         std::sqrt(of.second) * kDegPerRad);
+  return words;
+}
+
 /// What was asked for in vain, and what was not to be taken.
-void report_cameras(const PartSolution& solution, const CalibrationOptions& options, Findings& findings) {
+void report_cameras(const Observations& observations, const PartSolution& solution,
+                    const CalibrationOptions& options, Findings& findings) {
   const CameraRefinement& cameras = solution.cameras.refined;
   if (const auto& lens = solution.cameras.lens_not_taken)
     findings.warnings.push_back(fmt::format(
         "the camera file does not fit: with other intrinsics, {}. It is kept, as --intrinsics keep says: "
         "calibrate the camera anew, or leave that option away",
         gain_of(*lens)));
+  if (const auto& places = solution.cameras.places_not_taken)
+    findings.warnings.push_back(fmt::format(
+        "the rig of the camera file does not fit: with the cameras at other places ({} from the file's), {}. "
+        "Check T_cn_cnm1 (metres; of a point in camera n-1 it makes one in camera n), or take what fits by "
+        "--extrinsics refine",
+        places_in_words(observations, *places), gain_of(*places)));
   const std::string what = options.intrinsics != Intrinsics::kRefine ? "places of the cameras"
                            : options.refine_extrinsics               ? "intrinsics and places of the cameras"
                                                                      : "intrinsics";
@@ -114,7 +141,7 @@ void report_quality(const Observations& observations, const PartSolution& soluti
                     "and the matrix to invert grows with the square of their number (at most {} tags)",
                     solution.part.tags.size(), options.max_tags_with_covariance));
   report_findings(observations, solution, findings);
-  report_cameras(solution, options, findings);
+  report_cameras(observations, solution, options, findings);
   leave_out(observations, solution.undecided,
             "its views agree with two poses about equally well: film it from further aside, and nearer",
             findings);

@@ -20,6 +20,7 @@
 #include "lens_by_single_views.h"
 #include "part_adjustment.h"
 #include "reduced_equations.h"
+#include "rig_check.h"
 #include "tag_examination.h"
 #include "undecided_tags.h"
 
@@ -126,6 +127,7 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
 
 AdjustedPart adjusted(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel,
                       const LogSink& log) {
+  require_rig_that_fits(task, part, held_tag, parallel);
   AdjustedPart solved = adjust_without_contradictions(task, part, held_tag, parallel, log);
   leave_out_undecided(task, part, solved, parallel);
   return solved;

@@ -190,5 +190,29 @@ TEST(CameraRefinement, FindsWhereTheSecondCameraSits) {
   EXPECT_LT(error.log().tail<3>().norm(), 1e-3);
 }
 
+TEST(CameraRefinement, SaysThatTheRigDoesNotFit) {
+  Filmed filmed = film_with_two_cameras(by(-0.12, 0.0, 0.0));
+  EXPECT_THAT(calibrate(filmed.stated, filmed.frames).warnings, IsEmpty());
+  filmed.stated.rig.cameras[1].T_this_previous = by(-0.132, 0.0, 0.0);
+  const CalibrationResult result = calibrate(filmed.stated, filmed.frames);
+  EXPECT_THAT(result.warnings, ::testing::Contains(::testing::AllOf(
+                                   HasSubstr("the rig of the camera file does not fit"),
+                                   HasSubstr("cam1 0.012 m"), HasSubstr("--extrinsics refine"))));
+}
+
+TEST(CameraRefinement, MakesNoMapByARigInMillimetresOrTheInverse) {
+  const Pose turned(Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY())),
+                    Eigen::Vector3d(-0.12, 0.03, 0.0));
+  Filmed filmed = film_with_two_cameras(turned);
+  const auto error_with = [&](const Pose& stated) {
+    filmed.stated.rig.cameras[1].T_this_previous = stated;
+    return test::error_of(ErrorKind::kNoResult, [&] { calibrate(filmed.stated, filmed.frames); });
+  };
+  EXPECT_THAT(error_with({turned.rotation(), 1000.0 * turned.translation()}),
+              ::testing::AllOf(HasSubstr("cam0 to cam1"), HasSubstr("look like millimetres")));
+  EXPECT_THAT(error_with(turned.inverse()), HasSubstr("looks like the inverse"));
+  EXPECT_THAT(error_with(by(0.5, 0.0, 0.0) * turned), HasSubstr("is it of this rig"));
+}
+
 }  // namespace
 }  // namespace apriltrack
