@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "apriltrack/base/timestamp.h"
 #include "apriltrack/camera/camera.h"
+#include "apriltrack/detect/detection.h"
 #include "apriltrack/tags/tag_key.h"
 
 namespace apriltrack::app {
@@ -22,6 +24,8 @@ struct SeenTag {
   std::optional<double> blur_px = std::nullopt;  ///< As motion_of_blur_px; none where edges were hidden.
   bool is_clipped = false;                       ///< Its paper is at 255.
   bool is_at_border = false;                     ///< A corner lies in the image's outermost 3 %.
+  std::array<Eigen::Vector2d, kNumCorners> corners_px = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(),
+                                                         Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
 };
 
 /// One frame that could be read.

@@ -48,6 +48,10 @@ bool is_surely_there(const FamilyReadings& readings, std::size_t sampled);
 std::vector<Finding> find_in_images(const RecordingFacts& recording);
 std::vector<Finding> find_in_camera(const RecordingFacts& recording);
 std::vector<Finding> find_in_blur(const RecordingFacts& recording);
+/// Of the lens, by how square the tags look.
+std::vector<Finding> find_in_lens(const RecordingFacts& recording);
+/// Whether tags are seen together from more places than one.
+std::vector<Finding> find_in_places(const Facts& facts);
 /// Of the families that no one asked for, and of none that was.
 std::vector<Finding> find_in_families(const Facts& facts);
 std::vector<Finding> find_in_tags(std::span<const TagSummary> tags,

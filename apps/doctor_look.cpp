@@ -40,6 +40,7 @@ bool is_clipped(const Detection& detection, const GrayView& image) {
 SeenTag seen_tag(const Detection& detection, const GrayView& image, const ResponseCurve& response) {
   constexpr double kBorder = 0.03;
   SeenTag seen{.tag = detection.tag, .margin = detection.decision_margin.value_or(0.0)};
+  seen.corners_px = detection.corners_px;
   for (std::size_t k = 0; k < kNumCorners; ++k) {
     const Eigen::Vector2d& corner = detection.corners_px[k];
     seen.edge_px += (detection.corners_px[(k + 1) % kNumCorners] - corner).norm() / kNumCorners;

@@ -188,6 +188,18 @@ std::string told_family(const std::string& family, const OtherFamily& other) {
                      family == "tag36h11b2" ? " (the two-cell border of Kalibr's printed grids)" : "");
 }
 
+/// The same tags within a pixel, as `calibrate` counts what stands still.
+bool shows_the_same(const FrameFacts& a, const FrameFacts& b) {
+  constexpr double kStill_px = 1.0;
+  return std::ranges::equal(a.tags, b.tags, [](const SeenTag& one, const SeenTag& other) {
+    if (one.tag != other.tag) return false;
+    double squares = 0.0;
+    for (std::size_t k = 0; k < kNumCorners; ++k)
+      squares += (one.corners_px[k] - other.corners_px[k]).squaredNorm();
+    return squares < kNumCorners * kStill_px * kStill_px;
+  });
+}
+
 }  // namespace
 
 bool is_surely_there(const FamilyReadings& readings, std::size_t sampled) {
@@ -235,6 +247,26 @@ std::vector<Finding> find_in_families(const Facts& facts) {
        fmt::format("no tag of {} in {} frames{}; tags must be sharp, with their white margin, and some 20 "
                    "px wide or more",
                    asked, frames, tried ? ", nor of any other family" : " (is another --family printed?)")}};
+}
+
+std::vector<Finding> find_in_places(const Facts& facts) {
+  std::vector<const FrameFacts*> joint;
+  for (const RecordingFacts& recording : facts.recordings) {
+    const std::size_t before = joint.size();
+    for (const FrameFacts& frame : recording.frames)
+      if (frame.tags.size() > 1) joint.push_back(&frame);
+    if (before > 0 && joint.size() > before) return {};  // each recording is of a place of its own
+  }
+  if (joint.empty() || !std::ranges::all_of(joint, [&](const FrameFacts* frame) {
+        return shows_the_same(*frame, *joint.front());
+      }))
+    return {};
+  return {{Severity::kStops, "one_place",
+           fmt::format(
+               "{} two tags or more, {}: a map needs them from two places at least. Take more pictures, "
+               "from several sides",
+               joint.size() == 1 ? "only one picture shows" : fmt::format("{} pictures show", joint.size()),
+               joint.size() == 1 ? "from one place" : "all from one place")}};
 }
 
 std::vector<Finding> find_in_tags(std::span<const TagSummary> tags,

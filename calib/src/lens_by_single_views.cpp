@@ -10,6 +10,7 @@
 #include "apriltrack/base/error.h"
 #include "camera_parameters.h"
 #include "cauchy_loss.h"
+#include "map_state.h"
 
 namespace apriltrack {
 namespace {
@@ -196,9 +197,11 @@ bool is_clearly_less(double before, double gain, Eigen::Index num_parameters) {
 
 }  // namespace
 
-std::optional<std::vector<RigCamera>> lens_by_single_views(const PartTask& task, const Part& part,
+std::optional<std::vector<RigCamera>> lens_by_single_views(const Observations& observations,
+                                                           const std::vector<std::size_t>& views,
                                                            const ParallelFor& parallel) {
-  LensFit fit(single_views(task.observations, some_of(part.views)), parallel);
+  if (views.empty()) return std::nullopt;
+  LensFit fit(single_views(observations, some_of(views)), parallel);
   const Lenses of_file = fit.of_file();
   Lenses lenses = of_file;
   for (int i = 0; i < kMostLensSteps; ++i) {
@@ -210,7 +213,7 @@ std::optional<std::vector<RigCamera>> lens_by_single_views(const PartTask& task,
   }
   const double noise = fit.noise(lenses), before = fit.cost(of_file, noise);
   if (!is_clearly_less(before, before - fit.cost(lenses, noise), lenses.total.size())) return std::nullopt;
-  std::vector<RigCamera> cameras = task.observations.cameras;
+  std::vector<RigCamera> cameras = observations.cameras;
   for (std::size_t c = 0; c < cameras.size(); ++c) cameras[c].model = lenses.cameras[c].model;
   return cameras;
 }

@@ -137,7 +137,7 @@ AdjustedPart adjusted(const PartTask& task, const Part& part, int held_tag, cons
 AdjustedPart adjusted_by_fitting_lens(const PartTask& task, const Part& part, int held_tag,
                                       const ParallelFor& parallel, const LogSink& log) {
   if (task.options.intrinsics == Intrinsics::kKeep) return adjusted(task, part, held_tag, parallel, log);
-  const auto cameras = lens_by_single_views(task, part, parallel);
+  const auto cameras = lens_by_single_views(task.observations, part.views, parallel);
   if (!cameras) return adjusted(task, part, held_tag, parallel, log);
   log(LogLevel::kInfo,
       "the tags' outlines speak against the camera file: starting from a lens that fits them");

@@ -24,7 +24,13 @@ inline FrameFacts frame(int number, const std::vector<int>& ids) {
                    .time = {1'000'000'000 + number * std::int64_t{33'333'333}},
                    .width = 640,
                    .height = 480};
-  for (const int id : ids) facts.tags.push_back(seen(id));
+  for (const int id : ids) {
+    facts.tags.push_back(seen(id));
+    const Eigen::Vector2d corner(20.0 + 7.0 * number + 3.0 * id, 200.0 + 3.0 * id);  // the camera goes past
+    facts.tags.back().corners_px = {corner, corner + Eigen::Vector2d(60.0, 0.0),
+                                    corner + Eigen::Vector2d(60.0, -60.0),
+                                    corner + Eigen::Vector2d(0.0, -60.0)};
+  }
   return facts;
 }
 

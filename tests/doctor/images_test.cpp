@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
+
 #include "hand_made.h"
 
 namespace apriltrack::app {
@@ -184,6 +187,30 @@ TEST(DoctorVerdict, OfSeveralRecordingsSaysWhich) {
   const auto findings = find_all(facts);
   ASSERT_THAT(abouts(findings), ElementsAre("blank_frames"));
   EXPECT_THAT(findings[0].text, ::testing::StartsWith("second: 1 of 30"));
+}
+
+/// Views of a square all over the picture by a lens that bends lines.
+TEST(DoctorLens, OneThatBendsWhatTheFileHasStraightIsToldOf) {
+  Camera bending = good_camera();
+  bending.model = CameraModel(bending.model.pinhole(), RadtanDistortion({-0.3, 0.09, 0.0, 0.0}));
+  RecordingFacts film = recording(frames_of(150, {1}));
+  for (std::size_t i = 0; i < film.frames.size(); ++i) {
+    const double turn = 0.7 * static_cast<double>(i), tilt = 0.8 * std::sin(1.3 * static_cast<double>(i));
+    const Eigen::Vector3d centre(0.35 * std::cos(turn), 0.25 * std::sin(turn), 0.7);
+    const Eigen::Matrix3d R = (Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) *
+                               Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()))
+                                  .toRotationMatrix();
+    const Eigen::Vector3d ends[] = {{-0.1, 0.1, 0.0}, {0.1, 0.1, 0.0}, {0.1, -0.1, 0.0}, {-0.1, -0.1, 0.0}};
+    for (std::size_t k = 0; k < 4; ++k)
+      film.frames[i].tags[0].corners_px[k] = bending.model.project(centre + R * ends[k]).value();
+  }
+  film.camera = bending;
+  EXPECT_THAT(find_in_lens(film), IsEmpty());
+  film.camera = good_camera();
+  film.camera->model = CameraModel(film.camera->model.pinhole(), RadtanDistortion({0.0, 0.0, 0.0, 0.0}));
+  const auto findings = find_in_lens(film);
+  ASSERT_THAT(abouts(findings), ElementsAre("lens"));
+  EXPECT_THAT(findings[0].text, HasSubstr("distortion [-0.3"));
 }
 
 }  // namespace

@@ -51,6 +51,20 @@ TEST(DoctorTags, OfAGoodFilmNothingIsFound) {
   EXPECT_THAT(findings_of_tags(facts_of(recording(frames_of(10, {1, 2, 3})))), IsEmpty());
 }
 
+TEST(DoctorPlaces, OnePlaceStops) {
+  EXPECT_THAT(find_in_places(facts_of(recording(frames_of(2, {1, 2})))), IsEmpty());
+  const auto of_one = find_in_places(facts_of(recording({{1}, {1, 2}, {2}})));
+  ASSERT_THAT(abouts(of_one), ElementsAre("one_place"));
+  EXPECT_EQ(of_one[0].severity, Severity::kStops);
+  EXPECT_THAT(of_one[0].text, HasSubstr("only one picture shows two tags or more"));
+  RecordingFacts still = recording(frames_of(40, {1, 2}));
+  for (FrameFacts& frame : still.frames) frame.tags = still.frames.front().tags;
+  EXPECT_THAT(find_in_places(facts_of(still))[0].text,
+              HasSubstr("40 pictures show two tags or more, all from one"));
+  still.frames.back().tags[1].corners_px[2].x() += 4.0;
+  EXPECT_THAT(find_in_places(facts_of(still)), IsEmpty());
+}
+
 TEST(DoctorTags, OneTagAloneStops) {
   const auto findings = findings_of_tags(facts_of(recording(frames_of(10, {4}))));
   ASSERT_THAT(abouts(findings), ElementsAre("none_together"));

@@ -1,14 +1,11 @@
-#include "lens_by_single_views.h"
+#include "apriltrack/calib/fit_lenses.h"
 
 #include <gtest/gtest.h>
-
-#include <numeric>
 
 #include "apriltrack/base/random.h"
 #include "synthetic_world.h"
 
-// Lenses by views that no map explains: every picture shows the tags under other names, and of stated sizes
-// that none of them has.
+// Lenses by views that no map explains: every picture shows the tags under other names.
 
 namespace apriltrack {
 namespace {
@@ -29,30 +26,20 @@ std::vector<FrameDetections> film(const Camera& camera, double sigma_px) {
   return frames;
 }
 
-std::optional<std::vector<RigCamera>> lens_by(const std::vector<FrameDetections>& frames,
-                                              const Camera& stated) {
-  Findings findings;
+std::optional<CameraRig> lens_by(const std::vector<FrameDetections>& frames, const Camera& stated) {
   CameraRig rig;
   rig.cameras = {stated};
-  const CalibrationOptions options;
-  const Observations observations = collect_observations(frames, rig, TagSizes(0.5), options, findings);
-  Part part;
-  part.tags.resize(observations.tags.size());
-  std::iota(part.tags.begin(), part.tags.end(), 0);
-  part.views.resize(observations.views.size());
-  std::iota(part.views.begin(), part.views.end(), std::size_t{0});
-  const std::vector<ViewCandidates> none(observations.views.size());
-  return lens_by_single_views({observations, none, options}, part, parallel_for(1));
+  return fit_lenses(frames, rig);
 }
 
-TEST(LensBySingleViews, LetsARightFileBe) {
+TEST(FitLenses, LetsARightFileBe) {
   for (const Camera& camera : {test::perspective_camera(), test::equidistant_camera()}) {
     for (const double sigma_px : {0.02, 0.15, 0.5})
       EXPECT_FALSE(lens_by(film(camera, sigma_px), camera)) << sigma_px;
   }
 }
 
-TEST(LensBySingleViews, LetsAFileBeThatIsAboutRight) {
+TEST(FitLenses, LetsAFileBeThatIsAboutRight) {
   Camera stated = test::perspective_camera();
   const Pinhole pinhole = stated.model.pinhole();
   stated.model = CameraModel({1.01 * pinhole.fx, 1.01 * pinhole.fy, pinhole.cx + 2.0, pinhole.cy},
@@ -60,7 +47,17 @@ TEST(LensBySingleViews, LetsAFileBeThatIsAboutRight) {
   EXPECT_FALSE(lens_by(film(test::perspective_camera(), 0.15), stated));
 }
 
-TEST(LensBySingleViews, FindsTheLensWithoutAMap) {
+TEST(FitLenses, SaysNothingOfTooLittle) {
+  std::vector<FrameDetections> frames = film(test::perspective_camera(), 0.1);
+  Camera stated = test::perspective_camera();
+  stated.model = CameraModel({1200.0, 1200.0, 500.0, 400.0}, RadtanDistortion({0.0, 0.0, 0.0, 0.0}));
+  EXPECT_TRUE(lens_by(frames, stated));
+  frames.resize(1);
+  EXPECT_FALSE(lens_by(frames, stated));
+  EXPECT_FALSE(lens_by({}, stated));
+}
+
+TEST(FitLenses, FindsTheLensWithoutAMap) {
   Camera camera = test::perspective_camera();
   const Pinhole pinhole = camera.model.pinhole();
   camera.model = CameraModel(pinhole, kStrong);
@@ -69,9 +66,9 @@ TEST(LensBySingleViews, FindsTheLensWithoutAMap) {
     Camera stated = camera;
     stated.model = CameraModel({factor * pinhole.fx, factor * pinhole.fx, 500.0, 400.0},
                                RadtanDistortion({0.0, 0.0, 0.0, 0.0}));
-    const auto cameras = lens_by(frames, stated);
-    ASSERT_TRUE(cameras) << factor;
-    const CameraModel& found = cameras->front().model;
+    const auto rig = lens_by(frames, stated);
+    ASSERT_TRUE(rig) << factor;
+    const CameraModel& found = rig->cameras.front().model;
     EXPECT_NEAR(found.pinhole().fx / pinhole.fx, 1.0, 0.03) << factor;
     EXPECT_NEAR(found.pinhole().fy / found.pinhole().fx, pinhole.fy / pinhole.fx, 0.01) << factor;
     // By what it does to pixels, not by its numbers, which trade against each other.
