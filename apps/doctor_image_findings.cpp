@@ -55,9 +55,10 @@ void find_in_times(const RecordingFacts& recording, std::vector<Finding>& findin
   if (times.gaps > 0)
     findings.push_back(
         {Severity::kNote, "time_gaps",
-         fmt::format("{} gaps between frames, the longest {:.2f} s, at {:.3g} frames a second elsewhere: "
+         fmt::format("{} between frames, the longest {:.2f} s, at {:.3g} frames a second elsewhere: "
                      "calibrate does not mind, track may lose its pose there",
-                     times.gaps, times.longest_gap_s, *times.rate_hz)});
+                     times.gaps == 1 ? "1 gap" : fmt::format("{} gaps", times.gaps), times.longest_gap_s,
+                     *times.rate_hz)});
 }
 
 void find_in_light(const RecordingFacts& recording, std::vector<Finding>& findings) {

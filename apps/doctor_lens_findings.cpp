@@ -5,27 +5,33 @@
 
 #include <variant>
 
+#include "apriltrack/base/error.h"
 #include "apriltrack/calib/fit_lenses.h"
 #include "doctor_findings.h"
 
 namespace apriltrack::app {
 namespace {
 
-struct Coefficients {
-  std::vector<double> operator()(const NoDistortion&) const { return {}; }
-  template <typename Lens>
-  std::vector<double> operator()(const Lens& lens) const {
-    return lens.coefficients();
-  }
-};
-
-/// "[521, 520, 322, 237] with [-0.28, 0.09, 0, 0]".
+/// "intrinsics [521, 520, 322, 237], distortion radtan [-0.28, 0.09, 0, 0]".
 std::string in_words(const CameraModel& model) {
   const Pinhole& pinhole = model.pinhole();
-  const std::vector<double> lens = std::visit(Coefficients{}, model.distortion());
-  return fmt::format("intrinsics [{:.0f}, {:.0f}, {:.0f}, {:.0f}]{}", pinhole.fx, pinhole.fy, pinhole.cx,
-                     pinhole.cy,
-                     lens.empty() ? "" : fmt::format(", distortion [{:.2g}]", fmt::join(lens, ", ")));
+  const std::vector<double> lens =
+      std::visit([](const auto& one) { return one.coefficients(); }, model.distortion());
+  return fmt::format(
+      "intrinsics [{:.0f}, {:.0f}, {:.0f}, {:.0f}]{}", pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy,
+      lens.empty() ? ""
+                   : fmt::format(", distortion {} [{:.2g}]", model.distortion_name(), fmt::join(lens, ", ")));
+}
+
+/// nullopt, too, where the pictures are not of the camera's size, of which another finding tells.
+std::optional<CameraRig> fitting_rig(const std::vector<FrameDetections>& frames, const Camera& camera) {
+  CameraRig rig;
+  rig.cameras = {camera};
+  try {
+    return fit_lenses(frames, rig);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace
@@ -34,13 +40,13 @@ std::vector<Finding> find_in_lens(const RecordingFacts& recording) {
   if (!recording.camera) return {};
   std::vector<FrameDetections> frames;
   for (const FrameFacts& frame : recording.frames) {
-    frames.push_back({frame.time, recording.camera->name, {}});
+    const Timestamp number{
+        static_cast<std::int64_t>(frames.size())};  // times may be wrong, and do not matter
+    frames.push_back({number, recording.camera->name, {}});
     for (const SeenTag& seen : frame.tags)
       frames.back().detections.push_back({seen.tag, seen.corners_px, std::nullopt, std::nullopt});
   }
-  CameraRig rig;
-  rig.cameras = {*recording.camera};
-  const auto better = fit_lenses(frames, rig);
+  const auto better = fitting_rig(frames, *recording.camera);
   if (!better) return {};
   return {
       {Severity::kWarning, "lens",

@@ -26,6 +26,17 @@ std::vector<int> cameras_of(const Observations& observations, const Part& part) 
   return {cameras.begin(), cameras.end()};
 }
 
+/// What of the part has a pose to start from by these candidates.
+Part with_poses(const PartTask& task, const Part& part, const std::vector<ViewCandidates>& candidates,
+                int held_tag) {
+  std::vector<std::size_t> views;
+  std::ranges::copy_if(part.views, std::back_inserter(views),
+                       [&](std::size_t v) { return !candidates[v].candidates.empty(); });
+  return views.size() == part.views.size()
+             ? part
+             : connected_to(task.observations, views, held_tag, task.options.min_views);
+}
+
 /// What may be mapped still.
 Part without_left_out(const Observations& observations, const Part& part, const AdjustedPart& solved) {
   std::set<int> out(solved.undecided.begin(), solved.undecided.end());
@@ -35,47 +46,64 @@ Part without_left_out(const Observations& observations, const Part& part, const 
   return rest;
 }
 
+using Parameters = std::vector<CameraParameter>;
+
+Parameters operator+(Parameters some, const Parameters& more) {
+  some.insert(some.end(), more.begin(), more.end());
+  return some;
+}
+
+/// Of the cameras that were not started with the file's lens: the file's is no choice, so nothing is held
+/// out.
+CameraRefinement refine_other_lenses(const PartTask& task, const Part& part, const Parameters& edges,
+                                     const std::vector<int>& cameras, AdjustedPart& solved) {
+  CameraRefinement refined = refine_cameras(
+      task, part, edges + intrinsic_parameters(cameras, task.observations.cameras), -1.0, solved);
+  if (!refined.is_accepted)
+    throw no_result(
+        "calibrate",
+        fmt::format("the tags and the map agree with a lens that is not the camera file's, but it cannot "
+                    "be estimated ({}): is the file of this camera, lens and picture size?",
+                    refined.reason));
+  return refined;
+}
+
 /// Edge offsets alone first, which are most often what is wrong with corners from elsewhere; then lenses, and
 /// cameras' places.
 CameraRefinement better_cameras(const PartTask& task, const Part& part, AdjustedPart& solved) {
   const CalibrationOptions& options = task.options;
   const std::vector<int> cameras = cameras_of(task.observations, solved.part);
-  std::vector<CameraParameter> parameters;
-  const auto add = [&](const std::vector<CameraParameter>& more) {
-    parameters.insert(parameters.end(), more.begin(), more.end());
-  };
-  const bool has_other_lens = std::ranges::any_of(cameras, [&](int camera) {
-    const auto c = static_cast<std::size_t>(camera);
-    return solved.state.cameras[c].model.pinhole().fx != task.observations.cameras[c].model.pinhole().fx;
+  std::vector<int> others;
+  std::ranges::copy_if(cameras, std::back_inserter(others), [&](int camera) {
+    return has_other_lens(solved.state.cameras[static_cast<std::size_t>(camera)],
+                          task.observations.cameras[static_cast<std::size_t>(camera)]);
   });
-  CameraRefinement result;
-  if (options.edge_offset_sigma_px > 0.0) {
-    add(edge_offset_parameters(cameras, options.edge_offset_sigma_px));
-    if (!has_other_lens) result = refine_cameras(task, part, parameters, 0.0, solved);
-  }
-  if (options.intrinsics == Intrinsics::kKeep && !options.refine_extrinsics) return result;
-  if (options.intrinsics != Intrinsics::kKeep) add(intrinsic_parameters(cameras, task.observations.cameras));
-  if (options.refine_extrinsics) add(extrinsic_parameters(cameras));
-  if (has_other_lens) {
-    CameraRefinement forced = refine_cameras(task, part, parameters, -1.0, solved);
-    if (!forced.is_accepted)
-      throw no_result("calibrate",
-                      fmt::format("the views agree with a lens that is not the camera file's, but do not "
-                                  "determine it: {}",
-                                  kWhatToCheck));
-    return forced;
-  }
+  const bool has_edges = options.edge_offset_sigma_px > 0.0;
+  Parameters parameters =
+      has_edges ? edge_offset_parameters(cameras, options.edge_offset_sigma_px) : Parameters{};
+  CameraRefinement first;
+  if (!others.empty())
+    first = refine_other_lenses(task, part, parameters, others, solved);
+  else if (has_edges)
+    first = refine_cameras(task, part, parameters, 0.0, solved);
+  const bool keeps_lenses = options.intrinsics == Intrinsics::kKeep;
+  if (!keeps_lenses) parameters = parameters + intrinsic_parameters(cameras, task.observations.cameras);
+  if (options.refine_extrinsics) parameters = parameters + extrinsic_parameters(cameras);
+  if ((keeps_lenses && !options.refine_extrinsics) || parameters.size() == first.estimates.size())
+    return first;
   const bool is_asked_for = options.intrinsics == Intrinsics::kRefine || options.refine_extrinsics;
+  // The prior pulls at a lens that is far from the file's, until all is done again: others would make up for
+  // it.
+  if (!others.empty() && !is_asked_for) return first;
   CameraRefinement of_all = refine_cameras(task, part, parameters, is_asked_for ? 0.0 : kClearGain, solved);
-  if (of_all.is_accepted || !result.is_accepted) return of_all;
-  result.reason = of_all.reason;
-  return result;
+  if (of_all.is_accepted || !first.is_accepted) return of_all;
+  first.reason = of_all.reason;
+  return first;
 }
 
 /// That were not asked for, and agree clearly better; `solved` is a copy.
 std::optional<CameraRefinement> not_taken(const PartTask& task, const Part& part,
-                                          const std::vector<CameraParameter>& parameters,
-                                          AdjustedPart solved) {
+                                          const Parameters& parameters, AdjustedPart solved) {
   CameraRefinement better = refine_cameras(task, part, parameters, kClearGain, solved);
   if (!better.is_accepted) return std::nullopt;
   return better;
@@ -85,7 +113,7 @@ std::optional<CameraRefinement> not_taken(const PartTask& task, const Part& part
 std::optional<CameraRefinement> places_not_taken(const PartTask& task, const Part& part,
                                                  const CameraRefinement& refined,
                                                  const AdjustedPart& solved) {
-  std::vector<CameraParameter> parameters = extrinsic_parameters(cameras_of(task.observations, solved.part));
+  Parameters parameters = extrinsic_parameters(cameras_of(task.observations, solved.part));
   if (task.options.refine_extrinsics || parameters.empty()) return std::nullopt;
   for (const EstimatedParameter& one : refined.estimates) parameters.push_back(one.parameter);
   return not_taken(task, part, parameters, solved);
@@ -93,8 +121,8 @@ std::optional<CameraRefinement> places_not_taken(const PartTask& task, const Par
 
 /// By how many sigmas of what files of the same camera are off by. Detectors' edges are in no file.
 double sigmas_off(const EstimatedParameter& one) {
-  return one.parameter.kind == CameraParameter::Kind::kEdgeOffset ? 0.0
-                                                                  : std::abs(one.value) / one.parameter.sigma;
+  if (one.parameter.kind == CameraParameter::Kind::kEdgeOffset) return 0.0;
+  return std::abs(one.value) / one.parameter.sigma * one.parameter.widened;
 }
 
 const EstimatedParameter& farthest_off(const CameraRefinement& cameras) {
@@ -106,12 +134,20 @@ double most_sigmas_off(const CameraRefinement& cameras) {
   return cameras.is_accepted ? sigmas_off(farthest_off(cameras)) : 0.0;
 }
 
-/// What is known before, as little as the file is wrong.
-std::vector<CameraParameter> less_known_parameters(const CameraRefinement& cameras) {
-  std::vector<CameraParameter> parameters;
+/// As little as the file is wrong about the same camera's lens, or its place. Edges are in no file.
+Parameters less_known_parameters(const CameraRefinement& cameras) {
+  const auto is_alike = [](const CameraParameter& a, const CameraParameter& b) {
+    return a.camera == b.camera &&
+           ((a.is_of_lens() && b.is_of_lens()) || (a.is_of_place() && b.is_of_place()));
+  };
+  Parameters parameters;
   for (const EstimatedParameter& one : cameras.estimates) {
+    double widened = 1.0;
+    for (const EstimatedParameter& other : cameras.estimates)
+      if (is_alike(one.parameter, other.parameter)) widened = std::max(widened, sigmas_off(other));
     parameters.push_back(one.parameter);
-    parameters.back().sigma *= std::max(1.0, most_sigmas_off(cameras));
+    parameters.back().sigma *= widened / parameters.back().widened;
+    parameters.back().widened = widened;
   }
   return parameters;
 }
@@ -126,12 +162,16 @@ bool are_about_the_same(const CameraRefinement& before, const CameraRefinement& 
 [[noreturn]] void fail_by_camera_file(const PartTask& task, const CameraRefinement& cameras) {
   const EstimatedParameter& worst = farthest_off(cameras);
   const RigCamera& camera = task.observations.cameras[static_cast<std::size_t>(worst.parameter.camera)];
+  const bool is_of_place = worst.parameter.is_of_place();
+  const std::string unit = unit_of(worst.parameter);
   throw no_result(
       "calibrate",
-      fmt::format("the camera file is far off (its {} of {} by about {:.2g}, or more), and the views do not "
-                  "tell what is right: is it of this camera, lens and picture size? Calibrate the camera, or "
-                  "correct the file",
-                  name_of(worst.parameter, camera), camera.name, worst.value));
+      fmt::format(
+          "the camera file is far off (its {} of {} by about {:.2g} {}, or more), and the views do not "
+          "tell what is right: is it of this {}? Calibrate the {}, or correct the file",
+          name_of(worst.parameter, camera), camera.name, worst.value, unit == "1" ? "(a share)" : unit,
+          is_of_place ? "rig, with its cameras in this order" : "camera, lens and picture size",
+          is_of_place ? "rig" : "camera"));
 }
 
 /// The part, by the cameras as `solved` has them, and these refined once more.
@@ -141,37 +181,43 @@ struct Again {
   CameraRefinement refined;
 };
 
-Again solve_again(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                  const CameraRefinement& cameras, const ParallelFor& parallel, const LogSink& log) {
+/// nullopt where they give no map.
+std::optional<Again> solve_again(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                                 const CameraRefinement& cameras, const ParallelFor& parallel,
+                                 const LogSink& log) {
   Observations by_cameras = task.observations;
   by_cameras.cameras = solved.state.cameras;
   std::vector<ViewCandidates> candidates = solve_views(by_cameras, part.views, parallel);
+  const Part seen = with_poses(task, part, candidates, solved.held_tag);
   const PartTask again{by_cameras, candidates, task.options};
-  AdjustedPart anew = adjust_without_contradictions(again, part, solved.held_tag, parallel, log);
-  leave_out_undecided(again, part, anew, parallel);
-  CameraRefinement refined = refine_cameras(task, without_left_out(task.observations, part, anew),
-                                            less_known_parameters(cameras), -1.0, anew);
-  refined.held_out_before = cameras.held_out_before;
-  refined.held_out_after = cameras.held_out_after;
-  return {std::move(candidates), std::move(anew), std::move(refined)};
+  try {
+    AdjustedPart anew = adjust_without_contradictions(again, seen, solved.held_tag, parallel, log);
+    leave_out_undecided(again, seen, anew, parallel);
+    CameraRefinement refined = refine_cameras(task, without_left_out(task.observations, seen, anew),
+                                              less_known_parameters(cameras), -1.0, anew);
+    if (!refined.is_accepted) return std::nullopt;
+    refined.held_out_before = cameras.held_out_before;
+    refined.held_out_after = cameras.held_out_after;
+    return Again{std::move(candidates), std::move(anew), std::move(refined)};
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 }
 
+/// Until they stay. What is about right stays as it was where that finds nothing better.
 void solve_by_refined_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
                               const LogSink& log, AdjustedPart& solved, BetterCameras& cameras) {
   if (most_sigmas_off(cameras.refined) < kOff) return;
   for (int i = 0; i < kMostLenses; ++i) {
-    Again again = solve_again(task, part, solved, cameras.refined, parallel, log);
-    if (!again.refined.is_accepted) {
-      if (most_sigmas_off(cameras.refined) > kFarOff) fail_by_camera_file(task, cameras.refined);
-      return;
-    }
-    const bool is_settled = are_about_the_same(cameras.refined, again.refined);
-    cameras.refined = std::move(again.refined);
-    cameras.candidates = std::move(again.candidates);
-    solved = std::move(again.solved);
+    std::optional<Again> again = solve_again(task, part, solved, cameras.refined, parallel, log);
+    if (!again) break;
+    const bool is_settled = are_about_the_same(cameras.refined, again->refined);
+    cameras.refined = std::move(again->refined);
+    cameras.candidates = std::move(again->candidates);
+    solved = std::move(again->solved);
     if (is_settled) return;
   }
-  fail_by_camera_file(task, cameras.refined);
+  if (most_sigmas_off(cameras.refined) > kFarOff) fail_by_camera_file(task, cameras.refined);
 }
 
 }  // namespace
@@ -179,14 +225,15 @@ void solve_by_refined_cameras(const PartTask& task, const Part& part, const Para
 BetterCameras improve_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
                               const LogSink& log, AdjustedPart& solved) {
   BetterCameras cameras;
-  const Part to_map = without_left_out(task.observations, part, solved);
-  cameras.refined = better_cameras(task, to_map, solved);
+  cameras.refined = better_cameras(task, without_left_out(task.observations, part, solved), solved);
   solve_by_refined_cameras(task, part, parallel, log, solved, cameras);
+  const Part to_map = without_left_out(task.observations, part, solved);
   if (task.options.intrinsics == Intrinsics::kKeep)
     cameras.lens_not_taken = not_taken(
         task, to_map,
         intrinsic_parameters(cameras_of(task.observations, solved.part), task.observations.cameras), solved);
-  cameras.places_not_taken = places_not_taken(task, to_map, cameras.refined, solved);
+  if (!cameras.lens_not_taken)
+    cameras.places_not_taken = places_not_taken(task, to_map, cameras.refined, solved);
   return cameras;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -21,6 +22,7 @@
 #include "part_solver.h"
 #include "repeated_frames.h"
 #include "resting_frames.h"
+#include "starting_cameras.h"
 #include "tag_flags.h"
 
 namespace apriltrack {
@@ -192,9 +194,9 @@ void take_cameras(const Observations& observations, const CameraRig& rig, const 
   bool is_lens_refined = false;
   for (const EstimatedParameter& one : solution.cameras.refined.estimates) {
     const auto camera = static_cast<std::size_t>(one.parameter.camera);
-    result.corrections.push_back({rig.cameras[camera].name,
-                                  name_of(one.parameter, observations.cameras[camera]),
-                                  unit_of(one.parameter), one.value, one.sigma});
+    result.corrections.push_back(
+        {rig.cameras[camera].name, name_of(one.parameter, observations.cameras[camera]),
+         unit_of(one.parameter), one.parameter.is_share() ? std::expm1(one.value) : one.value, one.sigma});
     is_lens_refined = is_lens_refined || one.parameter.kind != CameraParameter::Kind::kEdgeOffset;
   }
   result.corrections_covariance = solution.cameras.refined.covariance;
@@ -286,6 +288,7 @@ void take_statistics(const Observations& observations, const PartSolution& solut
 /// What all parts are solved with.
 struct PartsTask {
   const Observations& observations;
+  const std::vector<RigCamera>& start;
   const std::vector<ViewCandidates>& candidates;
   const CalibrationOptions& options;
   const ParallelFor& parallel;
@@ -296,8 +299,8 @@ struct PartsTask {
 void add_part(const PartsTask& task, const Part& part, int held_tag, std::size_t number,
               CalibrationResult& result, Findings& findings) {
   try {
-    const PartSolution other = solve_part(task.observations, part, held_tag, task.candidates, task.options,
-                                          {}, task.parallel, task.log);
+    const PartSolution other = solve_part(task.observations, task.start, part, held_tag, task.candidates,
+                                          task.options, {}, task.parallel, task.log);
     report_quality(task.observations, other, task.options, findings);
     result.other_parts.push_back(
         to_map(task.observations, other, fmt::format("{}_part_{}", task.options.map_frame, number)));
@@ -305,6 +308,23 @@ void add_part(const PartsTask& task, const Part& part, int held_tag, std::size_t
   } catch (const Error& error) {
     leave_out(task.observations, part.tags, error.what(), findings);
   }
+}
+
+/// By the cameras of the main part, where these were refined: no part has a lens of its own.
+struct CamerasOfParts {
+  Observations observations;
+  CalibrationOptions options;
+};
+
+std::optional<CamerasOfParts> refined_for_parts(const Observations& observations, const PartSolution& main,
+                                                const CalibrationOptions& options) {
+  if (!main.cameras.refined.is_accepted) return std::nullopt;
+  CamerasOfParts refined{observations, options};
+  refined.observations.cameras = main.state.cameras;
+  refined.options.intrinsics = Intrinsics::kKeep;
+  refined.options.refine_extrinsics = false;
+  refined.options.edge_offset_sigma_px = 0.0;
+  return refined;
 }
 
 CalibrationResult calibrated(std::span<const FrameDetections> frames, const CameraRig& rig,
@@ -318,8 +338,11 @@ CalibrationResult calibrated(std::span<const FrameDetections> frames, const Came
   const std::vector<MapConstraint> constraints =
       with_families(options.constraints, observations.tags, findings.left_out);
   require_camera_frames(constraints, observations);
+  std::vector<RigCamera> start = starting_cameras(observations, options, parallel, log, findings);
   std::vector<ViewCandidates> candidates;
+  std::swap(observations.cameras, start);
   std::vector<Part> parts = solvable_parts(observations, options, parallel, candidates, findings);
+  std::swap(observations.cameras, start);
   require_connection(observations, parts, options, findings);
   std::vector<int> held_tags;
   choose_gauge(observations, options, findings, parts, held_tags);
@@ -328,8 +351,8 @@ CalibrationResult calibrated(std::span<const FrameDetections> frames, const Came
 
   log(LogLevel::kInfo, fmt::format("adjusting {} tags from {} observations", parts.front().tags.size(),
                                    parts.front().views.size()));
-  const PartSolution main = solve_part(observations, parts.front(), held_tags.front(), candidates, options,
-                                       constraints, parallel, log);
+  const PartSolution main = solve_part(observations, start, parts.front(), held_tags.front(), candidates,
+                                       options, constraints, parallel, log);
   take_cameras(observations, rig, main, result, findings);
   report_quality(observations, main, options, findings);
   result.held_tag = key_of(observations, main.held_tag);
@@ -338,9 +361,12 @@ CalibrationResult calibrated(std::span<const FrameDetections> frames, const Came
   take_statistics(observations, main, options, result);
   result.rig_poses = rig_poses(observations, main);
   if (options.cross_validate) result.cross_validation = cross_validate(observations, main, options);
+  const auto refined = parts.size() > 1 ? refined_for_parts(observations, main, options) : std::nullopt;
+  const Observations& of_parts = refined ? refined->observations : observations;
   for (std::size_t i = 1; i < parts.size(); ++i)
-    add_part({observations, candidates, options, parallel, log}, parts[i], held_tags[i], i + 1, result,
-             findings);
+    add_part({of_parts, refined ? of_parts.cameras : start, candidates, refined ? refined->options : options,
+              parallel, log},
+             parts[i], held_tags[i], i + 1, result, findings);
   return result;
 }
 

@@ -193,10 +193,9 @@ std::string corrections_in_words(const CameraRefinement& cameras,
   std::string words;
   for (const CameraCorrection& one : corrections)
     words += fmt::format("{}{}: {}", words.empty() ? "" : "; ", one.camera, in_words(one));
-  const std::string why =
-      cameras.held_out_before > 0.0
-          ? "with other intrinsics, " + gain_of(cameras)
-          : std::string("with another lens, the tags look square, and far more of the views agree");
+  const std::string why = cameras.held_out_before > 0.0
+                              ? "with other intrinsics, " + gain_of(cameras)
+                              : std::string("with another lens, far more of the views agree");
   return fmt::format(
       "the camera file does not fit: {}. The map rests on these intrinsics: {}. Track with the refined "
       "camera, "

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <set>
 #include <variant>
-
-#include "apriltrack/base/error.h"
 
 namespace apriltrack {
 namespace {
@@ -21,15 +21,8 @@ constexpr double kCenterSigma_px = 10.0;
 constexpr double kTangentialSigma = 0.005;
 constexpr double kTranslationSigma_m = 0.01;
 constexpr double kRotationSigma_rad = 0.02;
+constexpr double kRounding = 1e-9;  // between two writings of one lens
 constexpr int kFirstTangential = 2, kFirstAfterTangential = 4;
-
-struct CoefficientsOf {
-  std::vector<double> operator()(const NoDistortion&) const { return {}; }
-  template <typename Lens>
-  std::vector<double> operator()(const Lens& lens) const {
-    return lens.coefficients();
-  }
-};
 
 struct WithCoefficients {
   const std::vector<double>& values;
@@ -41,7 +34,8 @@ struct WithCoefficients {
 };
 
 std::vector<double> coefficients_of(const CameraModel& model) {
-  return std::visit(CoefficientsOf{}, model.distortion());
+  const auto values = std::visit([](const auto& lens) { return lens.coefficients(); }, model.distortion());
+  return {values.begin(), values.end()};
 }
 
 bool is_tangential(const CameraModel& model, int index) {
@@ -57,15 +51,13 @@ double distortion_sigma(const CameraModel& model, int index) {
 CameraModel moved_lens(const CameraModel& model, const CameraParameter& parameter, double step) {
   Pinhole pinhole = model.pinhole();
   std::vector<double> coefficients = coefficients_of(model);
-  const bool is_share = parameter.kind == Kind::kFocalLength || parameter.kind == Kind::kAspect;
-  if (is_share && !(step > -1.0)) throw invalid_input("focal length", "is not above 0");
   switch (parameter.kind) {
     case Kind::kFocalLength:
-      pinhole.fx *= 1.0 + step;
-      pinhole.fy *= 1.0 + step;
+      pinhole.fx *= std::exp(step);
+      pinhole.fy *= std::exp(step);
       break;
     case Kind::kAspect:
-      pinhole.fy *= 1.0 + step;
+      pinhole.fy *= std::exp(step);
       break;
     case Kind::kCenter:
       (parameter.index == 0 ? pinhole.cx : pinhole.cy) += step;
@@ -183,7 +175,7 @@ RigCamera moved(const RigCamera& camera, const CameraParameter& parameter, doubl
   RigCamera result = camera;
   if (parameter.kind == Kind::kEdgeOffset) {
     result.edge_offset_px += step;
-  } else if (parameter.kind == Kind::kTranslation || parameter.kind == Kind::kRotation) {
+  } else if (parameter.is_of_place()) {
     Vector6d xi = Vector6d::Zero();
     xi[parameter.index + (parameter.kind == Kind::kRotation ? 3 : 0)] = step;
     result.T_camera_rig = camera.T_camera_rig * Pose::exp(xi);
@@ -200,9 +192,9 @@ double difference(const RigCamera& from, const RigCamera& to, const CameraParame
     case Kind::kEdgeOffset:
       return to.edge_offset_px - from.edge_offset_px;
     case Kind::kFocalLength:
-      return other_lens.fx / lens.fx - 1.0;
+      return std::log(other_lens.fx / lens.fx);
     case Kind::kAspect:
-      return other_lens.fy / other_lens.fx * lens.fx / lens.fy - 1.0;
+      return std::log(other_lens.fy / other_lens.fx * lens.fx / lens.fy);
     case Kind::kCenter:
       return parameter.index == 0 ? other_lens.cx - lens.cx : other_lens.cy - lens.cy;
     case Kind::kDistortion:
@@ -215,13 +207,23 @@ double difference(const RigCamera& from, const RigCamera& to, const CameraParame
   return 0.0;
 }
 
+bool has_other_lens(const RigCamera& camera, const RigCamera& than) {
+  return std::ranges::any_of(intrinsic_parameters({0}, {than}), [&](const CameraParameter& one) {
+    return std::abs(difference(than, camera, one)) > kRounding;
+  });
+}
+
+bool have_other_lenses(const std::vector<RigCamera>& cameras, const std::vector<RigCamera>& than) {
+  return !std::ranges::equal(cameras, than,
+                             [](const RigCamera& a, const RigCamera& b) { return !has_other_lens(a, b); });
+}
+
 CameraRig with_corrections(const CameraRig& rig, const std::vector<RigCamera>& cameras,
                            const std::vector<CameraParameter>& parameters) {
   CameraRig result = rig;
   std::set<std::size_t> moved_places;
   for (const CameraParameter& one : parameters) {
-    if (one.kind == Kind::kTranslation || one.kind == Kind::kRotation)
-      moved_places.insert(static_cast<std::size_t>(one.camera));
+    if (one.is_of_place()) moved_places.insert(static_cast<std::size_t>(one.camera));
   }
   const auto place = [&](std::size_t i) {
     return moved_places.contains(i) ? cameras[i].T_camera_rig : rig.T_camera_rig(i);

@@ -14,8 +14,15 @@ struct CameraParameter {
   enum class Kind { kEdgeOffset, kFocalLength, kAspect, kCenter, kDistortion, kTranslation, kRotation };
   int camera = 0;
   Kind kind = Kind::kFocalLength;
-  int index = 0;       ///< Of a kind that has several.
-  double sigma = 0.0;  ///< How well it is known before: px, shares of the focal length, metres, radians.
+  int index = 0;  ///< Of a kind that has several.
+  /// How well it is known before: px, logarithms of focal lengths, metres, radians.
+  double sigma = 0.0;
+  double widened = 1.0;  ///< So many times what files of the same camera are off by is `sigma`.
+
+  bool is_of_lens() const { return kind >= Kind::kFocalLength && kind <= Kind::kDistortion; }
+  bool is_of_place() const { return kind >= Kind::kTranslation; }
+  /// Where value and sigma are shares, once they are no logarithms.
+  bool is_share() const { return kind == Kind::kFocalLength || kind == Kind::kAspect; }
 };
 
 /// "edge offset", "focal length", "k1".
@@ -40,6 +47,10 @@ RigCamera moved(const RigCamera& camera, const CameraParameter& parameter, doubl
 
 /// By how much moved() took the parameter from one camera to the other; of places to first order.
 double difference(const RigCamera& from, const RigCamera& to, const CameraParameter& parameter);
+
+/// Another lens, whatever its place and the edges that are seen by it.
+bool has_other_lens(const RigCamera& camera, const RigCamera& than);
+bool have_other_lenses(const std::vector<RigCamera>& cameras, const std::vector<RigCamera>& than);
 
 /// The rig with the lenses of `cameras`, and the places of those that had `parameters` of theirs estimated.
 CameraRig with_corrections(const CameraRig& rig, const std::vector<RigCamera>& cameras,

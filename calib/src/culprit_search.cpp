@@ -1,6 +1,7 @@
 #include "culprit_search.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <functional>
@@ -16,6 +17,8 @@
 
 namespace apriltrack {
 namespace {
+
+constexpr std::size_t kMostTold = 6;  // tags, and pairs of them
 
 /// The same without some tags; nullopt where nothing is left, where one is held by choice, and where what is
 /// left contradicts itself.
@@ -104,10 +107,14 @@ std::vector<int> culprit_candidates(const Part& part, const Contradictions& cont
 }
 
 void fail_with_contradictions(const Observations& observations, const Contradictions& contradictions) {
-  std::string what = names_of(observations, contradictions.tags);
+  std::vector<std::string> all;
+  for (const int tag : contradictions.tags) all.push_back(name_of(observations, tag));
   for (const auto& [a, b] : contradictions.links)
-    what += fmt::format("{}{} with {}", what.empty() ? "" : ", ", name_of(observations, a),
-                        name_of(observations, b));
+    all.push_back(fmt::format("{} with {}", name_of(observations, a), name_of(observations, b)));
+  const std::size_t told = std::min(all.size(), kMostTold);
+  const std::string what =
+      fmt::format("{}{}", fmt::join(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(told), ", "),
+                  all.size() > told ? fmt::format(" and {} more", all.size() - told) : "");
   throw no_result("calibrate",
                   fmt::format("{} of {} frames contradict the others, and no one tag is clearly the cause; "
                               "most contradicted: {}. Does an id hang in two places? {}",

@@ -1,7 +1,5 @@
 #include "apriltrack/calib/fit_lenses.h"
 
-#include <numeric>
-
 #include "apriltrack/base/error.h"
 #include "lens_by_single_views.h"
 
@@ -14,7 +12,8 @@ std::optional<Observations> usable_views(std::span<const FrameDetections> frames
   Findings findings;
   try {
     return collect_observations(frames, rig, any_size, {}, findings);
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kNoResult) throw;
     return std::nullopt;
   }
 }
@@ -25,13 +24,15 @@ std::optional<CameraRig> fit_lenses(std::span<const FrameDetections> frames, con
                                     int num_threads) {
   const auto observations = usable_views(frames, rig);
   if (!observations) return std::nullopt;
-  std::vector<std::size_t> views(observations->views.size());
-  std::iota(views.begin(), views.end(), std::size_t{0});
-  const auto cameras = lens_by_single_views(*observations, views, parallel_for(num_threads));
-  if (!cameras) return std::nullopt;
   CameraRig result = rig;
-  for (std::size_t c = 0; c < cameras->size(); ++c) result.cameras[c].model = (*cameras)[c].model;
-  return result;
+  bool is_any_other = false;
+  for (std::size_t c = 0; c < result.cameras.size(); ++c) {
+    const auto model = lens_by_single_views(*observations, static_cast<int>(c), parallel_for(num_threads));
+    if (!model) continue;
+    result.cameras[c].model = *model;
+    is_any_other = true;
+  }
+  return is_any_other ? std::optional(result) : std::nullopt;
 }
 
 }  // namespace apriltrack

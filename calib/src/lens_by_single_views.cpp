@@ -1,11 +1,15 @@
 #include "lens_by_single_views.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
+#include <tuple>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "apriltrack/base/error.h"
 #include "camera_parameters.h"
@@ -16,41 +20,64 @@ namespace apriltrack {
 namespace {
 
 constexpr std::size_t kMostViewsForLens = 2000;
+constexpr double kPlace_px = 24.0;   // a tag that is seen there again says the same once more
 constexpr double kLessKnown = 10.0;  // than numbers of a file that is about right
 constexpr int kMostLensSteps = 30, kMostShortenings = 5, kStepsOfPose = 3;
-constexpr double kStill = 0.01;         // of what a number is known by
-constexpr double kLossOfRemains = 4.0;  // of their noise
-constexpr double kOutOfSight = 10.0;    // what a view costs, in these, that the lens does not reach
-constexpr int kNumRemains = 2;          // of a view's eight numbers, once six are spent on its pose
-constexpr double kClearly = 10.0;       // chi squared that a number of the lens explains; chance makes it one
-constexpr double kMuchLess = 0.3;       // of all disagreement
+constexpr double kStill = 0.01;             // of what a number is known by
+constexpr double kLossOfRemains = 4.0;      // of their noise
+constexpr double kOutOfSight = 10.0;        // what a view costs, in these, that the lens does not reach
+constexpr int kNumRemains = 2;              // of a view's eight numbers, once six are spent on its pose
+constexpr std::size_t kViewsPerNumber = 5;  // of a lens, at least
+constexpr double kClearly = 10.0;     // chi squared that a number of the lens explains; chance makes it one
+constexpr double kOtherSize = 0.2;    // logarithm of a picture's scale
+constexpr double kWorthALook = 0.08;  // of all disagreement, by one step; noise that is to fall hides more
+constexpr double kMuchLess = 0.3;     // of all disagreement
 
-std::vector<std::size_t> some_of(const std::vector<std::size_t>& views) {
-  std::vector<std::size_t> some;
-  const std::size_t num = std::min(views.size(), kMostViewsForLens);
-  for (std::size_t i = 0; i < num; ++i) some.push_back(views[i * views.size() / num]);
+/// One view of each tag at each place in the camera's picture: neighbouring frames repeat their errors. Of
+/// too many such, some from all over the picture.
+std::vector<std::size_t> views_apart(const Observations& observations, int camera) {
+  std::map<std::tuple<int, int, int>, std::size_t> first;  // by place, then tag
+  for (std::size_t v = 0; v < observations.views.size(); ++v) {
+    const TagView& view = observations.views[v];
+    if (view.camera != camera) continue;
+    const Eigen::Vector2d place =
+        (view.corners_px[0] + view.corners_px[1] + view.corners_px[2] + view.corners_px[3]) /
+        (4.0 * kPlace_px);
+    first.try_emplace(
+        {static_cast<int>(std::floor(place.y())), static_cast<int>(std::floor(place.x())), view.tag}, v);
+  }
+  std::vector<std::size_t> all, some;
+  for (const auto& [place, v] : first) all.push_back(v);
+  const std::size_t num = std::min(all.size(), kMostViewsForLens);
+  for (std::size_t i = 0; i < num; ++i) some.push_back(all[i * all.size() / num]);
   return some;
 }
 
-/// Each view in a frame of its own, its camera before a tag that hangs at the origin.
-Observations single_views(const Observations& observations, const std::vector<std::size_t>& views) {
-  Observations single = observations;
-  for (RigCamera& camera : single.cameras) camera.T_camera_rig = Pose::identity();
-  single.frames.assign(views.size(), Timestamp{});
-  single.views.clear();
+/// Each view in a frame of its own, the one camera before a tag that hangs at the origin.
+Observations single_views(const Observations& observations, const RigCamera& camera,
+                          const std::vector<std::size_t>& views) {
+  Observations single{
+      observations.tags, observations.sizes_m, std::vector<Timestamp>(views.size()), {camera}, {}};
+  single.cameras.front().T_camera_rig = Pose::identity();
   for (const std::size_t v : views) {
     single.views.push_back(observations.views[v]);
+    single.views.back().camera = 0;
     single.views.back().frame = static_cast<int>(single.views.size()) - 1;
   }
   return single;
 }
 
-std::vector<CameraParameter> little_known_lenses(const Observations& observations) {
-  std::set<int> cameras;
-  for (const TagView& view : observations.views) cameras.insert(view.camera);
-  std::vector<CameraParameter> parameters =
-      intrinsic_parameters({cameras.begin(), cameras.end()}, observations.cameras);
-  for (CameraParameter& one : parameters) one.sigma *= kLessKnown;
+/// fy / fx is little known only where the file has no square pixels: prints that were stretched would change
+/// it.
+std::vector<CameraParameter> little_known_lens(const Observations& observations) {
+  const Pinhole& pinhole = observations.cameras.front().model.pinhole();
+  std::vector<CameraParameter> parameters = intrinsic_parameters({0}, observations.cameras);
+  for (CameraParameter& one : parameters) {
+    if (one.kind == CameraParameter::Kind::kAspect)
+      one.sigma = std::max(one.sigma, std::abs(std::log(pinhole.fy / pinhole.fx)));
+    else
+      one.sigma *= kLessKnown;
+  }
   return parameters;
 }
 
@@ -60,91 +87,100 @@ struct Remains {
   Eigen::MatrixXd by_parameter;
 };
 
-/// Lenses, and how well the views agree with them.
-struct Lenses {
-  std::vector<RigCamera> cameras;
+/// A lens, and the views' poses by it.
+struct Lens {
+  RigCamera camera;
   Eigen::VectorXd total;  ///< How far from the file's, in sigmas of the parameters.
   MapState state;
 };
 
-/// Least squares over lenses, robust, each view's pose following.
+/// Least squares over a lens, robust, each view's pose following.
 class LensFit {
  public:
   LensFit(Observations single, const ParallelFor& parallel)
-      : single_(std::move(single)), parameters_(little_known_lenses(single_)), parallel_(parallel) {
+      : single_(std::move(single)),
+        file_(single_.cameras.front()),
+        parameters_(little_known_lens(single_)),
+        parallel_(parallel) {
     for (std::size_t v = 0; v < single_.views.size(); ++v) views_.push_back(v);
   }
 
-  Lenses of_file() {
-    const auto num = static_cast<Eigen::Index>(parameters_.size());
-    return {single_.cameras, Eigen::VectorXd::Zero(num), state_by(single_.cameras)};
+  /// start: as far from the file's as it is.
+  Lens lens_of(const RigCamera& start) {
+    Lens lens{start, Eigen::VectorXd(static_cast<Eigen::Index>(parameters_.size())), state_by(start)};
+    for (std::size_t p = 0; p < parameters_.size(); ++p)
+      lens.total[static_cast<Eigen::Index>(p)] =
+          difference(file_, start, parameters_[p]) / parameters_[p].sigma;
+    return lens;
   }
+  const RigCamera& file() const { return file_; }
 
   /// In units of the noise that is expected, or found, where that is more.
-  double noise(const Lenses& lenses) const {
+  double noise(const Lens& lens) const {
     std::vector<double> squares;
-    for (const std::size_t v : views_) squares.push_back(squares_of(lenses.state, v));
+    for (const std::size_t v : views_) squares.push_back(squares_of(lens.state, v));
     const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
     std::ranges::nth_element(squares, middle);
     return std::sqrt(std::max(1.0, *middle / (2.0 * std::log(2.0))));  // of chi squared with two degrees
   }
 
-  double cost(const Lenses& lenses, double noise) const {
-    double sum = 0.5 * lenses.total.squaredNorm();
+  double cost(const Lens& lens, double noise) const {
+    double sum = 0.5 * lens.total.squaredNorm();
     for (const std::size_t v : views_)
-      sum += CauchyLoss{kLossOfRemains}.cost(squares_of(lenses.state, v) / (noise * noise));
+      sum += CauchyLoss{kLossOfRemains}.cost(squares_of(lens.state, v) / (noise * noise));
     return sum;
   }
 
-  /// In sigmas of the parameters, of which it is one at most. gain: by how much the cost would fall by
-  /// all of it, to first order.
-  Eigen::VectorXd step(const Lenses& lenses, double noise, double& gain) const {
-    const Eigen::Index num = lenses.total.size();
+  struct Step {
+    Eigen::VectorXd by;  ///< In sigmas of the parameters, one of them at most.
+    double gain = 0.0;   ///< By how much the cost would fall by all of it, to first order.
+  };
+  Step step(const Lens& lens, double noise) const {
+    const Eigen::Index num = lens.total.size();
     Eigen::MatrixXd information = Eigen::MatrixXd::Identity(num, num);
-    Eigen::VectorXd gradient = lenses.total;
-    for (const Remains& one : remains(lenses.state)) {
+    Eigen::VectorXd gradient = lens.total;
+    for (const Remains& one : remains(lens.state)) {
       const double noise2 = noise * noise;
       const double weight = CauchyLoss{kLossOfRemains}.weight(one.residual.squaredNorm() / noise2) / noise2;
       information += weight * one.by_parameter.transpose() * one.by_parameter;
       gradient += weight * one.by_parameter.transpose() * one.residual;
     }
     const Eigen::VectorXd result = -information.ldlt().solve(gradient);
-    gain = -0.5 * gradient.dot(result);
-    return result / std::max(1.0, result.cwiseAbs().maxCoeff());
+    return {result / std::max(1.0, result.cwiseAbs().maxCoeff()), -0.5 * gradient.dot(result)};
   }
 
-  /// False, and `lenses` as they were, where no part of the step makes the views agree better.
-  bool move(Eigen::VectorXd step, double noise, Lenses& lenses) {
-    const double before = cost(lenses, noise);
+  /// False, and `lens` as they were, where no part of the step makes the views agree better.
+  bool move(Eigen::VectorXd step, double noise, Lens& lens) {
+    const double before = cost(lens, noise);
     for (int i = 0; i < kMostShortenings; ++i, step *= 0.5) {
-      auto next = moved_by(lenses, step);
+      auto next = moved_by(lens, step);
       if (!next || !(cost(*next, noise) < before)) continue;
-      lenses = std::move(*next);
+      lens = std::move(*next);
       return true;
     }
     return false;
   }
 
  private:
-  std::optional<Lenses> moved_by(const Lenses& lenses, const Eigen::VectorXd& step) {
-    Lenses next{lenses.cameras, lenses.total + step, {}};
+  std::optional<Lens> moved_by(const Lens& lens, const Eigen::VectorXd& step) {
+    Lens next{lens.camera, lens.total + step, {}};
     try {
-      for (std::size_t p = 0; p < parameters_.size(); ++p) {
-        RigCamera& camera = next.cameras[static_cast<std::size_t>(parameters_[p].camera)];
-        camera = moved(camera, parameters_[p], step[static_cast<Eigen::Index>(p)] * parameters_[p].sigma);
-      }
+      for (std::size_t p = 0; p < parameters_.size(); ++p)
+        next.camera =
+            moved(next.camera, parameters_[p], step[static_cast<Eigen::Index>(p)] * parameters_[p].sigma);
     } catch (const Error&) {  // a lens that no formula describes
       return std::nullopt;
     }
-    next.state = state_by(next.cameras);
+    next.state = state_by(next.camera);
     return next;
   }
 
   /// Each tag in the likelier of its two poses, and from there where its corners fit best.
-  MapState state_by(const std::vector<RigCamera>& cameras) {
-    single_.cameras = cameras;
+  MapState state_by(const RigCamera& camera) {
+    single_.cameras = {camera};
     const std::vector<ViewCandidates> candidates = solve_views(single_, views_, parallel_);
-    MapState state{std::vector<Pose>(single_.tags.size()), std::vector<Pose>(views_.size()), cameras, {}};
+    MapState state{
+        std::vector<Pose>(single_.tags.size()), std::vector<Pose>(views_.size()), single_.cameras, {}};
     parallel_(views_.size(), [&](std::size_t v) {
       if (candidates[v].candidates.empty()) return;
       state.T_map_rig[v] = candidates[v].candidates.front().T_rig_tag.inverse();
@@ -185,37 +221,102 @@ class LensFit {
   }
 
   Observations single_;
+  RigCamera file_;
   std::vector<CameraParameter> parameters_;
   const ParallelFor& parallel_;
   std::vector<std::size_t> views_;
 };
 
 /// Other than by chance, and than what edges beside the true ones, or a few bent tags, make of a right lens.
-bool is_clearly_less(double before, double gain, Eigen::Index num_parameters) {
-  return 2.0 * gain > kClearly * static_cast<double>(num_parameters) && gain > kMuchLess * before;
+bool is_clearly_less(double before, double gain, Eigen::Index num_parameters, double share = kMuchLess) {
+  return 2.0 * gain > kClearly * static_cast<double>(num_parameters) && gain > share * before;
+}
+
+/// The file's own centre is that of the picture, about; what is seen lies about the centre, too.
+double scale_of_pictures(const Observations& observations, const Pinhole& pinhole,
+                         const std::vector<std::size_t>& views) {
+  Eigen::AlignedBox2d seen;
+  for (const std::size_t v : views)
+    for (const Eigen::Vector2d& corner : observations.views[v].corners_px) seen.extend(corner);
+  const double scale = 0.5 * (seen.center().x() / pinhole.cx + seen.center().y() / pinhole.cy);
+  return scale > 0.1 && scale < 10.0 ? scale : 1.0;
+}
+
+RigCamera scaled(RigCamera camera, double scale) {
+  const Pinhole& p = camera.model.pinhole();
+  camera.model = {{scale * p.fx, scale * p.fy, scale * p.cx, scale * p.cy}, camera.model.distortion()};
+  return camera;
+}
+
+Lens descended(LensFit& fit, Lens lens) {
+  for (int i = 0; i < kMostLensSteps; ++i) {
+    const double noise = fit.noise(lens);
+    const Eigen::VectorXd step = fit.step(lens, noise).by;
+    if (!fit.move(step, noise, lens) || step.cwiseAbs().maxCoeff() < kStill) break;
+  }
+  return lens;
+}
+
+CameraModel undistorted_of_other_model(const CameraModel& model) {
+  if (std::holds_alternative<EquidistantDistortion>(model.distortion()))
+    return {model.pinhole(), RadtanDistortion({0.0, 0.0, 0.0, 0.0})};
+  return {model.pinhole(), EquidistantDistortion({0.0, 0.0, 0.0, 0.0})};
+}
+
+/// A lens that views agree with, and how well: in units of `noise`.
+struct Candidate {
+  CameraModel model;
+  double cost = 0.0;
+};
+
+/// The best from the file's numbers, as they are and as those of pictures of another size.
+Candidate best_of_model(const Observations& observations, RigCamera camera, const CameraModel& model,
+                        const std::vector<std::size_t>& views, double noise, const ParallelFor& parallel) {
+  camera.model = model;
+  LensFit fit(single_views(observations, camera, views), parallel);
+  Lens best = descended(fit, fit.lens_of(fit.file()));
+  const double scale = scale_of_pictures(observations, model.pinhole(), views);
+  if (std::abs(std::log(scale)) > kOtherSize) {
+    Lens other = descended(fit, fit.lens_of(scaled(fit.file(), scale)));
+    if (fit.cost(other, noise) < fit.cost(best, noise)) best = std::move(other);
+  }
+  return {best.camera.model, fit.cost(best, noise)};
 }
 
 }  // namespace
 
-std::optional<std::vector<RigCamera>> lens_by_single_views(const Observations& observations,
-                                                           const std::vector<std::size_t>& views,
-                                                           const ParallelFor& parallel) {
-  if (views.empty()) return std::nullopt;
-  LensFit fit(single_views(observations, some_of(views)), parallel);
-  const Lenses of_file = fit.of_file();
-  Lenses lenses = of_file;
-  for (int i = 0; i < kMostLensSteps; ++i) {
-    const double noise = fit.noise(lenses);
-    double gain = 0.0;
-    const Eigen::VectorXd step = fit.step(lenses, noise, gain);
-    if (i == 0 && !is_clearly_less(fit.cost(lenses, noise), gain, step.size())) return std::nullopt;
-    if (!fit.move(step, noise, lenses) || step.cwiseAbs().maxCoeff() < kStill) break;
-  }
-  const double noise = fit.noise(lenses), before = fit.cost(of_file, noise);
-  if (!is_clearly_less(before, before - fit.cost(lenses, noise), lenses.total.size())) return std::nullopt;
-  std::vector<RigCamera> cameras = observations.cameras;
-  for (std::size_t c = 0; c < cameras.size(); ++c) cameras[c].model = lenses.cameras[c].model;
-  return cameras;
+CameraModel with_distortion(const CameraModel& model) {
+  if (!std::holds_alternative<NoDistortion>(model.distortion())) return model;
+  return {model.pinhole(), RadtanDistortion({0.0, 0.0, 0.0, 0.0})};
+}
+
+CameraModel without_numbers(const CameraModel& like, const Pinhole& pinhole) {
+  if (std::holds_alternative<EquidistantDistortion>(like.distortion()))
+    return {pinhole, EquidistantDistortion({0.0, 0.0, 0.0, 0.0})};
+  return {pinhole, RadtanDistortion({0.0, 0.0, 0.0, 0.0})};
+}
+
+std::optional<CameraModel> lens_by_single_views(const Observations& observations, int camera,
+                                                const ParallelFor& parallel) {
+  const std::vector<std::size_t> views = views_apart(observations, camera);
+  RigCamera of_file = observations.cameras[static_cast<std::size_t>(camera)];
+  of_file.model = with_distortion(of_file.model);
+  LensFit fit(single_views(observations, of_file, views), parallel);
+  const Lens lens = fit.lens_of(of_file);
+  const Eigen::Index num = lens.total.size();
+  if (views.size() < kViewsPerNumber * static_cast<std::size_t>(num)) return std::nullopt;
+  const double noise = fit.noise(lens);
+  if (!is_clearly_less(fit.cost(lens, noise), fit.step(lens, noise).gain, num, kWorthALook))
+    return std::nullopt;
+
+  const double noise_after = fit.noise(descended(fit, lens)), before = fit.cost(lens, noise_after);
+  const Candidate same = best_of_model(observations, of_file, of_file.model, views, noise_after, parallel);
+  const CameraModel other_model = undistorted_of_other_model(of_file.model);
+  const Candidate other = best_of_model(observations, of_file, other_model, views, noise_after, parallel);
+  const bool is_other_model = is_clearly_less(same.cost, same.cost - other.cost, num);
+  const Candidate& best = is_other_model ? other : same;
+  if (!is_clearly_less(before, before - best.cost, num)) return std::nullopt;
+  return best.model;
 }
 
 }  // namespace apriltrack

@@ -17,7 +17,6 @@
 #include "culprit_search.h"
 #include "error_scale.h"
 #include "joint_tag_covariance.h"
-#include "lens_by_single_views.h"
 #include "part_adjustment.h"
 #include "reduced_equations.h"
 #include "rig_check.h"
@@ -127,24 +126,28 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
 
 AdjustedPart adjusted(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel,
                       const LogSink& log) {
-  require_rig_that_fits(task, part, held_tag, parallel);
+  require_rig_that_fits(task, part);
   AdjustedPart solved = adjust_without_contradictions(task, part, held_tag, parallel, log);
   leave_out_undecided(task, part, solved, parallel);
   return solved;
 }
 
-/// By the file's lenses, or, where single views already speak against these, by what they say.
-AdjustedPart adjusted_by_fitting_lens(const PartTask& task, const Part& part, int held_tag,
-                                      const ParallelFor& parallel, const LogSink& log) {
-  if (task.options.intrinsics == Intrinsics::kKeep) return adjusted(task, part, held_tag, parallel, log);
-  const auto cameras = lens_by_single_views(task.observations, part.views, parallel);
-  if (!cameras) return adjusted(task, part, held_tag, parallel, log);
-  log(LogLevel::kInfo,
-      "the tags' outlines speak against the camera file: starting from a lens that fits them");
-  Observations by_lens = task.observations;
-  by_lens.cameras = *cameras;
-  return adjusted({by_lens, solve_views(by_lens, part.views, parallel), task.options}, part, held_tag,
-                  parallel, log);
+/// start: cameras that may have other lenses than the task's. What fails by these may fail for them.
+AdjustedPart adjusted_from(const std::vector<RigCamera>& start, const PartTask& task, const Part& part,
+                           int held_tag, const ParallelFor& parallel, const LogSink& log) {
+  if (!have_other_lenses(start, task.observations.cameras))
+    return adjusted(task, part, held_tag, parallel, log);
+  Observations by_start = task.observations;
+  by_start.cameras = start;
+  try {
+    return adjusted({by_start, task.candidates, task.options}, part, held_tag, parallel, log);
+  } catch (const Error& error) {
+    throw no_result(
+        error.where(),
+        fmt::format("{}. This is by another lens than the camera file's, by which the tags do not look "
+                    "square: is that file of this camera, zoom and resolution?",
+                    error.cause()));
+  }
 }
 
 /// Looks at each tag for faults, and leaves out what cannot be trusted.
@@ -206,12 +209,12 @@ void require_sense(const PartSolution& solution) {
 
 }  // namespace
 
-PartSolution solve_part(const Observations& observations, const Part& part, int held_tag,
-                        const std::vector<ViewCandidates>& candidates, const CalibrationOptions& options,
-                        const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
-                        const LogSink& log) {
+PartSolution solve_part(const Observations& observations, const std::vector<RigCamera>& start,
+                        const Part& part, int held_tag, const std::vector<ViewCandidates>& candidates,
+                        const CalibrationOptions& options, const std::vector<MapConstraint>& constraints,
+                        const ParallelFor& parallel, const LogSink& log) {
   const PartTask task{observations, candidates, options};
-  AdjustedPart solved = adjusted_by_fitting_lens(task, part, held_tag, parallel, log);
+  AdjustedPart solved = adjusted_from(start, task, part, held_tag, parallel, log);
   PartSolution solution;
   solution.cameras = improve_cameras(task, part, parallel, log, solved);
   const std::vector<ViewCandidates>& by_cameras = solution.cameras.candidates;

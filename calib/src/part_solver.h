@@ -36,10 +36,11 @@ struct PartSolution {
 /// Start, robust adjustment, outliers removed, clean adjustment, mirrored tags turned, covariances; all of it
 /// again without the tag that makes frames contradict each other, if there is one, or those of which any may.
 /// Throws Error(kNoResult) when it does not converge, converges to nonsense, or contradictions stay, of views
-/// or of constraints. constraints: whose tags are named by family and id.
-PartSolution solve_part(const Observations& observations, const Part& part, int held_tag,
-                        const std::vector<ViewCandidates>& candidates, const CalibrationOptions& options,
-                        const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
-                        const LogSink& log);
+/// or of constraints. start: the cameras to begin with, which `candidates` are made with, as well; what is
+/// known of them before is what `observations` has. constraints: whose tags are named by family and id.
+PartSolution solve_part(const Observations& observations, const std::vector<RigCamera>& start,
+                        const Part& part, int held_tag, const std::vector<ViewCandidates>& candidates,
+                        const CalibrationOptions& options, const std::vector<MapConstraint>& constraints,
+                        const ParallelFor& parallel, const LogSink& log);
 
 }  // namespace apriltrack

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <numeric>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -19,7 +21,30 @@ constexpr std::size_t kLeastMoments = 5, kMostMoments = 200;
 constexpr double kScatters = 4.0;  // of single moments: no mean is trusted
 constexpr double kFar_m = 0.05;
 constexpr double kFar_rad = 5.0 * kRadPerDeg;
-constexpr double kLooksRight = 0.2;  // of what is off as the file has it
+// What lenses may be off by without being of another camera: by so much of a tag's distance a camera seems
+// nearer to it, by so much of the focal length turned.
+constexpr double kLensError = 0.06;
+constexpr double kRefinable = 3.0;  // times as far where places are refined
+constexpr double kLooksRight = 0.2;
+
+/// The moments of the part at which two cameras see tags, some of many; their views.
+std::vector<std::size_t> joint_views(const Observations& observations, const Part& part) {
+  std::map<int, std::set<int>> cameras_of_frame;
+  for (const std::size_t v : part.views)
+    cameras_of_frame[observations.views[v].frame].insert(observations.views[v].camera);
+  std::erase_if(cameras_of_frame, [](const auto& frame) { return frame.second.size() < 2; });
+  std::set<int> frames;
+  const std::size_t num = std::min(cameras_of_frame.size(), kMostMoments);
+  auto frame = cameras_of_frame.begin();
+  for (std::size_t i = 0, at = 0; i < num; ++i) {
+    for (const std::size_t next = i * cameras_of_frame.size() / num; at < next; ++at) ++frame;
+    frames.insert(frame->first);
+  }
+  std::vector<std::size_t> views;
+  std::ranges::copy_if(part.views, std::back_inserter(views),
+                       [&](std::size_t v) { return frames.contains(observations.views[v].frame); });
+  return views;
+}
 
 /// Each camera's pictures as frames of their own: what they show needs no rig.
 struct Apart {
@@ -28,54 +53,55 @@ struct Apart {
 };
 
 Apart take_apart(const Observations& observations, const std::vector<std::size_t>& views) {
-  Apart apart{observations, {}};
+  Apart apart{{observations.tags, observations.sizes_m, {}, observations.cameras, {}}, {}};
   for (RigCamera& camera : apart.observations.cameras) camera.T_camera_rig = Pose::identity();
-  apart.observations.frames.clear();
   for (const std::size_t v : views) {
-    TagView& view = apart.observations.views[v];
+    TagView view = observations.views[v];
     const auto [entry, is_new] =
         apart.frame_of.try_emplace({view.frame, view.camera}, static_cast<int>(apart.frame_of.size()));
     if (is_new)
       apart.observations.frames.push_back(observations.frames[static_cast<std::size_t>(view.frame)]);
     view.frame = entry->second;
+    apart.observations.views.push_back(view);
   }
   return apart;
 }
 
-/// T_camera_other at each moment that both show tags of the part, by other and camera.
-std::map<std::pair<int, int>, std::vector<Pose>> relative_places(const Apart& apart, const Part& part,
-                                                                 const MapState& state) {
-  std::vector<bool> is_placed(apart.observations.frames.size(), false);
-  for (const std::size_t v : part.views)
-    is_placed[static_cast<std::size_t>(apart.observations.views[v].frame)] = true;
-  std::map<std::pair<int, int>, std::vector<Pose>> places;
+/// A camera as it is seen from another one.
+struct SeenPlaces {
+  std::vector<Pose> T_camera_other;  ///< At each moment that both show tags of the map.
+  std::vector<double> distances_m;   ///< Of these tags.
+};
+
+/// By the other camera, and the one.
+std::map<std::pair<int, int>, SeenPlaces> seen_places(const Apart& apart, const Part& part,
+                                                      const MapState& state) {
+  std::map<int, std::vector<double>> distances_m;  // by frame
+  for (const std::size_t v : part.views) {
+    const TagView& view = apart.observations.views[v];
+    const Pose T_rig_tag = state.T_map_rig[static_cast<std::size_t>(view.frame)].inverse() *
+                           state.T_map_tag[static_cast<std::size_t>(view.tag)];
+    distances_m[view.frame].push_back(T_rig_tag.translation().norm());
+  }
+  std::map<std::pair<int, int>, SeenPlaces> places;
   for (auto other = apart.frame_of.begin(); other != apart.frame_of.end(); ++other) {
-    const auto [moment, camera] = other->first;
-    for (auto one = std::next(other); one != apart.frame_of.end() && one->first.first == moment; ++one) {
-      const auto f = static_cast<std::size_t>(one->second), g = static_cast<std::size_t>(other->second);
-      if (is_placed[f] && is_placed[g])
-        places[{camera, one->first.second}].push_back(state.T_map_rig[f].inverse() * state.T_map_rig[g]);
+    for (auto one = std::next(other); one != apart.frame_of.end() && one->first.first == other->first.first;
+         ++one) {
+      if (!distances_m.contains(one->second) || !distances_m.contains(other->second)) continue;
+      SeenPlaces& seen = places[{other->first.second, one->first.second}];
+      seen.T_camera_other.push_back(state.T_map_rig[static_cast<std::size_t>(one->second)].inverse() *
+                                    state.T_map_rig[static_cast<std::size_t>(other->second)]);
+      for (const int frame : {one->second, other->second})
+        seen.distances_m.insert(seen.distances_m.end(), distances_m[frame].begin(), distances_m[frame].end());
     }
   }
   return places;
 }
 
-/// Some of them, in all of the recording.
-std::vector<Pose> evenly(const std::vector<Pose>& all) {
-  if (all.size() <= kMostMoments) return all;
-  std::vector<Pose> some;
-  for (std::size_t i = 0; i < kMostMoments; ++i) some.push_back(all[i * all.size() / kMostMoments]);
-  return some;
-}
-
-double median(std::vector<double> values) {
+double middle_value(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
-}
-
-double turn_rad(const Pose& pose) {
-  return Eigen::AngleAxisd(pose.rotation()).angle();
 }
 
 /// How far `seen` are from a pose, the median of each: m, rad.
@@ -83,9 +109,9 @@ std::pair<double, double> distance_from(const std::vector<Pose>& seen, const Pos
   std::vector<double> lengths, turns;
   for (const Pose& one : seen) {
     lengths.push_back((one.translation() - pose.translation()).norm());
-    turns.push_back(turn_rad(one * pose.inverse()));
+    turns.push_back(rotation_angle_rad(one.rotation(), pose.rotation()));
   }
-  return {median(lengths), median(turns)};
+  return {middle_value(lengths), middle_value(turns)};
 }
 
 /// The one that is nearest to all others.
@@ -97,59 +123,77 @@ Pose middle_of(const std::vector<Pose>& seen) {
   return *std::ranges::min_element(seen, {}, badness);
 }
 
-/// What users do to a rig, if that is what it was.
+/// What users do to a rig, if that is what it was: the mistake that leaves least.
 std::string guess(const std::vector<Pose>& seen, const Pose& stated) {
-  const Eigen::Matrix3d turn = stated.rotation().toRotationMatrix();
+  const Eigen::Quaterniond& turn = stated.rotation();
   const std::pair<Pose, const char*> mistakes[] = {
       {{turn, stated.translation() / 1000.0}, "its lengths look like millimetres, and must be metres"},
       {{turn, stated.translation() / 100.0}, "its lengths look like centimetres, and must be metres"},
       {stated.inverse(), "it looks like the inverse: of a point in camera n-1 it must make one in camera n"}};
-  const auto off = distance_from(seen, stated);
-  for (const auto& [pose, words] : mistakes) {
-    const auto rest = distance_from(seen, pose);
-    if (rest.first <= std::max(kFar_m, kLooksRight * off.first) &&
-        rest.second <= std::max(kFar_rad, kLooksRight * off.second))
-      return words;
-  }
+  const Pose middle = middle_of(seen);
+  const double baseline_m = middle.translation().norm();
+  const double scatter_m = distance_from(seen, middle).first;
+  const double right_m = std::min(0.5 * baseline_m, kLooksRight * baseline_m + 2.0 * scatter_m);
+  const auto badness = [&](const auto& mistake) {
+    const auto [off_m, off_rad] = distance_from(seen, mistake.first);
+    return std::max(off_m / std::max(right_m, 1e-9), off_rad / kFar_rad);
+  };
+  const auto& best = *std::ranges::min_element(mistakes, {}, badness);
+  if (badness(best) < 1.0) return best.second;
   return "is it of this rig, and are its cameras in this order?";
 }
 
 std::string in_words(const Pose& pose) {
   const Eigen::Vector3d& t = pose.translation();
   return fmt::format("[{:.3g}, {:.3g}, {:.3g}] m, turned by {:.1f} degrees", t.x(), t.y(), t.z(),
-                     turn_rad(pose) * kDegPerRad);
+                     rotation_angle_rad(pose.rotation(), Eigen::Quaterniond::Identity()) * kDegPerRad);
 }
 
-/// seen: T_camera_other, by the pictures of single moments.
-void require_place(const RigCamera& other, const RigCamera& camera, const std::vector<Pose>& seen) {
+/// tolerance: times what is allowed for.
+void require_place(const RigCamera& other, const RigCamera& camera, const SeenPlaces& places,
+                   double tolerance) {
+  const std::vector<Pose>& seen = places.T_camera_other;
   if (seen.size() < kLeastMoments) return;
   const Pose stated = camera.T_camera_rig * other.T_camera_rig.inverse();
   const Pose middle = middle_of(seen);
   const auto [off_m, off_rad] = distance_from(seen, stated);
   const auto [scatter_m, scatter_rad] = distance_from(seen, middle);
-  if (off_m <= kFar_m + kScatters * scatter_m && off_rad <= kFar_rad + kScatters * scatter_rad) return;
-  throw no_result("calibrate",
-                  fmt::format("T_cn_cnm1 of the camera file does not fit: from {} to {} it says {}, and {} "
-                              "moments show {} (within "
-                              "about {:.2g} m and {:.1f} degrees); {}",
-                              other.name, camera.name, in_words(stated), seen.size(), in_words(middle),
-                              scatter_m, scatter_rad * kDegPerRad, guess(seen, stated)));
+  const double allowed_m = kFar_m + kLensError * middle_value(places.distances_m) + kScatters * scatter_m;
+  const double allowed_rad = kFar_rad + kLensError + kScatters * scatter_rad;
+  if (off_m <= tolerance * allowed_m && off_rad <= tolerance * allowed_rad) return;
+  throw no_result(
+      "calibrate",
+      fmt::format(
+          "T_cn_cnm1 of the camera file does not fit: from {} to {} it says {}, and {} moments show {} "
+          "(within about {:.2g} m and {:.1f} degrees); {}",
+          other.name, camera.name, in_words(stated), seen.size(), in_words(middle), scatter_m,
+          scatter_rad * kDegPerRad, guess(seen, stated)));
 }
 
 }  // namespace
 
-void require_rig_that_fits(const PartTask& task, const Part& part, int held_tag,
-                           const ParallelFor& parallel) {
+void require_rig_that_fits(const PartTask& task, const Part& part) {
   const std::vector<RigCamera>& cameras = task.observations.cameras;
-  if (cameras.size() < 2) return;
-  const Apart apart = take_apart(task.observations, part.views);
-  const Part still = connected_to(apart.observations, part.views, held_tag, task.options.min_views);
-  if (still.tags.size() < 2) return;
-  const std::vector<ViewCandidates> candidates = solve_views(apart.observations, still.views, parallel);
-  const MapState state = start_state(apart.observations, still, held_tag, candidates, parallel);
-  for (const auto& [pair, seen] : relative_places(apart, still, state))
-    require_place(cameras[static_cast<std::size_t>(pair.first)],
-                  cameras[static_cast<std::size_t>(pair.second)], evenly(seen));
+  const Apart apart = take_apart(task.observations, joint_views(task.observations, part));
+  if (apart.observations.views.empty()) return;
+  const Observations& pictures = apart.observations;
+  std::vector<std::size_t> all(pictures.views.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const std::vector<ViewCandidates> candidates = solve_views(pictures, all, parallel_for(1));
+  std::erase_if(all, [&](std::size_t v) { return candidates[v].candidates.empty(); });
+  const std::vector<Part> parts = find_parts(pictures, all, task.options.min_views).parts;
+  if (parts.empty()) return;
+  const Part& map = parts.front();
+  const MapState state = start_state(pictures, map, map.tags.front(), candidates, parallel_for(1));
+  const auto places = seen_places(apart, map, state);
+  const double tolerance = task.options.refine_extrinsics ? kRefinable : 1.0;
+  for (const bool are_neighbours : {true, false}) {  // of others the file has no number
+    for (const auto& [pair, seen] : places) {
+      if ((pair.second - pair.first == 1) == are_neighbours)
+        require_place(cameras[static_cast<std::size_t>(pair.first)],
+                      cameras[static_cast<std::size_t>(pair.second)], seen, tolerance);
+    }
+  }
 }
 
 }  // namespace apriltrack

@@ -59,6 +59,13 @@ std::string angle_in_words(const ViewAdvice& advice) {
   return words.empty() ? ", head-on" : words;
 }
 
+/// "from 6.3 to 5.9": with as many digits as tell the two apart, up to three.
+std::string from_to(double before, double after) {
+  const std::string few = fmt::format("{:.2g}", before);
+  return few == fmt::format("{:.2g}", after) ? fmt::format("from {:.3g} to {:.3g}", before, after)
+                                             : fmt::format("from {} to {:.2g}", few, after);
+}
+
 class Adviser {
  public:
   Adviser(const TagMap& map, const JointCovariance& joint, const MapEvidence& evidence, const CameraRig& rig)
@@ -195,14 +202,14 @@ class Adviser {
   static std::string words_of(const ViewAdvice& advice, std::size_t num_tags) {
     const std::size_t more = num_tags - 2;
     return fmt::format(
-        "{} pictures that show {} and {} together{}, from {:.2g} m before {}{}: sigma of {} falls from "
-        "{:.2g} to "
-        "{:.2g} mm, and from {:.2g} to {:.2g} degrees",
+        "{} pictures that show {} and {} together{}, from {:.2g} m before {}{}: sigma of {} falls {} mm, and "
+        "{} "
+        "degrees",
         advice.pictures, to_string(advice.before), to_string(advice.partner),
         more == 0 ? std::string() : fmt::format(" ({} more in view)", more), advice.distance_m,
-        to_string(advice.before), angle_in_words(advice), to_string(advice.tag), 1e3 * advice.sigma_before_m,
-        1e3 * advice.sigma_after_m, advice.sigma_before_rad * kDegPerRad,
-        advice.sigma_after_rad * kDegPerRad);
+        to_string(advice.before), angle_in_words(advice), to_string(advice.tag),
+        from_to(1e3 * advice.sigma_before_m, 1e3 * advice.sigma_after_m),
+        from_to(advice.sigma_before_rad * kDegPerRad, advice.sigma_after_rad * kDegPerRad));
   }
 
   const TagMap& map_;

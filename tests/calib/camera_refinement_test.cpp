@@ -155,11 +155,36 @@ TEST(CameraRefinement, FindsALensThatTheFileLacks) {
     const CameraCorrection* k1 = correction(result, "k1");
     ASSERT_NE(k1, nullptr);
     EXPECT_NEAR(k1->value, -0.28, 5.0 * k1->sigma);
+    EXPECT_LT(k1->sigma, 0.005);
     const CameraCorrection* focal = correction(result, "focal length");
     ASSERT_NE(focal, nullptr);
     EXPECT_NEAR(focal->value, pinhole.fx / focal_px - 1.0, 5.0 * focal->sigma);
     EXPECT_LT(focal->sigma, 0.005);
   }
+}
+
+TEST(CameraRefinement, FindsALensForAFileWithoutAModel) {
+  Camera camera = test::perspective_camera();
+  camera.model = CameraModel(camera.model.pinhole(), RadtanDistortion({-0.28, 0.09, 5e-4, -3e-4}));
+  Filmed filmed = film(camera, 0.05);
+  filmed.stated.rig.cameras[0].model = CameraModel(camera.model.pinhole(), NoDistortion{});
+  const CalibrationResult result = calibrate(filmed.stated, filmed.frames);
+  EXPECT_EQ(result.map.tags.size(), 14u);
+  expect_truth(filmed.truth, result.map, result.held_tag, 0.01, 0.005);
+  EXPECT_EQ(result.rig.cameras[0].model.distortion_name(), "radtan");
+  ASSERT_NE(correction(result, "k1"), nullptr);
+}
+
+TEST(CameraRefinement, WarnsOfALensThatItIsToKeep) {
+  Camera camera = test::perspective_camera();
+  camera.model = CameraModel(camera.model.pinhole(), RadtanDistortion({-0.28, 0.09, 5e-4, -3e-4}));
+  Filmed filmed = film(camera, 0.05);
+  filmed.stated.rig.cameras[0].model =
+      CameraModel(camera.model.pinhole(), RadtanDistortion({-0.15, 0.0, 0.0, 0.0}));
+  const CalibrationResult result = calibrate(filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep});
+  EXPECT_THAT(result.warnings, ::testing::Contains(::testing::AllOf(HasSubstr("the tags do not look square"),
+                                                                    HasSubstr("as --intrinsics keep says"))));
+  EXPECT_THAT(result.corrections, IsEmpty());
 }
 
 Pose by(double x_m, double y_m, double z_m) {
@@ -200,6 +225,30 @@ TEST(CameraRefinement, SaysThatTheRigDoesNotFit) {
                                    HasSubstr("cam1 0.012 m"), HasSubstr("--extrinsics refine"))));
 }
 
+/// One camera's file is of another lens; the other's is right, and stays.
+TEST(CameraRefinement, FindsTheLensOfOneOfTwoCameras) {
+  Filmed filmed = film_with_two_cameras(by(-0.12, 0.0, 0.0));
+  const CameraModel right = filmed.truth.rig.cameras[1].model;
+  filmed.stated.rig.cameras[1].model =
+      CameraModel({2.0 * right.pinhole().fx, 2.0 * right.pinhole().fy, 500.0, 400.0},
+                  RadtanDistortion({0.3, 0.0, 0.0, 0.0}));
+  const CalibrationResult result = calibrate(filmed.stated, filmed.frames);
+  EXPECT_EQ(result.map.tags.size(), 14u);
+  expect_truth(filmed.truth, result.map, result.held_tag, 0.02, 0.01);
+  EXPECT_NEAR(result.rig.cameras[1].model.pinhole().fx, right.pinhole().fx, 0.01 * right.pinhole().fx);
+  for (const CameraCorrection& one : result.corrections) EXPECT_EQ(one.camera, "cam1") << one.parameter;
+}
+
+/// A few percent of a focal length, far from the tags, move a camera by more than its rig is known by.
+TEST(CameraRefinement, DoesNotBlameTheRigForALens) {
+  Filmed filmed = film_with_two_cameras(by(-0.12, 0.0, 0.0));
+  scale_focal_length(filmed.stated.rig.cameras[1], 1.05);
+  const CalibrationResult result = calibrate(filmed.stated, filmed.frames);
+  EXPECT_THAT(result.warnings, ::testing::Contains(HasSubstr("cam1: focal length -4.")));
+  EXPECT_THAT(result.warnings, ::testing::Each(::testing::Not(HasSubstr("T_cn_cnm1"))));
+  EXPECT_EQ(result.map.tags.size(), 14u);
+}
+
 TEST(CameraRefinement, MakesNoMapByARigInMillimetresOrTheInverse) {
   const Pose turned(Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY())),
                     Eigen::Vector3d(-0.12, 0.03, 0.0));
@@ -210,8 +259,10 @@ TEST(CameraRefinement, MakesNoMapByARigInMillimetresOrTheInverse) {
   };
   EXPECT_THAT(error_with({turned.rotation(), 1000.0 * turned.translation()}),
               ::testing::AllOf(HasSubstr("cam0 to cam1"), HasSubstr("look like millimetres")));
+  EXPECT_THAT(error_with({turned.rotation(), 100.0 * turned.translation()}),
+              HasSubstr("look like centimetres"));
   EXPECT_THAT(error_with(turned.inverse()), HasSubstr("looks like the inverse"));
-  EXPECT_THAT(error_with(by(0.5, 0.0, 0.0) * turned), HasSubstr("is it of this rig"));
+  EXPECT_THAT(error_with(by(0.9, 0.0, 0.0) * turned), HasSubstr("is it of this rig"));
 }
 
 }  // namespace

@@ -47,6 +47,30 @@ TEST(FitLenses, LetsAFileBeThatIsAboutRight) {
   EXPECT_FALSE(lens_by(film(test::perspective_camera(), 0.15), stated));
 }
 
+/// What tags and detectors do is no lens.
+TEST(FitLenses, LetsARightFileBeThatFilmedBiasedEdges) {
+  const Camera camera = test::perspective_camera();
+  for (const double bias_px : {0.1, 0.3}) {
+    std::vector<FrameDetections> frames = film(camera, 0.1);
+    RandomStream random(44);
+    test::add_edge_biases(frames, bias_px, -0.45, random);
+    EXPECT_FALSE(lens_by(frames, camera)) << bias_px;
+  }
+}
+
+TEST(FitLenses, SaysNothingOfAFilmAtRest) {
+  std::vector<FrameDetections> frames = film(test::perspective_camera(), 0.1);
+  frames.resize(1);
+  for (std::int64_t i = 1; i < 300; ++i) {
+    frames.push_back(frames.front());
+    frames.back().timestamp.ns += i * 33'000'000;
+  }
+  RandomStream random(45);
+  test::add_edge_biases(frames, 0.3, -0.45, random);
+  test::add_edge_noise(frames, 0.05, -0.45, random);
+  EXPECT_FALSE(lens_by(frames, test::perspective_camera()));
+}
+
 TEST(FitLenses, SaysNothingOfTooLittle) {
   std::vector<FrameDetections> frames = film(test::perspective_camera(), 0.1);
   Camera stated = test::perspective_camera();

@@ -196,7 +196,8 @@ TEST(DoctorLens, OneThatBendsWhatTheFileHasStraightIsToldOf) {
   RecordingFacts film = recording(frames_of(150, {1}));
   for (std::size_t i = 0; i < film.frames.size(); ++i) {
     const double turn = 0.7 * static_cast<double>(i), tilt = 0.8 * std::sin(1.3 * static_cast<double>(i));
-    const Eigen::Vector3d centre(0.35 * std::cos(turn), 0.25 * std::sin(turn), 0.7);
+    const double far = std::sqrt(static_cast<double>(i) / 150.0);  // evenly over the picture
+    const Eigen::Vector3d centre(0.4 * far * std::cos(1.7 * turn), 0.3 * far * std::sin(1.7 * turn), 0.7);
     const Eigen::Matrix3d R = (Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) *
                                Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()))
                                   .toRotationMatrix();
@@ -210,7 +211,7 @@ TEST(DoctorLens, OneThatBendsWhatTheFileHasStraightIsToldOf) {
   film.camera->model = CameraModel(film.camera->model.pinhole(), RadtanDistortion({0.0, 0.0, 0.0, 0.0}));
   const auto findings = find_in_lens(film);
   ASSERT_THAT(abouts(findings), ElementsAre("lens"));
-  EXPECT_THAT(findings[0].text, HasSubstr("distortion [-0.3"));
+  EXPECT_THAT(findings[0].text, HasSubstr("distortion radtan [-0.3"));
 }
 
 }  // namespace

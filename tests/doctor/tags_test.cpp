@@ -53,6 +53,9 @@ TEST(DoctorTags, OfAGoodFilmNothingIsFound) {
 
 TEST(DoctorPlaces, OnePlaceStops) {
   EXPECT_THAT(find_in_places(facts_of(recording(frames_of(2, {1, 2})))), IsEmpty());
+  Facts of_a_rig = facts_of(recording({{1}, {1, 2}, {1}}));  // whose other camera sees others
+  of_a_rig.moments = {{tag36(1), tag36(3)}, {tag36(1), tag36(2)}, {tag36(1), tag36(4)}};
+  EXPECT_THAT(find_in_places(of_a_rig), IsEmpty());
   const auto of_one = find_in_places(facts_of(recording({{1}, {1, 2}, {2}})));
   ASSERT_THAT(abouts(of_one), ElementsAre("one_place"));
   EXPECT_EQ(of_one[0].severity, Severity::kStops);
@@ -61,6 +64,8 @@ TEST(DoctorPlaces, OnePlaceStops) {
   for (FrameFacts& frame : still.frames) frame.tags = still.frames.front().tags;
   EXPECT_THAT(find_in_places(facts_of(still))[0].text,
               HasSubstr("40 pictures show two tags or more, all from one"));
+  still.frames[7].tags.pop_back();
+  EXPECT_THAT(abouts(find_in_places(facts_of(still))), ElementsAre("one_place"));
   still.frames.back().tags[1].corners_px[2].x() += 4.0;
   EXPECT_THAT(find_in_places(facts_of(still)), IsEmpty());
 }

@@ -74,8 +74,8 @@ struct CameraCorrection {
   std::string camera;
   std::string parameter;  ///< "edge offset", "focal length", "fy / fx", "cx", "k1", "translation x", ...
   std::string unit;       ///< "px", "1" (a share, or a coefficient), "m", "rad".
-  double value = 0.0;     ///< To be added to what was given; of lengths and ratios a share.
-  double sigma = 0.0;
+  double value = 0.0;     ///< To be added to what was given; of lengths and ratios a share of that.
+  double sigma = 0.0;     ///< Of lengths and ratios a share of what the camera has now.
 };
 
 struct CalibrationResult {
