@@ -220,6 +220,28 @@ void solve_by_refined_cameras(const PartTask& task, const Part& part, const Para
   if (most_sigmas_off(cameras.refined) > kFarOff) fail_by_camera_file(task, cameras.refined);
 }
 
+/// Those whose lenses had to wait until others were right. Whether any is taken over.
+bool refine_other_cameras(const PartTask& task, const Part& part, AdjustedPart& solved,
+                          CameraRefinement& refined) {
+  if (task.options.intrinsics == Intrinsics::kKeep || !refined.is_accepted) return false;
+  std::vector<int> waiting = cameras_of(task.observations, solved.part);
+  Parameters parameters;
+  bool has_lenses = false;
+  for (const EstimatedParameter& one : refined.estimates) {
+    parameters.push_back(one.parameter);
+    if (!one.parameter.is_of_lens()) continue;
+    std::erase(waiting, one.parameter.camera);
+    has_lenses = true;
+  }
+  if (!has_lenses || waiting.empty()) return false;
+  CameraRefinement all = refine_cameras(task, without_left_out(task.observations, part, solved),
+                                        parameters + intrinsic_parameters(waiting, task.observations.cameras),
+                                        kClearGain, solved);
+  if (!all.is_accepted) return false;
+  refined = std::move(all);
+  return true;
+}
+
 }  // namespace
 
 BetterCameras improve_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
@@ -227,6 +249,8 @@ BetterCameras improve_cameras(const PartTask& task, const Part& part, const Para
   BetterCameras cameras;
   cameras.refined = better_cameras(task, without_left_out(task.observations, part, solved), solved);
   solve_by_refined_cameras(task, part, parallel, log, solved, cameras);
+  if (refine_other_cameras(task, part, solved, cameras.refined))
+    solve_by_refined_cameras(task, part, parallel, log, solved, cameras);
   const Part to_map = without_left_out(task.observations, part, solved);
   if (task.options.intrinsics == Intrinsics::kKeep)
     cameras.lens_not_taken = not_taken(

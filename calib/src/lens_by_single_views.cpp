@@ -56,8 +56,11 @@ std::vector<std::size_t> views_apart(const Observations& observations, int camer
 /// Each view in a frame of its own, the one camera before a tag that hangs at the origin.
 Observations single_views(const Observations& observations, const RigCamera& camera,
                           const std::vector<std::size_t>& views) {
-  Observations single{
-      observations.tags, observations.sizes_m, std::vector<Timestamp>(views.size()), {camera}, {}};
+  Observations single{observations.tags,
+                      std::vector<double>(observations.tags.size(), 1.0),  // any size will do
+                      std::vector<Timestamp>(views.size()),
+                      {camera},
+                      {}};
   single.cameras.front().T_camera_rig = Pose::identity();
   for (const std::size_t v : views) {
     single.views.push_back(observations.views[v]);
