@@ -188,29 +188,6 @@ std::string told_family(const std::string& family, const OtherFamily& other) {
                      family == "tag36h11b2" ? " (the two-cell border of Kalibr's printed grids)" : "");
 }
 
-/// The same tags within a pixel, as `calibrate` counts what stands still; a tag may be missing.
-bool shows_the_same(const FrameFacts& a, const FrameFacts& b) {
-  constexpr double kStill_px = 1.0;
-  for (const SeenTag& one : a.tags) {
-    const auto other = std::ranges::find(b.tags, one.tag, &SeenTag::tag);
-    if (other == b.tags.end()) continue;
-    double squares = 0.0;
-    for (std::size_t k = 0; k < kNumCorners; ++k)
-      squares += (one.corners_px[k] - other->corners_px[k]).squaredNorm();
-    if (squares > kNumCorners * kStill_px * kStill_px) return false;
-  }
-  return true;
-}
-
-/// Of one recording; of several, each may be from another place.
-bool stands_still(const Facts& facts) {
-  if (facts.recordings.size() != 1) return false;
-  const std::vector<FrameFacts>& frames = facts.recordings.front().frames;
-  const auto fullest =
-      std::ranges::max_element(frames, {}, [](const FrameFacts& one) { return one.tags.size(); });
-  return std::ranges::all_of(frames, [&](const FrameFacts& one) { return shows_the_same(one, *fullest); });
-}
-
 }  // namespace
 
 bool is_surely_there(const FamilyReadings& readings, std::size_t sampled) {
@@ -263,13 +240,11 @@ std::vector<Finding> find_in_families(const Facts& facts) {
 std::vector<Finding> find_in_places(const Facts& facts) {
   const auto joint = static_cast<std::size_t>(
       std::ranges::count_if(facts.moments, [](const auto& tags) { return tags.size() > 1; }));
-  if (joint == 0 || (joint > 1 && !stands_still(facts))) return {};
+  if (joint != 1) return {};
   return {{Severity::kStops, "one_place",
-           fmt::format(
-               "{}: a map needs tags together from two places at least. Take more pictures, from several "
-               "sides",
-               joint == 1 ? "only one picture shows two tags or more"
-                          : fmt::format("{} pictures show two tags or more, all from one place", joint))}};
+           "only one picture shows two tags or more: a map needs tags together from two places at least. "
+           "Take more "
+           "pictures, from several sides"}};
 }
 
 std::vector<Finding> find_in_tags(std::span<const TagSummary> tags,

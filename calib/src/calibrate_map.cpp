@@ -194,9 +194,9 @@ void take_cameras(const Observations& observations, const CameraRig& rig, const 
   bool is_lens_refined = false;
   for (const EstimatedParameter& one : solution.cameras.refined.estimates) {
     const auto camera = static_cast<std::size_t>(one.parameter.camera);
-    result.corrections.push_back(
-        {rig.cameras[camera].name, name_of(one.parameter, observations.cameras[camera]),
-         unit_of(one.parameter), one.parameter.is_share() ? std::expm1(one.value) : one.value, one.sigma});
+    result.corrections.push_back({rig.cameras[camera].name,
+                                  name_of(one.parameter, observations.cameras[camera]),
+                                  unit_of(one.parameter), one.value, one.sigma});
     is_lens_refined = is_lens_refined || one.parameter.kind != CameraParameter::Kind::kEdgeOffset;
   }
   result.corrections_covariance = solution.cameras.refined.covariance;

@@ -9,6 +9,8 @@
 #include <set>
 #include <variant>
 
+#include "apriltrack/base/error.h"
+
 namespace apriltrack {
 namespace {
 
@@ -51,13 +53,15 @@ double distortion_sigma(const CameraModel& model, int index) {
 CameraModel moved_lens(const CameraModel& model, const CameraParameter& parameter, double step) {
   Pinhole pinhole = model.pinhole();
   std::vector<double> coefficients = coefficients_of(model);
+  const bool is_share = parameter.kind == Kind::kFocalLength || parameter.kind == Kind::kAspect;
+  if (is_share && !(step > -1.0)) throw invalid_input("focal length", "is not above 0");
   switch (parameter.kind) {
     case Kind::kFocalLength:
-      pinhole.fx *= std::exp(step);
-      pinhole.fy *= std::exp(step);
+      pinhole.fx *= 1.0 + step;
+      pinhole.fy *= 1.0 + step;
       break;
     case Kind::kAspect:
-      pinhole.fy *= std::exp(step);
+      pinhole.fy *= 1.0 + step;
       break;
     case Kind::kCenter:
       (parameter.index == 0 ? pinhole.cx : pinhole.cy) += step;
@@ -192,9 +196,9 @@ double difference(const RigCamera& from, const RigCamera& to, const CameraParame
     case Kind::kEdgeOffset:
       return to.edge_offset_px - from.edge_offset_px;
     case Kind::kFocalLength:
-      return std::log(other_lens.fx / lens.fx);
+      return other_lens.fx / lens.fx - 1.0;
     case Kind::kAspect:
-      return std::log(other_lens.fy / other_lens.fx * lens.fx / lens.fy);
+      return other_lens.fy / other_lens.fx * lens.fx / lens.fy - 1.0;
     case Kind::kCenter:
       return parameter.index == 0 ? other_lens.cx - lens.cx : other_lens.cy - lens.cy;
     case Kind::kDistortion:

@@ -15,14 +15,12 @@ struct CameraParameter {
   int camera = 0;
   Kind kind = Kind::kFocalLength;
   int index = 0;  ///< Of a kind that has several.
-  /// How well it is known before: px, logarithms of focal lengths, metres, radians.
+  /// How well it is known before: px, shares of the focal length, metres, radians.
   double sigma = 0.0;
   double widened = 1.0;  ///< So many times what files of the same camera are off by is `sigma`.
 
   bool is_of_lens() const { return kind >= Kind::kFocalLength && kind <= Kind::kDistortion; }
   bool is_of_place() const { return kind >= Kind::kTranslation; }
-  /// Where value and sigma are shares, once they are no logarithms.
-  bool is_share() const { return kind == Kind::kFocalLength || kind == Kind::kAspect; }
 };
 
 /// "edge offset", "focal length", "k1".

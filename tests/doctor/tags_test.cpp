@@ -60,14 +60,6 @@ TEST(DoctorPlaces, OnePlaceStops) {
   ASSERT_THAT(abouts(of_one), ElementsAre("one_place"));
   EXPECT_EQ(of_one[0].severity, Severity::kStops);
   EXPECT_THAT(of_one[0].text, HasSubstr("only one picture shows two tags or more"));
-  RecordingFacts still = recording(frames_of(40, {1, 2}));
-  for (FrameFacts& frame : still.frames) frame.tags = still.frames.front().tags;
-  EXPECT_THAT(find_in_places(facts_of(still))[0].text,
-              HasSubstr("40 pictures show two tags or more, all from one"));
-  still.frames[7].tags.pop_back();
-  EXPECT_THAT(abouts(find_in_places(facts_of(still))), ElementsAre("one_place"));
-  still.frames.back().tags[1].corners_px[2].x() += 4.0;
-  EXPECT_THAT(find_in_places(facts_of(still)), IsEmpty());
 }
 
 TEST(DoctorTags, OneTagAloneStops) {
