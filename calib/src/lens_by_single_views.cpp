@@ -260,10 +260,13 @@ Lens descended(LensFit& fit, Lens lens) {
   return lens;
 }
 
-CameraModel undistorted_of_other_model(const CameraModel& model) {
-  if (std::holds_alternative<EquidistantDistortion>(model.distortion()))
-    return {model.pinhole(), RadtanDistortion({0.0, 0.0, 0.0, 0.0})};
-  return {model.pinhole(), EquidistantDistortion({0.0, 0.0, 0.0, 0.0})};
+bool is_equidistant(const CameraModel& model) {
+  return std::holds_alternative<EquidistantDistortion>(model.distortion());
+}
+
+CameraModel undistorted(const Pinhole& pinhole, bool is_to_be_equidistant) {
+  if (is_to_be_equidistant) return {pinhole, EquidistantDistortion({0.0, 0.0, 0.0, 0.0})};
+  return {pinhole, RadtanDistortion({0.0, 0.0, 0.0, 0.0})};
 }
 
 /// A lens that views agree with, and how well: in units of `noise`.
@@ -289,14 +292,12 @@ Candidate best_of_model(const Observations& observations, RigCamera camera, cons
 }  // namespace
 
 CameraModel with_distortion(const CameraModel& model) {
-  if (!std::holds_alternative<NoDistortion>(model.distortion())) return model;
-  return {model.pinhole(), RadtanDistortion({0.0, 0.0, 0.0, 0.0})};
+  return std::holds_alternative<NoDistortion>(model.distortion()) ? undistorted(model.pinhole(), false)
+                                                                  : model;
 }
 
 CameraModel without_numbers(const CameraModel& like, const Pinhole& pinhole) {
-  if (std::holds_alternative<EquidistantDistortion>(like.distortion()))
-    return {pinhole, EquidistantDistortion({0.0, 0.0, 0.0, 0.0})};
-  return {pinhole, RadtanDistortion({0.0, 0.0, 0.0, 0.0})};
+  return undistorted(pinhole, is_equidistant(like));
 }
 
 std::optional<CameraModel> lens_by_single_views(const Observations& observations, int camera,
@@ -314,7 +315,7 @@ std::optional<CameraModel> lens_by_single_views(const Observations& observations
 
   const double noise_after = fit.noise(descended(fit, lens)), before = fit.cost(lens, noise_after);
   const Candidate same = best_of_model(observations, of_file, of_file.model, views, noise_after, parallel);
-  const CameraModel other_model = undistorted_of_other_model(of_file.model);
+  const CameraModel other_model = undistorted(of_file.model.pinhole(), !is_equidistant(of_file.model));
   const Candidate other = best_of_model(observations, of_file, other_model, views, noise_after, parallel);
   const bool is_other_model = is_clearly_less(same.cost, same.cost - other.cost, num);
   const Candidate& best = is_other_model ? other : same;
