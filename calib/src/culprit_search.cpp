@@ -88,7 +88,8 @@ Trial try_without(const PartTask& task, const Part& part, const Contradictions& 
                   int held_tag) {
   Trial trial{tag, adjust_anew(task, part, {tag}, held_tag), std::nullopt,
               count_accusations(contradictions, tag)};
-  if (trial.rest) trial.finding = look_at(task, probe_views(task, part, *trial.rest, tag), tag).finding;
+  if (trial.rest)
+    trial.finding = look_at(task, *trial.rest, probe_views(task, part, *trial.rest, tag), tag).finding;
   return trial;
 }
 

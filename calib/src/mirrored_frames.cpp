@@ -1,114 +1,26 @@
 #include "mirrored_frames.h"
 
-#include <Eigen/Cholesky>
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <map>
-#include <utility>
 #include <vector>
 
-#include "cauchy_loss.h"
-#include "corner_views.h"
+#include "frame_views.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr CauchyLoss kViewLoss{8.0};   // of a view's whitened norm; a good one's is sqrt(8)
-constexpr double kFarOff = 8.0 * 9.0;  // squares: three sigmas in the mean
-constexpr double kUnseen = 400.0;      // cost of a view that cannot be projected
 constexpr double kClearlyLess = 10.0;  // of half the robust sum of squares
-constexpr int kMaxSteps = 6;
-constexpr std::size_t kMaxTrials = 3;
 
-/// One frame of the part, to be moved in `state`.
-class Frame {
- public:
-  Frame(const PartTask& task, const std::vector<std::size_t>& views, MapState& state)
-      : task_(task),
-        views_(views),
-        state_(state),
-        pose_(state.T_map_rig[static_cast<std::size_t>(task.observations.views[views.front()].frame)]) {}
-
-  /// To the pose of another minimum, if it explains the views clearly better.
-  bool turn() {
-    if (!has_far_view()) return false;
-    const Pose before = pose_;
-    settle();
-    Pose best = before;
-    double least = cost() - kClearlyLess;
-    for (const Pose& proposal : best_proposals()) {
-      pose_ = proposal;
-      settle();
-      const double of_this = cost();
-      if (of_this >= least) continue;
-      least = of_this;
-      best = pose_;
-    }
-    pose_ = best;
-    return !(best.matrix() == before.matrix());
-  }
-
- private:
-  double cost() const {
-    double sum = 0.0;
-    for (const std::size_t v : views_) {
-      const double squares = squares_of(v);
-      sum += std::isfinite(squares) ? kViewLoss.cost(squares) : kUnseen;
-    }
-    return sum;
-  }
-
-  bool has_far_view() const {
-    return std::ranges::any_of(views_, [&](std::size_t v) { return squares_of(v) > kFarOff; });
-  }
-
-  /// Of the whitened residual; infinite for a view that cannot be projected.
-  double squares_of(std::size_t v) const {
-    bool is_valid = false;
-    const double squares =
-        whitened_residual(task_.observations, task_.observations.views[v], state_, is_valid).squaredNorm();
-    return is_valid ? squares : std::numeric_limits<double>::infinity();
-  }
-
-  /// Of the poses that the tags' candidates propose those that explain the views best as they are.
-  std::vector<Pose> best_proposals() {
-    std::vector<std::pair<double, Pose>> all;
-    for (const std::size_t v : views_) {
-      const Pose& T_map_tag = state_.T_map_tag[static_cast<std::size_t>(task_.observations.views[v].tag)];
-      for (const auto& candidate : task_.candidates[v].candidates) {
-        pose_ = T_map_tag * candidate.T_rig_tag.inverse();
-        all.emplace_back(cost(), pose_);
-      }
-    }
-    std::ranges::stable_sort(all, {}, &std::pair<double, Pose>::first);
-    all.resize(std::min(all.size(), kMaxTrials));
-    std::vector<Pose> best;
-    for (const auto& [of_this, pose] : all) best.push_back(pose);
-    return best;
-  }
-
-  /// By Gauss and Newton, views that are far off counting little.
-  void settle() {
-    for (int step = 0; step < kMaxSteps; ++step) {
-      Matrix6d information = Matrix6d::Zero();
-      Vector6d gradient = Vector6d::Zero();
-      for (const LinearView& view : corner_views(task_.observations, views_, state_)) {
-        const double weight = kViewLoss.weight(view.residual.squaredNorm());
-        information += weight * view.by_rig.transpose() * view.by_rig;
-        gradient += weight * view.by_rig.transpose() * view.residual;
-      }
-      const Vector6d change = -information.ldlt().solve(gradient);
-      if (!change.allFinite()) return;
-      pose_ = pose_ * Pose::exp(change);
-    }
-  }
-
-  const PartTask& task_;
-  const std::vector<std::size_t>& views_;
-  MapState& state_;
-  Pose& pose_;
-};
+/// To the pose of another minimum, if it explains the views clearly better.
+bool turn(FrameViews frame) {
+  if (!frame.has_far_view()) return false;
+  const Pose before = frame.pose();
+  frame.settle();
+  const double as_it_is = frame.cost();
+  const auto [cost, turned] = frame.best_of_proposals();
+  const bool is_better = cost < as_it_is - kClearlyLess;
+  frame.pose() = is_better ? turned : before;
+  return is_better;
+}
 
 }  // namespace
 
@@ -117,7 +29,7 @@ bool turn_mirrored_frames(const PartTask& task, const Part& part, MapState& stat
   for (const std::size_t v : part.views) views_of_frame[task.observations.views[v].frame].push_back(v);
   bool has_turned = false;
   for (const auto& [frame, views] : views_of_frame)
-    if (Frame(task, views, state).turn()) has_turned = true;
+    if (turn({task, views, state})) has_turned = true;
   return has_turned;
 }
 

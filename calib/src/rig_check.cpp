@@ -17,7 +17,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::size_t kLeastMoments = 5, kMostMoments = 200;
+constexpr std::size_t kLeastPerCamera = 5, kMostPerCamera = 200;
 constexpr double kScatters = 4.0;  // of single moments: no mean is trusted
 constexpr double kFar_m = 0.05;
 constexpr double kFar_rad = 5.0 * kRadPerDeg;
@@ -34,7 +34,7 @@ std::vector<std::size_t> joint_views(const Observations& observations, const Par
     cameras_of_frame[observations.views[v].frame].insert(observations.views[v].camera);
   std::erase_if(cameras_of_frame, [](const auto& frame) { return frame.second.size() < 2; });
   std::set<int> frames;
-  const std::size_t num = std::min(cameras_of_frame.size(), kMostMoments);
+  const std::size_t num = std::min(cameras_of_frame.size(), kMostPerCamera);
   auto frame = cameras_of_frame.begin();
   for (std::size_t i = 0, at = 0; i < num; ++i) {
     for (const std::size_t next = i * cameras_of_frame.size() / num; at < next; ++at) ++frame;
@@ -153,7 +153,7 @@ std::string in_words(const Pose& pose) {
 void require_place(const RigCamera& other, const RigCamera& camera, const SeenPlaces& places,
                    double tolerance) {
   const std::vector<Pose>& seen = places.T_camera_other;
-  if (seen.size() < kLeastMoments) return;
+  if (seen.size() < kLeastPerCamera) return;
   const Pose stated = camera.T_camera_rig * other.T_camera_rig.inverse();
   const Pose middle = middle_of(seen);
   const auto [off_m, off_rad] = distance_from(seen, stated);

@@ -27,7 +27,7 @@ constexpr double kManyRejected = 1.0 / 3.0;  // of a tag's views
 constexpr const char* kTooLittleLeft = "what is left does not agree, or is too little";
 
 TagLook look_by(const PartTask& task, const Part& part, const AdjustedPart& solved, int tag) {
-  return look_at(task, probe_views(task, part, solved, tag), tag);
+  return look_at(task, solved, probe_views(task, part, solved, tag), tag);
 }
 
 /// Tags of the map of which many views were rejected.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pliant_frames.h"
 #include "tag_fault_words.h"
 
 namespace apriltrack {
@@ -83,7 +84,8 @@ std::string describe(const Hypothesis& one, const std::vector<ProbeView>& probes
 
 }  // namespace
 
-TagLook look_at(const PartTask& task, const std::vector<ProbeView>& probes, int tag) {
+TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vector<ProbeView>& probes,
+                int tag) {
   if (probes.size() < kLeastProbes) return {};
   const auto t = static_cast<std::size_t>(tag);
   const std::string name = to_string(task.observations.tags[t]);
@@ -110,7 +112,9 @@ TagLook look_at(const PartTask& task, const std::vector<ProbeView>& probes, int 
                     .misfit_after = kMisfitOfLoose,
                     .num_views = probes.size()};
   }
-  return look;
+  if (!look.finding) return look;
+  const std::vector<ProbeView> witnesses = without_pliant_frames(task, solved, probes, one);
+  return witnesses.size() < probes.size() ? look_at(task, solved, witnesses, tag) : look;
 }
 
 }  // namespace apriltrack

@@ -39,6 +39,8 @@ struct TagLook {
 
 /// Whether something explains the tag's views where one place and the stated shape do not: another size, a
 /// bend, two places, one after the other or by turns, or no fixed place at all. probes: in the order of time.
-TagLook look_at(const PartTask& task, const std::vector<ProbeView>& probes, int tag);
+/// solved: the map that foretells them.
+TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vector<ProbeView>& probes,
+                int tag);
 
 }  // namespace apriltrack

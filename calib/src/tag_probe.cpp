@@ -155,6 +155,7 @@ TagFit best_proposal(const std::vector<ProbeView>& views, double size_m) {
 
 /// The poses and information of frames that show `tag`, by their other kept views.
 struct FrameByOthers {
+  std::vector<std::size_t> views;
   Pose T_map_rig;
   Matrix6d information = Matrix6d::Zero();
   bool is_sure = false;  ///< By two other tags or more that agree.
@@ -235,6 +236,7 @@ std::map<int, FrameByOthers> frames_by_others(const PartTask& task, const Part& 
       pose = *alone;
     }
     FrameByOthers& of_frame = result[frame];
+    of_frame.views = views;
     of_frame.is_sure = is_sure;
     for (int step = 0; step < kMaxFrameSteps; ++step) {
       of_frame.information.setZero();
@@ -287,7 +289,8 @@ std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const
                     frame->second.is_sure,
                     frame->second.T_map_rig,
                     task.observations.frames[static_cast<std::size_t>(view.frame)],
-                    Matrix8d::Identity()};
+                    Matrix8d::Identity(),
+                    frame->second.views};
     const auto& candidates = task.candidates[v].candidates;
     Vector8d residual_px;
     Matrix8x6d by_rig;

@@ -23,6 +23,7 @@ struct ProbeView {
   /// Turns reprojection errors (px) into independent numbers of unit variance, the frame's own error
   /// included.
   Matrix8d whitening = Matrix8d::Identity();
+  std::vector<std::size_t> others = {};  ///< Views of its frame, on which the pose rests.
 };
 
 /// Of the views of `tag` (outliers, too) in frames that show another tag of the solved part, up to

@@ -160,7 +160,7 @@ bool do_frames_tell(const PartTask& task, const Part& part, const AdjustedPart& 
     const double probed = std::min(1.0, static_cast<double>(kMostProbes) / static_cast<double>(views));
     return static_cast<double>(some) >= kSureFrames * probed * static_cast<double>(all);
   };
-  const auto finding = look_at(task, probes, tag).finding;
+  const auto finding = look_at(task, solved, probes, tag).finding;
   const bool is_complete = finding && finding->is_complete();
   const bool is_always_so = is_complete && (finding->kind == TagFinding::Kind::kSize ||
                                             finding->kind == TagFinding::Kind::kNotFlat);
