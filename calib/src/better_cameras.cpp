@@ -10,6 +10,7 @@
 
 #include "agreeing_part.h"
 #include "apriltrack/base/error.h"
+#include "lens_by_single_views.h"
 #include "undecided_tags.h"
 
 namespace apriltrack {
@@ -19,6 +20,7 @@ constexpr double kClearGain = 0.05;  // of what was not asked for
 constexpr double kOff = 1.0;         // sigmas of what files of the same camera are off by
 constexpr double kFarOff = 3.0;
 constexpr int kMostLenses = 4;
+constexpr double kNothingHeldOut = -1.0;
 
 std::vector<int> cameras_of(const Observations& observations, const Part& part) {
   std::set<int> cameras;
@@ -53,12 +55,18 @@ Parameters operator+(Parameters some, const Parameters& more) {
   return some;
 }
 
+Parameters parameters_of(const CameraRefinement& cameras) {
+  Parameters parameters;
+  for (const EstimatedParameter& one : cameras.estimates) parameters.push_back(one.parameter);
+  return parameters;
+}
+
 /// Of the cameras that were not started with the file's lens: the file's is no choice, so nothing is held
 /// out.
 CameraRefinement refine_other_lenses(const PartTask& task, const Part& part, const Parameters& edges,
                                      const std::vector<int>& cameras, AdjustedPart& solved) {
   CameraRefinement refined = refine_cameras(
-      task, part, edges + intrinsic_parameters(cameras, task.observations.cameras), -1.0, solved);
+      task, part, edges + intrinsic_parameters(cameras, task.observations.cameras), kNothingHeldOut, solved);
   if (!refined.is_accepted)
     throw no_result(
         "calibrate",
@@ -68,9 +76,30 @@ CameraRefinement refine_other_lenses(const PartTask& task, const Part& part, con
   return refined;
 }
 
+/// Not taken over either where it is no lens that makes frames agree, by what single views say of it.
+CameraRefinement refine_unless_refuted(const PartTask& task, const Part& part, const Parameters& parameters,
+                                       double least_gain, const ParallelFor& parallel, AdjustedPart& solved) {
+  AdjustedPart trial = solved;
+  CameraRefinement refined = refine_cameras(task, part, parameters, least_gain, trial);
+  if (!refined.is_accepted) return refined;
+  for (const int camera : cameras_of(task.observations, part)) {
+    const RigCamera& other = trial.state.cameras[static_cast<std::size_t>(camera)];
+    if (!do_single_views_refute(task.observations, camera, other.model, parallel)) continue;
+    refined.is_accepted = false;
+    refined.reason = fmt::format(
+        "frames agree better with another lens of {}, but by that the tags look less square: something else "
+        "is wrong",
+        other.name);
+    return refined;
+  }
+  solved = std::move(trial);
+  return refined;
+}
+
 /// Edge offsets alone first, which are most often what is wrong with corners from elsewhere; then lenses, and
 /// cameras' places.
-CameraRefinement better_cameras(const PartTask& task, const Part& part, AdjustedPart& solved) {
+CameraRefinement better_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
+                                AdjustedPart& solved) {
   const CalibrationOptions& options = task.options;
   const std::vector<int> cameras = cameras_of(task.observations, solved.part);
   std::vector<int> others;
@@ -95,7 +124,8 @@ CameraRefinement better_cameras(const PartTask& task, const Part& part, Adjusted
   // The prior pulls at a lens that is far from the file's, until all is done again: others would make up for
   // it.
   if (!others.empty() && !is_asked_for) return first;
-  CameraRefinement of_all = refine_cameras(task, part, parameters, is_asked_for ? 0.0 : kClearGain, solved);
+  CameraRefinement of_all =
+      refine_unless_refuted(task, part, parameters, is_asked_for ? 0.0 : kClearGain, parallel, solved);
   if (of_all.is_accepted || !first.is_accepted) return of_all;
   first.reason = of_all.reason;
   return first;
@@ -113,10 +143,9 @@ std::optional<CameraRefinement> not_taken(const PartTask& task, const Part& part
 std::optional<CameraRefinement> places_not_taken(const PartTask& task, const Part& part,
                                                  const CameraRefinement& refined,
                                                  const AdjustedPart& solved) {
-  Parameters parameters = extrinsic_parameters(cameras_of(task.observations, solved.part));
+  const Parameters parameters = extrinsic_parameters(cameras_of(task.observations, solved.part));
   if (task.options.refine_extrinsics || parameters.empty()) return std::nullopt;
-  for (const EstimatedParameter& one : refined.estimates) parameters.push_back(one.parameter);
-  return not_taken(task, part, parameters, solved);
+  return not_taken(task, part, parameters + parameters_of(refined), solved);
 }
 
 /// By how many sigmas of what files of the same camera are off by. Detectors' edges are in no file.
@@ -194,7 +223,7 @@ std::optional<Again> solve_again(const PartTask& task, const Part& part, const A
     AdjustedPart anew = adjust_without_contradictions(again, seen, solved.held_tag, parallel, log);
     leave_out_undecided(again, seen, anew, parallel);
     CameraRefinement refined = refine_cameras(task, without_left_out(task.observations, seen, anew),
-                                              less_known_parameters(cameras), -1.0, anew);
+                                              less_known_parameters(cameras), kNothingHeldOut, anew);
     if (!refined.is_accepted) return std::nullopt;
     refined.held_out_before = cameras.held_out_before;
     refined.held_out_after = cameras.held_out_after;
@@ -247,7 +276,7 @@ bool refine_other_cameras(const PartTask& task, const Part& part, AdjustedPart& 
 BetterCameras improve_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
                               const LogSink& log, AdjustedPart& solved) {
   BetterCameras cameras;
-  cameras.refined = better_cameras(task, without_left_out(task.observations, part, solved), solved);
+  cameras.refined = better_cameras(task, without_left_out(task.observations, part, solved), parallel, solved);
   solve_by_refined_cameras(task, part, parallel, log, solved, cameras);
   if (refine_other_cameras(task, part, solved, cameras.refined))
     solve_by_refined_cameras(task, part, parallel, log, solved, cameras);
@@ -259,6 +288,21 @@ BetterCameras improve_cameras(const PartTask& task, const Part& part, const Para
   if (!cameras.lens_not_taken)
     cameras.places_not_taken = places_not_taken(task, to_map, cameras.refined, solved);
   return cameras;
+}
+
+void improve_cameras_again(const PartTask& task, const Part& part, const ParallelFor& parallel,
+                           AdjustedPart& solved, BetterCameras& cameras) {
+  const Part rest = narrowed_to(task.observations, part, solved.part.tags);
+  if (!cameras.refined.is_accepted) {
+    cameras.refined = better_cameras(task, rest, parallel, solved);
+    return;
+  }
+  CameraRefinement again =
+      refine_cameras(task, rest, parameters_of(cameras.refined), kNothingHeldOut, solved);
+  if (!again.is_accepted) return;
+  again.held_out_before = cameras.refined.held_out_before;
+  again.held_out_after = cameras.refined.held_out_after;
+  cameras.refined = std::move(again);
 }
 
 }  // namespace apriltrack

@@ -150,13 +150,13 @@ AdjustedPart adjusted_from(const std::vector<RigCamera>& start, const PartTask& 
   }
 }
 
-/// Looks at each tag for faults, and leaves out what cannot be trusted.
-void leave_out_faulty(const PartTask& task, const Part& part, AdjustedPart& solved,
+/// Looks at each tag for faults, and leaves out what cannot be trusted. Whether that is any.
+bool leave_out_faulty(const PartTask& task, const Part& part, AdjustedPart& solved,
                       const ParallelFor& parallel, PartSolution& solution) {
   const std::vector<int> tags_before = solved.part.tags;
   solution.findings = examine_tags(task, part, solved, parallel);
   solution.contradicted = leave_out_contradicted(task, part, solved);
-  if (solved.part.tags == tags_before) return;
+  if (solved.part.tags == tags_before) return false;
   try {
     if (solution.contradicted.empty() && solved.contradictions.are_there())
       fail_with_contradictions(task.observations, solved.contradictions);
@@ -165,6 +165,7 @@ void leave_out_faulty(const PartTask& task, const Part& part, AdjustedPart& solv
   } catch (const Error& error) {
     fail_after(solution.findings, error);
   }
+  return true;
 }
 
 void take_adjusted(AdjustedPart solved, PartSolution& solution) {
@@ -218,8 +219,9 @@ PartSolution solve_part(const Observations& observations, const std::vector<RigC
   PartSolution solution;
   solution.cameras = improve_cameras(task, part, parallel, log, solved);
   const std::vector<ViewCandidates>& by_cameras = solution.cameras.candidates;
-  leave_out_faulty({observations, by_cameras.empty() ? candidates : by_cameras, options}, part, solved,
-                   parallel, solution);
+  const PartTask by_better{observations, by_cameras.empty() ? candidates : by_cameras, options};
+  if (leave_out_faulty(by_better, part, solved, parallel, solution))
+    improve_cameras_again(task, part, parallel, solved, solution.cameras);
   take_adjusted(std::move(solved), solution);
 
   measure_covariances(observations, options, constraints, solution);
