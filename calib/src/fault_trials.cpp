@@ -190,7 +190,7 @@ std::optional<FaultTrial> FaultTrials::split(Kind kind, std::vector<bool> is_at_
 bool FaultTrials::moves_again(const FaultTrial& moved) const {
   const Observations observations = split_suspect(moved.is_at_second);
   const auto second = static_cast<int>(observations.tags.size()) - 1;
-  return is_any_moving({observations, task_.candidates, task_.options}, moved.solved, {suspect_.tag, second},
+  return do_move_again({observations, task_.candidates, task_.options}, moved.solved, {suspect_.tag, second},
                        parallel_for(1));
 }
 

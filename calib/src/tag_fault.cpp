@@ -18,6 +18,7 @@ constexpr double kTwistPerEdge = 2.0;  // a twist shows where the tag is seen fr
 constexpr double kClearGain = 20.0;    // of half the sum of squares
 constexpr double kClearShare = 0.25;   // of what is beyond the usual
 constexpr double kMostLeft = 2.5;      // of the usual
+constexpr double kNearlyAll = 0.8;     // of what is beyond the usual: a shape that explains it is no chance
 // Misfit of one place, below which no second one is asked for.
 constexpr double kMisfitOfTwo = 1.2;
 constexpr double kMisfitOfMoved = 2.5;  // lens errors look like small moves
@@ -95,7 +96,13 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
   const auto hypotheses = hypotheses_about(probes, one, look.misfit, task.options.corner_bias_px);
   const auto best = std::ranges::min_element(hypotheses, {}, &Hypothesis::cost);
   const double least_gain = std::max(kClearGain, kClearShare * (one.cost - usual));
-  if (best != hypotheses.end() && one.cost - best->cost > least_gain && best->cost < kMostLeft * usual) {
+  const auto is_explanation = [&](const Hypothesis& it) {
+    const bool is_shape = it.kind == Kind::kSize || it.kind == Kind::kNotFlat;
+    return one.cost - it.cost > least_gain &&
+           (it.cost < kMostLeft * usual ||
+            (is_shape && one.cost - it.cost > kNearlyAll * (one.cost - usual)));
+  };
+  if (best != hypotheses.end() && is_explanation(*best)) {
     look.finding = {.tag = tag,
                     .kind = best->kind,
                     .words = describe(*best, probes, task.observations, name),

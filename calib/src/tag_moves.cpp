@@ -22,7 +22,9 @@ constexpr double kClearOnce = 60.0, kClearTwice = 100.0;
 constexpr std::size_t kLeastOthers = 3;
 constexpr std::size_t kMostFramesAsked = 250;  // of a tag; and as many others
 // What a second move explains further: beyond chance, and beyond what the first, linearised, leaves.
-constexpr double kClearAgain = 35.0, kAgain = 0.1;
+constexpr double kClearAgain = 22.0, kAgain = 0.1;
+// Over 1 is clear where nothing is known; of a tag that did move, a second move is likelier.
+constexpr double kClearAfterOne = 0.4, kClearRest = 0.5;
 // Of places after every moment: standard deviations of the sum of squares, many, for tags differ in more than
 // chance (errors that neighbouring frames share, lamps, shadows: up to 12 of them where nothing moved); and
 // what is usual of others at least, by chance 1 (one that moves all the time makes all views seem noisy, so
@@ -115,7 +117,7 @@ bool is_loose(const Suspicion& one) {
   if (one.twice.squares - one.once.squares > std::max(kClearAgain, least)) return true;
   Move rest = one.always;
   rest.squares -= one.once.squares;
-  return beyond_others(rest, one.usual_always) > 1.0 && rest.squares > least;
+  return beyond_others(rest, one.usual_always) > kClearRest && rest.squares > least;
 }
 
 double size_m_of(const PartTask& task, int tag) {
@@ -184,10 +186,12 @@ std::optional<TagFinding> find_hidden_move(const PartTask& task, const AdjustedP
   return to_finding(task, solved, *std::ranges::max_element(clear, {}, &Suspicion::largest));
 }
 
-bool is_any_moving(const PartTask& task, const AdjustedPart& solved, const std::set<int>& tags,
+bool do_move_again(const PartTask& task, const AdjustedPart& solved, const std::set<int>& tags,
                    const ParallelFor& parallel) {
-  const std::vector<Suspicion> clear = clear_suspicions(task, solved, parallel);
-  return std::ranges::any_of(clear, [&](const Suspicion& one) { return tags.contains(one.once.tag); });
+  const std::vector<Suspicion> all = suspicions_of(task, solved, parallel);
+  return std::ranges::any_of(all, [&](const Suspicion& one) {
+    return tags.contains(one.once.tag) && one.largest() > kClearAfterOne;
+  });
 }
 
 }  // namespace apriltrack

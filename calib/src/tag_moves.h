@@ -14,8 +14,9 @@ namespace apriltrack {
 std::optional<TagFinding> find_hidden_move(const PartTask& task, const AdjustedPart& solved,
                                            const ParallelFor& parallel);
 
-/// Whether one of these tags of `solved` moves so.
-bool is_any_moving(const PartTask& task, const AdjustedPart& solved, const std::set<int>& tags,
+/// Whether one of these tags of `solved` moves so, of which it is known that something moved: what is clear
+/// of such is less.
+bool do_move_again(const PartTask& task, const AdjustedPart& solved, const std::set<int>& tags,
                    const ParallelFor& parallel);
 
 }  // namespace apriltrack

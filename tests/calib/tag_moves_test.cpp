@@ -76,8 +76,17 @@ TEST(HiddenMoves, AreAskedOfSomeTagsAlone) {
   const AdjustedWorld one = filmed_in_pairs(
       [](std::size_t i) { return turned(0, 5.0 * std::sin(0.9 * static_cast<double>(i))); }, 63);
   const int moved = one.index_of(kMovedTag);
-  EXPECT_TRUE(is_any_moving(one.task(), one.solved, {moved, moved + 1}, parallel_for(1)));
-  EXPECT_FALSE(is_any_moving(one.task(), one.solved, {moved + 1, moved + 2}, parallel_for(1)));
+  EXPECT_TRUE(do_move_again(one.task(), one.solved, {moved, moved + 1}, parallel_for(1)));
+  EXPECT_FALSE(do_move_again(one.task(), one.solved, {moved + 1, moved + 2}, parallel_for(1)));
+}
+
+/// By too little to be told of a tag of which nothing is known.
+TEST(HiddenMoves, AreSoonerClearOfATagThatDidMove) {
+  const AdjustedWorld one = filmed_in_pairs(
+      [](std::size_t i) { return turned(0, 2.5 * std::sin(0.5 * static_cast<double>(i))); }, 64);
+  const int moved = one.index_of(kMovedTag);
+  EXPECT_FALSE(find_hidden_move(one.task(), one.solved, parallel_for(1)));
+  EXPECT_TRUE(do_move_again(one.task(), one.solved, {moved}, parallel_for(1)));
 }
 
 TEST(HiddenMovesStatistics, AreNoneWhereNothingMoved) {
