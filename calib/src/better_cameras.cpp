@@ -10,7 +10,6 @@
 
 #include "agreeing_part.h"
 #include "apriltrack/base/error.h"
-#include "lens_by_single_views.h"
 #include "undecided_tags.h"
 
 namespace apriltrack {
@@ -76,30 +75,9 @@ CameraRefinement refine_other_lenses(const PartTask& task, const Part& part, con
   return refined;
 }
 
-/// Not taken over either where it is no lens that makes frames agree, by what single views say of it.
-CameraRefinement refine_unless_refuted(const PartTask& task, const Part& part, const Parameters& parameters,
-                                       double least_gain, const ParallelFor& parallel, AdjustedPart& solved) {
-  AdjustedPart trial = solved;
-  CameraRefinement refined = refine_cameras(task, part, parameters, least_gain, trial);
-  if (!refined.is_accepted) return refined;
-  for (const int camera : cameras_of(task.observations, part)) {
-    const RigCamera& other = trial.state.cameras[static_cast<std::size_t>(camera)];
-    if (!do_single_views_refute(task.observations, camera, other.model, parallel)) continue;
-    refined.is_accepted = false;
-    refined.reason = fmt::format(
-        "frames agree better with another lens of {}, but by that the tags look less square: something else "
-        "is wrong",
-        other.name);
-    return refined;
-  }
-  solved = std::move(trial);
-  return refined;
-}
-
 /// Edge offsets alone first, which are most often what is wrong with corners from elsewhere; then lenses, and
 /// cameras' places.
-CameraRefinement better_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
-                                AdjustedPart& solved) {
+CameraRefinement better_cameras(const PartTask& task, const Part& part, AdjustedPart& solved) {
   const CalibrationOptions& options = task.options;
   const std::vector<int> cameras = cameras_of(task.observations, solved.part);
   std::vector<int> others;
@@ -124,8 +102,7 @@ CameraRefinement better_cameras(const PartTask& task, const Part& part, const Pa
   // The prior pulls at a lens that is far from the file's, until all is done again: others would make up for
   // it.
   if (!others.empty() && !is_asked_for) return first;
-  CameraRefinement of_all =
-      refine_unless_refuted(task, part, parameters, is_asked_for ? 0.0 : kClearGain, parallel, solved);
+  CameraRefinement of_all = refine_cameras(task, part, parameters, is_asked_for ? 0.0 : kClearGain, solved);
   if (of_all.is_accepted || !first.is_accepted) return of_all;
   first.reason = of_all.reason;
   return first;
@@ -276,7 +253,7 @@ bool refine_other_cameras(const PartTask& task, const Part& part, AdjustedPart& 
 BetterCameras improve_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
                               const LogSink& log, AdjustedPart& solved) {
   BetterCameras cameras;
-  cameras.refined = better_cameras(task, without_left_out(task.observations, part, solved), parallel, solved);
+  cameras.refined = better_cameras(task, without_left_out(task.observations, part, solved), solved);
   solve_by_refined_cameras(task, part, parallel, log, solved, cameras);
   if (refine_other_cameras(task, part, solved, cameras.refined))
     solve_by_refined_cameras(task, part, parallel, log, solved, cameras);
@@ -290,11 +267,11 @@ BetterCameras improve_cameras(const PartTask& task, const Part& part, const Para
   return cameras;
 }
 
-void improve_cameras_again(const PartTask& task, const Part& part, const ParallelFor& parallel,
-                           AdjustedPart& solved, BetterCameras& cameras) {
+void improve_cameras_again(const PartTask& task, const Part& part, AdjustedPart& solved,
+                           BetterCameras& cameras) {
   const Part rest = narrowed_to(task.observations, part, solved.part.tags);
   if (!cameras.refined.is_accepted) {
-    cameras.refined = better_cameras(task, rest, parallel, solved);
+    cameras.refined = better_cameras(task, rest, solved);
     return;
   }
   CameraRefinement again =

@@ -27,7 +27,7 @@ BetterCameras improve_cameras(const PartTask& task, const Part& part, const Para
 
 /// The same once more, after tags were left out of `solved`: what was wrong with them may have been in the
 /// cameras' numbers, or have kept these from being better.
-void improve_cameras_again(const PartTask& task, const Part& part, const ParallelFor& parallel,
-                           AdjustedPart& solved, BetterCameras& cameras);
+void improve_cameras_again(const PartTask& task, const Part& part, AdjustedPart& solved,
+                           BetterCameras& cameras);
 
 }  // namespace apriltrack

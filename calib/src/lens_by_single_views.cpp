@@ -23,7 +23,6 @@ constexpr double kClearly = 10.0;     // chi squared that a number of the lens e
 constexpr double kOtherSize = 0.2;    // logarithm of a picture's scale
 constexpr double kWorthALook = 0.08;  // of all disagreement, by one step; noise that is to fall hides more
 constexpr double kMuchLess = 0.3;     // of all disagreement
-constexpr double kRefuted = 8.0;      // half of chi squared: four standard deviations
 
 /// One view of each tag at each place in the camera's picture: neighbouring frames repeat their errors. Of
 /// too many such, some from all over the picture.
@@ -113,17 +112,6 @@ CameraModel with_distortion(const CameraModel& model) {
 
 CameraModel without_numbers(const CameraModel& like, const Pinhole& pinhole) {
   return undistorted(pinhole, is_equidistant(like));
-}
-
-bool do_single_views_refute(const Observations& observations, int camera, const CameraModel& other,
-                            const ParallelFor& parallel) {
-  const RigCamera& of_file = observations.cameras[static_cast<std::size_t>(camera)];
-  LensFit fit(observations, of_file, views_apart(observations, camera), parallel);
-  RigCamera refined = of_file;
-  refined.model = other;
-  const Lens before = fit.lens_of(of_file), after = fit.lens_of(refined);
-  const double noise = fit.noise(before);
-  return fit.cost(after, noise) - fit.cost(before, noise) > kRefuted;
 }
 
 std::optional<CameraModel> lens_by_single_views(const Observations& observations, int camera,

@@ -14,11 +14,6 @@ namespace apriltrack {
 std::optional<CameraModel> lens_by_single_views(const Observations& observations, int camera,
                                                 const ParallelFor& parallel);
 
-/// Whether single views agree clearly worse with another lens of the camera than with the one it has: then
-/// what speaks for the other is no lens, but a tag that was moved, say, or is of a wrong size.
-bool do_single_views_refute(const Observations& observations, int camera, const CameraModel& other,
-                            const ParallelFor& parallel);
-
 /// The model, in a form in which its distortion can be estimated.
 CameraModel with_distortion(const CameraModel& model);
 /// The pinhole with a lens of the model of `like`, that does not distort (of its kind).

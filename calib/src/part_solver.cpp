@@ -221,7 +221,7 @@ PartSolution solve_part(const Observations& observations, const std::vector<RigC
   const std::vector<ViewCandidates>& by_cameras = solution.cameras.candidates;
   const PartTask by_better{observations, by_cameras.empty() ? candidates : by_cameras, options};
   if (leave_out_faulty(by_better, part, solved, parallel, solution))
-    improve_cameras_again(task, part, parallel, solved, solution.cameras);
+    improve_cameras_again(task, part, solved, solution.cameras);
   take_adjusted(std::move(solved), solution);
 
   measure_covariances(observations, options, constraints, solution);
