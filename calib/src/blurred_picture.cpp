@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "normal_distribution.h"
-
 namespace apriltrack {
 namespace {
 
@@ -26,27 +24,27 @@ struct Step {
 };
 
 /// Of a Gaussian about `distance` beyond an edge: what lies beyond the edge.
-Step beyond(double distance, double sigma) {
-  const double z = distance / sigma;
-  const auto [below, density] = normal_at(z);
-  return {below, density / sigma, -z * density / (sigma * sigma), -z * density};
+Step beyond(const PrintedAxis& axis, double distance) {
+  const double z = distance * axis.per_sigma;
+  const auto [below, density] = axis.normal->at(z);
+  const double by_place = density * axis.per_sigma, by_log_sigma = -z * density;
+  return {below, by_place, by_log_sigma * axis.per_sigma * axis.per_sigma, by_log_sigma};
 }
 
-CellShares cell_shares(const TagPattern& pattern, double place, double sigma) {
-  const double cell = pattern.cell_size(), begin = -pattern.half_extent();
-  const int num_cells = pattern.cells().width();
-  const double centre = (place - begin) / cell, reach = kReach * sigma / cell;
-  int first = static_cast<int>(std::clamp(std::floor(centre - reach), 0.0, static_cast<double>(num_cells)));
-  int last = static_cast<int>(std::clamp(std::floor(centre + reach), -1.0, num_cells - 1.0));
+CellShares cell_shares(const PrintedAxis& axis, double place) {
+  const double from_begin = place - axis.begin, centre = from_begin * axis.per_cell;
+  int first =
+      static_cast<int>(std::clamp(std::floor(centre - axis.reach), 0.0, static_cast<double>(axis.num_cells)));
+  int last = static_cast<int>(std::clamp(std::floor(centre + axis.reach), -1.0, axis.num_cells - 1.0));
   if (last - first >= kMaxCells) {
-    first = std::clamp(static_cast<int>(centre) - kMaxCells / 2, 0, num_cells - kMaxCells);
+    first = std::clamp(static_cast<int>(centre) - kMaxCells / 2, 0, axis.num_cells - kMaxCells);
     last = first + kMaxCells - 1;
   }
   CellShares shares;
   shares.first = first;
-  Step left = beyond(place - (begin + first * cell), sigma);
+  Step left = beyond(axis, from_begin - first * axis.cell);
   for (int k = first; k <= last; ++k) {
-    const Step right = beyond(place - (begin + (k + 1) * cell), sigma);
+    const Step right = beyond(axis, from_begin - (k + 1) * axis.cell);
     const auto i = static_cast<std::size_t>(shares.count++);
     shares.share[i] = left.share - right.share;
     shares.by_place[i] = left.by_place - right.by_place;
@@ -57,11 +55,22 @@ CellShares cell_shares(const TagPattern& pattern, double place, double sigma) {
   return shares;
 }
 
+PrintedAxis printed_axis(const TagPattern& pattern, double sigma) {
+  const double cell = pattern.cell_size();
+  return {&NormalTable::get(), -pattern.half_extent(), cell, pattern.cells().width(), 1.0 / cell,
+          1.0 / sigma,         kReach * sigma / cell};
+}
+
 }  // namespace
 
+BlurredPicture::BlurredPicture(const TagPattern& pattern, const PictureBlur& blur)
+    : pattern_(pattern),
+      blur_(blur),
+      u_(printed_axis(pattern, blur.sigma_u)),
+      v_(printed_axis(pattern, blur.sigma_v)) {}
+
 PictureSample BlurredPicture::at(double u, double v) const {
-  const CellShares columns = cell_shares(pattern_, u, blur_.sigma_u);
-  const CellShares rows = cell_shares(pattern_, v, blur_.sigma_v);
+  const CellShares columns = cell_shares(u_, u), rows = cell_shares(v_, v);
   const double first = blur_.covariance_uv, second = 0.5 * first * first;
   PictureSample sample;
   for (std::size_t r = 0; r < static_cast<std::size_t>(rows.count); ++r) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apriltrack/tags/tag_family.h"
+#include "normal_distribution.h"
 
 namespace apriltrack {
 
@@ -21,19 +22,29 @@ struct PictureBlur {
   double covariance_uv = 0.0;  ///< Of a plane that is seen askew, smeared along neither axis.
 };
 
+/// What a Gaussian about any place along an axis of the plane shares with printed cells.
+struct PrintedAxis {
+  const NormalTable* normal = nullptr;
+  double begin = 0.0, cell = 0.0;  ///< Where the first cell begins, and how wide each is.
+  int num_cells = 0;
+  double per_cell = 0.0, per_sigma = 0.0;  ///< One over the cell, and over the Gaussian's sigma.
+  double reach = 0.0;                      ///< In cells: beyond it hardly anything is left of the Gaussian.
+};
+
 /// The printed cells of a tag under a Gaussian blur, in closed form along the axes of the plane, and to
 /// second order in what these have in common (docs/algorithms/photometric_refinement.md, equations 1 and 2).
 /// Coordinates in half tag sizes, as TagPattern's.
 class BlurredPicture {
  public:
   /// pattern: must outlive this. blur: sigmas > 0.
-  BlurredPicture(const TagPattern& pattern, const PictureBlur& blur) : pattern_(pattern), blur_(blur) {}
+  BlurredPicture(const TagPattern& pattern, const PictureBlur& blur);
 
   PictureSample at(double u, double v) const;
 
  private:
   const TagPattern& pattern_;
   PictureBlur blur_;
+  PrintedAxis u_, v_;
 };
 
 }  // namespace apriltrack

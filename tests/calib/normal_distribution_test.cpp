@@ -12,7 +12,7 @@ namespace {
 
 TEST(NormalDistribution, AgreesWithTheErrorFunctionEverywhere) {
   for (double place = -7.5; place < 7.5; place += 0.00317) {
-    const NormalValue value = normal_at(place);
+    const NormalValue value = NormalTable::get().at(place);
     EXPECT_NEAR(value.below, 0.5 * std::erfc(-place / std::numbers::sqrt2), 1e-10) << place;
     EXPECT_NEAR(value.density, std::exp(-0.5 * place * place) / std::sqrt(2.0 * std::numbers::pi), 1e-10)
         << place;
@@ -21,10 +21,10 @@ TEST(NormalDistribution, AgreesWithTheErrorFunctionEverywhere) {
 
 TEST(NormalDistribution, EndsWhereNothingIsLeft) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
-  EXPECT_NEAR(normal_at(std::nextafter(7.0, 0.0)).below, 1.0, 1e-10);
-  EXPECT_EQ(normal_at(-kFar).below, 0.0);
-  EXPECT_EQ(normal_at(kFar).below, 1.0);
-  EXPECT_EQ(normal_at(kFar).density, 0.0);
+  EXPECT_NEAR(NormalTable::get().at(std::nextafter(7.0, 0.0)).below, 1.0, 1e-10);
+  EXPECT_EQ(NormalTable::get().at(-kFar).below, 0.0);
+  EXPECT_EQ(NormalTable::get().at(kFar).below, 1.0);
+  EXPECT_EQ(NormalTable::get().at(kFar).density, 0.0);
 }
 
 TEST(StudentPlace, IsAsUnlikelyAsTwoSigmas) {
