@@ -60,6 +60,19 @@ TEST(CameraRefinement, FindsAWrongFocalLengthAndSaysSo) {
   }
 }
 
+TEST(CameraRefinement, FindsAWrongFocalLengthBesideATagOfAWrongSize) {
+  Filmed filmed = film(test::perspective_camera(), 0.2, 60);
+  scale_focal_length(filmed.stated.rig.cameras[0], 1.02);
+  filmed.stated.map.tags[5].size_m *= 1.03;
+  const CalibrationResult result = calibrate(filmed.stated, filmed.frames);
+  const CameraCorrection* focal = correction(result, "focal length");
+  ASSERT_NE(focal, nullptr);
+  EXPECT_NEAR(focal->value, 1.0 / 1.02 - 1.0, 5.0 * focal->sigma);
+  EXPECT_EQ(result.map.tags.size(), 13u);
+  EXPECT_THAT(result.warnings, ::testing::Contains(HasSubstr("smaller than its stated size")));
+  expect_truth(filmed.truth, result.map, result.held_tag, 0.02, 0.01);
+}
+
 TEST(CameraRefinement, LeavesARightCameraAlone) {
   for (const Camera& camera : {test::perspective_camera(), test::equidistant_camera()}) {
     const Filmed filmed = film(camera);
