@@ -23,7 +23,8 @@ constexpr std::size_t kLeastOthers = 3;
 constexpr std::size_t kMostFramesAsked = 250;  // of a tag; and as many others
 // What a second move explains further: beyond chance, and beyond what the first, linearised, leaves.
 constexpr double kClearAgain = 22.0, kAgain = 0.1;
-// Over 1 is clear where nothing is known; of a tag that did move, a second move is likelier.
+// Over 1 is clear where nothing is known; of a tag that did move, a second move is likelier. Halves of tags
+// that moved once reach 0.31, of loose ones 0.33 to 1.9.
 constexpr double kClearAfterOne = 0.4, kClearRest = 0.5;
 // Of places after every moment: standard deviations of the sum of squares, many, for tags differ in more than
 // chance (errors that neighbouring frames share, lamps, shadows: up to 12 of them where nothing moved); and
