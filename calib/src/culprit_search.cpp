@@ -13,7 +13,8 @@
 
 #include "apriltrack/base/error.h"
 #include "part_without.h"
-#include "tag_fault.h"
+#include "tag_fault_words.h"
+#include "tag_suspects.h"
 
 namespace apriltrack {
 namespace {
@@ -40,16 +41,26 @@ struct Trial {
   std::optional<AdjustedPart> rest;
   std::optional<TagFinding> finding;  ///< What is wrong with the tag that was left out.
   std::size_t accusations = 0;        ///< Of that tag.
+  std::size_t num_others = 0;         ///< That still seem at fault.
 
   bool is_explained() const { return finding && finding->is_complete(); }
+  bool is_copied() const { return finding && finding->kind == TagFinding::Kind::kTwoPlaces; }
   std::size_t num_left() const { return rest ? rest->part.tags.size() : 0; }
 };
 
-/// A tag whose fault can be named from the map without it, the more wrong the better; else one whose absence
-/// keeps many tags, and of such the one that is accused most.
-std::tuple<bool, double, std::size_t, std::size_t> merit(const Trial& trial) {
-  return {trial.is_explained(), trial.is_explained() ? trial.finding->gain() : 0.0, trial.num_left(),
-          trial.rest ? trial.accusations : 0};
+/// A tag whose fault can be named from the map without it, that leaves few others at fault, the more wrong the
+/// better; else one whose absence keeps many tags, and of such the one that is accused most.
+std::tuple<bool, int, double, std::size_t, std::size_t> merit(const Trial& trial) {
+  const bool is_explained = trial.is_explained();
+  return {is_explained, is_explained ? -static_cast<int>(trial.num_others) : 0,
+          is_explained ? trial.finding->gain() : 0.0, trial.num_left(), trial.rest ? trial.accusations : 0};
+}
+
+/// Where frames go from one place of an id to the other over a second tag, that one may as well be the copy.
+/// What lies beyond hangs on few frames then, so that what they say need not be complete.
+bool is_rival_copy(const Trial& trial, const Trial& best) {
+  return trial.is_copied() && best.is_copied() && trial.num_others <= best.num_others &&
+         trial.finding->gain() >= best.finding->gain();
 }
 
 /// All whose absence ends the contradictions, as good as the best: whose faults explain about as much; or,
@@ -58,8 +69,11 @@ std::set<int> possible_culprits(const std::vector<Trial>& trials, const Trial& b
   const std::size_t most = std::ranges::max(trials, {}, &Trial::num_left).num_left();
   std::set<int> tags;
   for (const Trial& trial : trials) {
-    if (!trial.rest || trial.is_explained() != best.is_explained()) continue;
-    const bool is_as_good = best.is_explained() ? 2.0 * trial.finding->gain() >= best.finding->gain()
+    if (!trial.rest) continue;
+    if (is_rival_copy(trial, best)) tags.insert(trial.tag);
+    if (trial.is_explained() != best.is_explained()) continue;
+    const bool is_as_good = best.is_explained() ? trial.num_others <= best.num_others &&
+                                                      2.0 * trial.finding->gain() >= best.finding->gain()
                                                 : 2 * trial.num_left() >= most;
     if (is_as_good) tags.insert(trial.tag);
   }
@@ -88,9 +102,23 @@ Trial try_without(const PartTask& task, const Part& part, const Contradictions& 
                   int held_tag) {
   Trial trial{tag, adjust_anew(task, part, {tag}, held_tag), std::nullopt,
               count_accusations(contradictions, tag)};
-  if (trial.rest)
-    trial.finding = look_at(task, *trial.rest, probe_views(task, part, *trial.rest, tag), tag).finding;
+  if (!trial.rest) return trial;
+  trial.finding = look_by(task, part, *trial.rest, tag).finding;
+  if (trial.finding)
+    trial.num_others = suspects_in(task, part, *trial.rest, {tag}, parallel_for(1)).size();
   return trial;
+}
+
+/// Of several culprits, any of which may be at fault: what may be wrong with each.
+std::vector<TagFinding> rival_findings(const std::vector<Trial>& trials, const std::set<int>& culprits) {
+  std::vector<TagFinding> findings;
+  for (const Trial& trial : trials) {
+    if (!culprits.contains(trial.tag) || !trial.finding) continue;
+    findings.push_back(*trial.finding);
+    findings.back().words = words_of_rival(findings.back().words);
+    findings.back().is_left_out = true;
+  }
+  return findings;
 }
 
 }  // namespace
@@ -138,6 +166,7 @@ std::optional<AdjustedPart> adjust_without_culprit(const PartTask& task, const P
       culprits.size() == 1 ? std::move(best->rest) : adjust_anew(task, part, culprits, held_tag);
   if (!result) return std::nullopt;
   result->culprits.assign(culprits.begin(), culprits.end());
+  if (culprits.size() > 1) result->rivals = rival_findings(trials, culprits);
   const std::string why = contradictions.frames == 0
                               ? "the map cannot be adjusted"
                               : fmt::format("{} of {} frames contradict each other",

@@ -8,6 +8,7 @@
 #include "contradictions.h"
 #include "corner_noise.h"
 #include "map_state.h"
+#include "tag_finding.h"
 
 namespace apriltrack {
 
@@ -31,6 +32,8 @@ struct AdjustedPart {
   Contradictions contradictions;
   std::vector<int> culprits = {};   ///< Left out, for the frames contradict each other with them.
   std::vector<int> undecided = {};  ///< Left out, for the views leave them two poses.
+  /// Of culprits: one of these is so, and the views do not tell which.
+  std::vector<TagFinding> rivals = {};
 };
 
 /// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment. Throws

@@ -14,6 +14,7 @@
 #include "part_without.h"
 #include "tag_moves.h"
 #include "tag_shapes.h"
+#include "tag_suspects.h"
 #include "tag_trials.h"
 #include "undecided_tags.h"
 
@@ -22,48 +23,7 @@ namespace {
 
 constexpr int kMostFaults = 4;
 constexpr std::size_t kMostSuspects = 6;
-constexpr double kSuspicious = 2.5;
-constexpr double kManyRejected = 1.0 / 3.0;  // of a tag's views
 constexpr const char* kTooLittleLeft = "what is left does not agree, or is too little";
-
-TagLook look_by(const PartTask& task, const Part& part, const AdjustedPart& solved, int tag) {
-  return look_at(task, solved, probe_views(task, part, solved, tag), tag);
-}
-
-/// Tags of the map of which many views were rejected.
-std::set<int> tags_rejected_often(const Observations& observations, const Part& part,
-                                  const AdjustedPart& solved) {
-  const std::map<int, int> offered =
-      count_views(observations, narrowed_to(observations, part, solved.part.tags));
-  std::set<int> tags;
-  for (const auto& [tag, kept] : count_views(observations, solved.part)) {
-    if (offered.at(tag) - kept > kManyRejected * offered.at(tag)) tags.insert(tag);
-  }
-  return tags;
-}
-
-/// Tags that are not `known` to be at fault: those with a fault that can be named, those whose views no
-/// fault explains as the map is, and those of which many views were rejected, with frames that might have
-/// told why; worst first.
-std::vector<int> suspects_in(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                             const std::set<int>& known, const ParallelFor& parallel) {
-  const std::set<int> rejected = tags_rejected_often(task.observations, part, solved);
-  std::vector<TagLook> looks(part.tags.size());
-  parallel(looks.size(), [&](std::size_t i) {
-    if (!known.contains(part.tags[i])) looks[i] = look_by(task, part, solved, part.tags[i]);
-  });
-  std::vector<std::pair<double, int>> suspects;
-  for (std::size_t i = 0; i < looks.size(); ++i) {
-    const TagLook& look = looks[i];
-    if (known.contains(part.tags[i])) continue;
-    if (look.misfit > kSuspicious || look.finding || rejected.contains(part.tags[i]))
-      suspects.emplace_back(-look.misfit, part.tags[i]);
-  }
-  std::ranges::sort(suspects);
-  std::vector<int> tags;
-  for (const auto& [misfit, tag] : suspects) tags.push_back(tag);
-  return tags;
-}
 
 struct Absence {
   TagFinding finding;  ///< Of the tag that was left out.
@@ -192,17 +152,25 @@ void examine_by_all_views(const PartTask& task, const Part& part, AdjustedPart& 
   }
 }
 
+std::vector<int> tags_but(std::vector<int> tags, const std::set<int>& known) {
+  std::erase_if(tags, [&](int tag) { return known.contains(tag); });
+  return tags;
+}
+
 /// Before others are held against a map that lacks what they explain: they may have been accused in their
 /// place, and may be why others are undecided.
 void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
                         std::vector<TagFinding>& findings, const ParallelFor& parallel) {
-  std::vector<TagFinding> faults = find_faults_by_trial(task, part, solved, parallel);
+  const Part without_known = narrowed_to(task.observations, part, tags_but(part.tags, known));
+  std::vector<TagFinding> faults = find_faults_by_trial(task, without_known, solved, parallel);
   if (faults.empty()) return;
   // Of several that would do the one that the user holds is trusted.
   if (faults.size() > 1)
     std::erase_if(faults, [&](const TagFinding& fault) { return is_held_by_wish(task, fault.tag); });
   AdjustedPart rest = solved;
-  std::erase_if(rest.culprits, [&](int culprit) { return !do_frames_tell(task, part, solved, culprit); });
+  std::erase_if(rest.culprits, [&](int culprit) {
+    return !known.contains(culprit) && !do_frames_tell(task, part, solved, culprit);
+  });
   std::set<int> gone(rest.culprits.begin(), rest.culprits.end());
   for (const TagFinding& fault : faults) {
     require_sound_held_tag(task, fault);
@@ -241,9 +209,10 @@ void fail_after(const std::vector<TagFinding>& findings, const Error& error) {
 
 std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, AdjustedPart& solved,
                                      const ParallelFor& parallel) {
-  std::vector<TagFinding> findings;
+  std::vector<TagFinding> findings = solved.rivals;
   if (part.tags.size() < 3) return findings;  // of two that disagree, either may be wrong
   std::set<int> known;
+  for (const TagFinding& rival : solved.rivals) known.insert(rival.tag);
   leave_out_by_trial(task, part, solved, known, findings, parallel);
   std::vector<int> left_out = solved.culprits;
   left_out.insert(left_out.end(), solved.undecided.begin(), solved.undecided.end());

@@ -76,4 +76,8 @@ std::string words_of_loose(const std::string& name) {
       name);
 }
 
+std::string words_of_rival(const std::string& words) {
+  return words + ". Or another tag is at fault: the views do not tell which";
+}
+
 }  // namespace apriltrack

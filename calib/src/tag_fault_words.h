@@ -16,5 +16,7 @@ std::string words_of_move(const TwoPlaces& two, const std::vector<ProbeView>& pr
                           const std::string& name);
 std::string words_of_copies(const TwoPlaces& two, const std::string& name);
 std::string words_of_loose(const std::string& name);
+/// What is said of a tag, where another may be at fault in its place.
+std::string words_of_rival(const std::string& words);
 
 }  // namespace apriltrack

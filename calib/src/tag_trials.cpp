@@ -136,7 +136,7 @@ TagFinding to_finding(const Observations& observations, const Suspect& suspect, 
   finding.is_left_out = true;
   finding.num_views = suspect.views.size();
   finding.words = words_of(observations, suspect, trial);
-  if (!is_alone) finding.words += ". Or another tag is at fault: the views do not tell which";
+  if (!is_alone) finding.words = words_of_rival(finding.words);
   return finding;
 }
 

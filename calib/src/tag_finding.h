@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace apriltrack {
+
+/// What is wrong with a tag, told in words that a user can act on.
+struct TagFinding {
+  enum class Kind { kSize, kMoved, kTwoPlaces, kNotFlat, kLoose };
+  int tag = 0;
+  Kind kind = Kind::kSize;
+  std::string words;
+  bool is_left_out = false;
+  /// What the views cost, in units of what they would if they erred as expected: with one place and the
+  /// stated shape, and with what was found.
+  double misfit_before = 0.0, misfit_after = 0.0;
+  std::size_t num_views = 0;  ///< That this rests on.
+  double explained = 0.0;     ///< Half the squares, of all views, less a fee for the unknowns; if known.
+
+  /// Nothing is left to be explained, or nothing can be of what has no fixed place.
+  bool is_complete() const { return kind == Kind::kLoose || misfit_after < 1.6; }
+  double gain() const { return (misfit_before - misfit_after) * static_cast<double>(num_views); }
+};
+
+}  // namespace apriltrack
