@@ -60,7 +60,7 @@ Eigen::MatrixXd mean_by_errors(const std::vector<const LinearView*>& views, cons
 double bias_variance(const std::vector<LinearView>& views, const PoseInformation& poses,
                      double noise_variance, double expected) {
   const auto tags = by_tag(views);
-  const std::size_t step = std::max<std::size_t>(1, tags.size() / kMostTags);
+  const std::size_t step = std::max<std::size_t>(1, (tags.size() + kMostTags - 1) / kMostTags);
   double squares = kBiasPriorStrength * expected, count = kBiasPriorStrength;
   std::size_t rank = 0;
   for (const auto& [tag, of_tag] : tags) {
