@@ -27,17 +27,6 @@ std::vector<int> cameras_of(const Observations& observations, const Part& part) 
   return {cameras.begin(), cameras.end()};
 }
 
-/// What of the part has a pose to start from by these candidates.
-Part with_poses(const PartTask& task, const Part& part, const std::vector<ViewCandidates>& candidates,
-                int held_tag) {
-  std::vector<std::size_t> views;
-  std::ranges::copy_if(part.views, std::back_inserter(views),
-                       [&](std::size_t v) { return !candidates[v].candidates.empty(); });
-  return views.size() == part.views.size()
-             ? part
-             : connected_to(task.observations, views, held_tag, task.options.min_views);
-}
-
 /// What may be mapped still.
 Part without_left_out(const Observations& observations, const Part& part, const AdjustedPart& solved) {
   std::set<int> out(solved.undecided.begin(), solved.undecided.end());
@@ -194,8 +183,8 @@ std::optional<Again> solve_again(const PartTask& task, const Part& part, const A
   Observations by_cameras = task.observations;
   by_cameras.cameras = solved.state.cameras;
   std::vector<ViewCandidates> candidates = solve_views(by_cameras, part.views, parallel);
-  const Part seen = with_poses(task, part, candidates, solved.held_tag);
   const PartTask again{by_cameras, candidates, task.options};
+  const Part seen = with_poses(again, part, solved.held_tag);
   try {
     AdjustedPart anew = adjust_without_contradictions(again, seen, solved.held_tag, parallel, log);
     leave_out_undecided(again, seen, anew, parallel);
@@ -210,10 +199,12 @@ std::optional<Again> solve_again(const PartTask& task, const Part& part, const A
   }
 }
 
-/// Until they stay. What is about right stays as it was where that finds nothing better.
+/// Until they stay. What is about right stays as it was where that finds nothing better; but tags that
+/// contradicted the others by the file's cameras are asked again.
 void solve_by_refined_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
                               const LogSink& log, AdjustedPart& solved, BetterCameras& cameras) {
-  if (most_sigmas_off(cameras.refined) < kOff) return;
+  if (most_sigmas_off(cameras.refined) < kOff && (solved.culprits.empty() || !cameras.refined.is_accepted))
+    return;
   for (int i = 0; i < kMostLenses; ++i) {
     std::optional<Again> again = solve_again(task, part, solved, cameras.refined, parallel, log);
     if (!again) break;
@@ -248,6 +239,31 @@ bool refine_other_cameras(const PartTask& task, const Part& part, AdjustedPart& 
   return true;
 }
 
+/// What the user's own choices keep out, though the views agree better with it.
+void find_what_is_not_taken(const PartTask& task, const Part& to_map, const AdjustedPart& solved,
+                            BetterCameras& cameras) {
+  cameras.lens_not_taken = cameras.places_not_taken = std::nullopt;
+  if (task.options.intrinsics == Intrinsics::kKeep)
+    cameras.lens_not_taken = not_taken(
+        task, to_map,
+        intrinsic_parameters(cameras_of(task.observations, solved.part), task.observations.cameras), solved);
+  if (!cameras.lens_not_taken)
+    cameras.places_not_taken = places_not_taken(task, to_map, cameras.refined, solved);
+}
+
+/// What is known of the cameras is estimated anew, or found for the first time.
+void refine_again(const PartTask& task, const Part& rest, AdjustedPart& solved, CameraRefinement& refined) {
+  if (!refined.is_accepted) {
+    refined = better_cameras(task, rest, solved);
+    return;
+  }
+  CameraRefinement again = refine_cameras(task, rest, parameters_of(refined), kNothingHeldOut, solved);
+  if (!again.is_accepted) return;
+  again.held_out_before = refined.held_out_before;
+  again.held_out_after = refined.held_out_after;
+  refined = std::move(again);
+}
+
 }  // namespace
 
 BetterCameras improve_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
@@ -257,29 +273,15 @@ BetterCameras improve_cameras(const PartTask& task, const Part& part, const Para
   solve_by_refined_cameras(task, part, parallel, log, solved, cameras);
   if (refine_other_cameras(task, part, solved, cameras.refined))
     solve_by_refined_cameras(task, part, parallel, log, solved, cameras);
-  const Part to_map = without_left_out(task.observations, part, solved);
-  if (task.options.intrinsics == Intrinsics::kKeep)
-    cameras.lens_not_taken = not_taken(
-        task, to_map,
-        intrinsic_parameters(cameras_of(task.observations, solved.part), task.observations.cameras), solved);
-  if (!cameras.lens_not_taken)
-    cameras.places_not_taken = places_not_taken(task, to_map, cameras.refined, solved);
+  find_what_is_not_taken(task, without_left_out(task.observations, part, solved), solved, cameras);
   return cameras;
 }
 
 void improve_cameras_again(const PartTask& task, const Part& part, AdjustedPart& solved,
                            BetterCameras& cameras) {
   const Part rest = narrowed_to(task.observations, part, solved.part.tags);
-  if (!cameras.refined.is_accepted) {
-    cameras.refined = better_cameras(task, rest, solved);
-    return;
-  }
-  CameraRefinement again =
-      refine_cameras(task, rest, parameters_of(cameras.refined), kNothingHeldOut, solved);
-  if (!again.is_accepted) return;
-  again.held_out_before = cameras.refined.held_out_before;
-  again.held_out_after = cameras.refined.held_out_after;
-  cameras.refined = std::move(again);
+  refine_again(task, rest, solved, cameras.refined);
+  find_what_is_not_taken(task, rest, solved, cameras);
 }
 
 }  // namespace apriltrack

@@ -125,8 +125,24 @@ Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapSta
   return kept;
 }
 
-AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel) {
+Part with_poses(const PartTask& task, const Part& part, int held_tag) {
+  std::vector<std::size_t> views;
+  std::ranges::copy_if(part.views, std::back_inserter(views),
+                       [&](std::size_t v) { return !task.candidates[v].candidates.empty(); });
+  return views.size() == part.views.size()
+             ? part
+             : connected_to(task.observations, views, held_tag, task.options.min_views);
+}
+
+Contradictions contradictions_of(const PartTask& task, const Part& part, const MapState& state) {
+  return find_contradictions(task.observations, part, gross_outliers(task.observations, part.views, state));
+}
+
+AdjustedPart adjust_part(const PartTask& task, const Part& offered, int held_tag,
+                         const ParallelFor& parallel) {
   const auto& [observations, candidates, options] = task;
+  const Part part = with_poses(task, offered, held_tag);
+  if (part.tags.size() < 2) fail_as_contradictory(observations, held_tag);
   AdjustedPart result{.held_tag = held_tag,
                       .part = {},
                       .state = start_state(observations, part, held_tag, candidates, parallel),
@@ -145,8 +161,7 @@ AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, c
   if (result.part.tags.empty()) result.part = adjust_cleanly(task, part, held_tag, result.state);
   if (turn_mirrored_frames(task, narrowed_to(observations, part, result.part.tags), result.state))
     result.part = adjust_cleanly(task, part, held_tag, result.state);
-  result.contradictions =
-      find_contradictions(observations, part, gross_outliers(observations, part.views, result.state));
+  result.contradictions = contradictions_of(task, part, result.state);
   return result;
 }
 

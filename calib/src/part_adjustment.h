@@ -36,8 +36,12 @@ struct AdjustedPart {
   std::vector<TagFinding> rivals = {};
 };
 
-/// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment. Throws
-/// Error(kNoResult) when it does not converge, or when nothing fits.
+/// What of the part has a pose to start from: a lens may not reach some views. Empty where the tag that is held
+/// has none.
+Part with_poses(const PartTask& task, const Part& part, int held_tag);
+
+/// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment; of what has poses to
+/// start from. Throws Error(kNoResult) when it does not converge, or when nothing fits.
 AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel);
 
 /// Least squares over the inliers, which are chosen anew until they stay the same; these are returned.
@@ -45,6 +49,9 @@ Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapSta
 
 /// All but the one that is held.
 std::vector<int> free_tags(const Part& part, int held_tag);
+
+/// Of a map of the part: what it contradicts.
+Contradictions contradictions_of(const PartTask& task, const Part& part, const MapState& state);
 
 /// What of `part` the views still tie to the held tag; an empty part when it stands alone.
 Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,

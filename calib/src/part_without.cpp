@@ -35,6 +35,7 @@ bool adjust_without(const PartTask& task, const Part& part, const std::set<int>&
   if (rest->held_tag != solved.held_tag) move_origin_to(state, rest->held_tag);
   solved.part = adjust_cleanly(task, rest->part, rest->held_tag, state);
   solved.state = std::move(state);
+  solved.contradictions = contradictions_of(task, rest->part, solved.state);
   solved.held_tag = rest->held_tag;
   return true;
 }
