@@ -191,20 +191,20 @@ void take_cameras(const Observations& observations, const CameraRig& rig, const 
                   CalibrationResult& result, Findings& findings) {
   result.rig = rig;
   if (!solution.cameras.refined.is_accepted) return;
-  bool is_lens_refined = false;
+  bool is_offset_alone = true;
   for (const EstimatedParameter& one : solution.cameras.refined.estimates) {
     const auto camera = static_cast<std::size_t>(one.parameter.camera);
     result.corrections.push_back({rig.cameras[camera].name,
                                   name_of(one.parameter, observations.cameras[camera]),
                                   unit_of(one.parameter), one.value, one.sigma});
-    is_lens_refined = is_lens_refined || one.parameter.kind != CameraParameter::Kind::kEdgeOffset;
+    is_offset_alone = is_offset_alone && one.parameter.kind == CameraParameter::Kind::kEdgeOffset;
   }
   result.corrections_covariance = solution.cameras.refined.covariance;
   std::vector<CameraParameter> parameters;
   for (const EstimatedParameter& one : solution.cameras.refined.estimates)
     parameters.push_back(one.parameter);
   result.rig = with_corrections(rig, solution.state.cameras, parameters);
-  if (!is_lens_refined) return;
+  if (is_offset_alone) return;
   findings.warnings.push_back(corrections_in_words(solution.cameras.refined, result.corrections));
 }
 
@@ -363,10 +363,12 @@ CalibrationResult calibrated(std::span<const FrameDetections> frames, const Came
   if (options.cross_validate) result.cross_validation = cross_validate(observations, main, options);
   const auto refined = parts.size() > 1 ? refined_for_parts(observations, main, options) : std::nullopt;
   const Observations& of_parts = refined ? refined->observations : observations;
-  for (std::size_t i = 1; i < parts.size(); ++i)
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    if (refined) candidates = solve_views(of_parts, parts[i].views, parallel);
     add_part({of_parts, refined ? of_parts.cameras : start, candidates, refined ? refined->options : options,
               parallel, log},
              parts[i], held_tags[i], i + 1, result, findings);
+  }
   return result;
 }
 

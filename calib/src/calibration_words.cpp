@@ -193,14 +193,19 @@ std::string corrections_in_words(const CameraRefinement& cameras,
   std::string words;
   for (const CameraCorrection& one : corrections)
     words += fmt::format("{}{}: {}", words.empty() ? "" : "; ", one.camera, in_words(one));
+  const auto has = [&](bool (CameraParameter::*is_of)() const) {
+    return std::ranges::any_of(cameras.estimates,
+                               [&](const EstimatedParameter& one) { return (one.parameter.*is_of)(); });
+  };
+  const bool has_lens = has(&CameraParameter::is_of_lens), has_places = has(&CameraParameter::is_of_place);
+  const std::string what = !has_places ? "intrinsics" : has_lens ? "intrinsics and places" : "places";
   const std::string why = cameras.held_out_before > 0.0
-                              ? "with other intrinsics, " + gain_of(cameras)
+                              ? fmt::format("with other {}, {}", what, gain_of(cameras))
                               : std::string("with another lens, far more of the views agree");
   return fmt::format(
-      "the camera file does not fit: {}. The map rests on these intrinsics: {}. Track with the refined "
-      "camera, "
-      "or calibrate it anew; --intrinsics keep takes the file as it is",
-      why, words);
+      "the camera file does not fit: {}. The map rests on these {}: {}. Track with the refined camera, or "
+      "calibrate it anew{}",
+      why, what, words, has_lens ? "; --intrinsics keep takes the file as it is" : "");
 }
 
 }  // namespace apriltrack

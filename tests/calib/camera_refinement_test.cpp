@@ -14,6 +14,7 @@ using test::expect_truth;
 using test::SyntheticWorld;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 /// Corners as the true world shows them, with noise; and the world as a wrong camera file has it.
 struct Filmed {
@@ -71,6 +72,17 @@ TEST(CameraRefinement, FindsAWrongFocalLengthBesideATagOfAWrongSize) {
   EXPECT_EQ(result.map.tags.size(), 13u);
   EXPECT_THAT(result.warnings, ::testing::Contains(HasSubstr("smaller than its stated size")));
   expect_truth(filmed.truth, result.map, result.held_tag, 0.02, 0.01);
+}
+
+TEST(CameraRefinement, SpeaksOfALensThatIsKeptAsItIsWithoutTheFaultyTag) {
+  Filmed filmed = film(test::perspective_camera(), 0.2, 60);
+  filmed.stated.map.tags[5].size_m *= 1.03;
+  const auto warnings = [&] {
+    return calibrate(filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep}).warnings;
+  };
+  EXPECT_THAT(warnings(), Not(::testing::Contains(HasSubstr("the camera file does not fit"))));
+  scale_focal_length(filmed.stated.rig.cameras[0], 1.02);
+  EXPECT_THAT(warnings(), ::testing::Contains(HasSubstr("the camera file does not fit")));
 }
 
 TEST(CameraRefinement, LeavesARightCameraAlone) {
@@ -226,6 +238,8 @@ TEST(CameraRefinement, FindsWhereTheSecondCameraSits) {
   const Pose error = result.rig.T_camera_rig(1) * filmed.truth.rig.T_camera_rig(1).inverse();
   EXPECT_LT(error.translation().norm(), 1e-3);
   EXPECT_LT(error.log().tail<3>().norm(), 1e-3);
+  EXPECT_THAT(result.warnings, ::testing::ElementsAre(::testing::AllOf(
+                                   HasSubstr("with other places, "), Not(HasSubstr("intrinsics")))));
 }
 
 TEST(CameraRefinement, SaysThatTheRigDoesNotFit) {
