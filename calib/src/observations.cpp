@@ -233,8 +233,8 @@ Observations collect_observations(std::span<const FrameDetections> frames, const
   }
   if (detections == 0)
     throw no_result("calibrate",
-                    fmt::format("no tags were seen in {} frames; check the tag family and that tags are "
-                                "sharp and at least 20 pixels wide",
+                    fmt::format("no tags were seen in {} frames; check the tag family (apriltrack doctor "
+                                "looks for others, too) and that tags are sharp and at least 20 pixels wide",
                                 frames.size()));
   std::ranges::move(check_picture_sizes(frames, rig), std::back_inserter(findings.warnings));
   std::size_t unusable = 0;
