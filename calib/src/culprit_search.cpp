@@ -48,8 +48,8 @@ struct Trial {
   std::size_t num_left() const { return rest ? rest->part.tags.size() : 0; }
 };
 
-/// A tag whose fault can be named from the map without it, that leaves few others at fault, the more wrong the
-/// better; else one whose absence keeps many tags, and of such the one that is accused most.
+/// A tag whose fault can be named from the map without it, that leaves few others at fault, the more wrong
+/// the better; else one whose absence keeps many tags, and of such the one that is accused most.
 std::tuple<bool, int, double, std::size_t, std::size_t> merit(const Trial& trial) {
   const bool is_explained = trial.is_explained();
   return {is_explained, is_explained ? -static_cast<int>(trial.num_others) : 0,
@@ -104,8 +104,7 @@ Trial try_without(const PartTask& task, const Part& part, const Contradictions& 
               count_accusations(contradictions, tag)};
   if (!trial.rest) return trial;
   trial.finding = look_by(task, part, *trial.rest, tag).finding;
-  if (trial.finding)
-    trial.num_others = suspects_in(task, part, *trial.rest, {tag}, parallel_for(1)).size();
+  if (trial.finding) trial.num_others = suspects_in(task, part, *trial.rest, {tag}, parallel_for(1)).size();
   return trial;
 }
 

@@ -36,8 +36,8 @@ struct AdjustedPart {
   std::vector<TagFinding> rivals = {};
 };
 
-/// What of the part has a pose to start from: a lens may not reach some views. Empty where the tag that is held
-/// has none.
+/// What of the part has a pose to start from: a lens may not reach some views. Empty where the tag that is
+/// held has none.
 Part with_poses(const PartTask& task, const Part& part, int held_tag);
 
 /// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment; of what has poses to

@@ -158,8 +158,7 @@ bool leave_out_faulty(const PartTask& task, const Part& part, AdjustedPart& solv
   solution.contradicted = leave_out_contradicted(task, part, solved);
   if (solved.part.tags == tags_before) return false;
   try {
-    if (solved.contradictions.are_there())
-      fail_with_contradictions(task.observations, solved.contradictions);
+    if (solved.contradictions.are_there()) fail_with_contradictions(task.observations, solved.contradictions);
     // Without them, others' views may leave two poses that had one.
     leave_out_undecided(task, part, solved, parallel);
   } catch (const Error& error) {

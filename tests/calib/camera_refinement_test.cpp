@@ -238,8 +238,8 @@ TEST(CameraRefinement, FindsWhereTheSecondCameraSits) {
   const Pose error = result.rig.T_camera_rig(1) * filmed.truth.rig.T_camera_rig(1).inverse();
   EXPECT_LT(error.translation().norm(), 1e-3);
   EXPECT_LT(error.log().tail<3>().norm(), 1e-3);
-  EXPECT_THAT(result.warnings, ::testing::ElementsAre(::testing::AllOf(
-                                   HasSubstr("with other places, "), Not(HasSubstr("intrinsics")))));
+  EXPECT_THAT(result.warnings, ::testing::ElementsAre(::testing::AllOf(HasSubstr("with other places, "),
+                                                                       Not(HasSubstr("intrinsics")))));
 }
 
 TEST(CameraRefinement, SaysThatTheRigDoesNotFit) {
