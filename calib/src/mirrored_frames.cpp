@@ -8,16 +8,15 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kClearlyLess = 10.0;  // of half the robust sum of squares
+constexpr double kLess = 1.0;  // by more than rounding within one minimum; of half the robust sum of squares
 
-/// To the pose of another minimum, if it explains the views clearly better.
+/// To the pose of another minimum, if it explains the views better.
 bool turn(FrameViews frame) {
-  if (!frame.has_far_view()) return false;
   const Pose before = frame.pose();
   frame.settle();
   const double as_it_is = frame.cost();
   const auto [cost, turned] = frame.best_of_proposals();
-  const bool is_better = cost < as_it_is - kClearlyLess;
+  const bool is_better = cost < as_it_is - kLess;
   frame.pose() = is_better ? turned : before;
   return is_better;
 }

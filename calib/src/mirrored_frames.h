@@ -4,9 +4,10 @@
 
 namespace apriltrack {
 
-/// Frames in which a view is far off may have been mirrored about a tag, which agrees with either pose. Tries
-/// each in the poses that its tags propose one by one, the tags as they are, and keeps what explains its
-/// views better. False when no frame was turned; else the caller adjusts again.
+/// Frames may have been mirrored about a tag that agrees with either pose; where tags are small, no view
+/// looks far off by it, and the tags give way. Tries each in the poses that its tags propose one by one, the
+/// tags as they are, and keeps what explains its views better. False when no frame was turned; else the
+/// caller adjusts again.
 bool turn_mirrored_frames(const PartTask& task, const Part& part, MapState& state);
 
 }  // namespace apriltrack
