@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ceres/problem.h>
+#include <ceres/solver.h>
 
 #include <map>
 #include <set>
@@ -48,6 +49,8 @@ class BundleProblem {
     std::map<int, std::size_t> index;
     std::vector<PoseBlock> blocks;
   };
+
+  ceres::Solver::Options solver_options();
   static Blocks make_blocks(const std::set<int>& keys, const std::vector<Pose>& poses);
   void add_blocks(Blocks& blocks, ceres::Manifold* manifold);
 
