@@ -42,7 +42,8 @@ std::set<int> tags_out(const AdjustedPart& solved, int tag, const std::set<int>&
 /// The map without some tags, from the start, for with them it may have been folded; by the cameras of
 /// `solved`, which may have been refined. Without the tag that the user holds another one is held. False
 /// where too little is left that agrees.
-bool solve_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved) {
+bool solve_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved,
+                   const ParallelFor& parallel) {
   CalibrationOptions options = task.options;
   if (std::ranges::any_of(gone, [&](int tag) { return is_held_by_wish(task, tag); }))
     options.held_tag.reset();
@@ -52,7 +53,7 @@ bool solve_without(const PartTask& task, const Part& part, const std::set<int>& 
   const std::optional<HeldPart> rest = part_without(without, part, gone, solved.held_tag);
   if (!rest) return false;
   try {
-    AdjustedPart anew = adjust_part(without, rest->part, rest->held_tag, parallel_for(1));
+    AdjustedPart anew = adjust_part(without, rest->part, rest->held_tag, parallel);
     solved.held_tag = rest->held_tag;
     solved.part = std::move(anew.part);
     solved.state = std::move(anew.state);
@@ -65,23 +66,23 @@ bool solve_without(const PartTask& task, const Part& part, const std::set<int>& 
 
 /// And without those that are `known`, and not in the map.
 bool solve_without(const PartTask& task, const Part& part, int tag, const std::set<int>& known,
-                   AdjustedPart& solved) {
-  return solve_without(task, part, tags_out(solved, tag, known), solved);
+                   AdjustedPart& solved, const ParallelFor& parallel) {
+  return solve_without(task, part, tags_out(solved, tag, known), solved, parallel);
 }
 
 /// Null where nothing is wrong with the tag by the map without it, nor by the one with it: without a tag that
 /// joins two pieces of the map, few views of it are left to look at.
 std::unique_ptr<Absence> look_without(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                                      int tag, std::set<int> known) {
+                                      int tag, std::set<int> known, const ParallelFor& parallel) {
   auto trial = std::make_unique<Absence>();
   trial->rest = solved;
-  if (!solve_without(task, part, tag, known, trial->rest)) return nullptr;
+  if (!solve_without(task, part, tag, known, trial->rest, parallel)) return nullptr;
   TagLook look = look_by(task, part, trial->rest, tag);
   if (!look.finding) look = look_by(task, part, solved, tag);
   if (!look.finding) return nullptr;
   trial->finding = std::move(*look.finding);
   known.insert(tag);
-  trial->num_others = suspects_in(task, part, trial->rest, known, parallel_for(1)).size();
+  trial->num_others = suspects_in(task, part, trial->rest, known, parallel).size();
   return trial;
 }
 
@@ -90,8 +91,9 @@ std::unique_ptr<Absence> best_absence(const PartTask& task, const Part& part, co
                                       const std::vector<int>& suspects, const std::set<int>& known,
                                       const ParallelFor& parallel) {
   std::vector<std::unique_ptr<Absence>> trials(suspects.size());
+  const ParallelFor within = suspects.size() > 1 ? parallel_for(1) : parallel;
   parallel(suspects.size(),
-           [&](std::size_t i) { trials[i] = look_without(task, part, solved, suspects[i], known); });
+           [&](std::size_t i) { trials[i] = look_without(task, part, solved, suspects[i], known, within); });
   std::erase(trials, nullptr);
   const auto rank = [](const std::unique_ptr<Absence>& one) {
     return std::pair(one->num_others, -one->finding.gain());
@@ -131,7 +133,8 @@ void examine_by_all_views(const PartTask& task, const Part& part, AdjustedPart& 
                           std::vector<TagFinding>& findings, const ParallelFor& parallel) {
   AdjustedPart sound = solved;
   for (const int tag : known) {
-    if (std::ranges::binary_search(sound.part.tags, tag) && !solve_without(task, part, tag, known, sound))
+    if (std::ranges::binary_search(sound.part.tags, tag) &&
+        !solve_without(task, part, tag, known, sound, parallel))
       return;
   }
   for (int round = 0; round < kMostFaults; ++round) {
@@ -139,10 +142,10 @@ void examine_by_all_views(const PartTask& task, const Part& part, AdjustedPart& 
     if (!finding) return;
     require_sound_held_tag(task, *finding);
     const int tag = finding->tag;
-    if (finding->is_left_out && !solve_without(task, part, tag, known, solved))
+    if (finding->is_left_out && !solve_without(task, part, tag, known, solved, parallel))
       fail_after({*finding}, no_result("calibrate", kTooLittleLeft));
     known.insert(tag);
-    const bool is_sound = solve_without(task, part, tag, known, sound);
+    const bool is_sound = solve_without(task, part, tag, known, sound, parallel);
     // What was estimated to first order is told better from the map without it, where frames tell.
     if (auto better = is_sound ? look_by(task, part, sound, tag).finding : std::nullopt;
         better && better->kind == finding->kind)
@@ -176,7 +179,8 @@ void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& so
     require_sound_held_tag(task, fault);
     gone.insert(fault.tag);
   }
-  if (!solve_without(task, part, gone, rest)) fail_after(faults, no_result("calibrate", kTooLittleLeft));
+  if (!solve_without(task, part, gone, rest, parallel))
+    fail_after(faults, no_result("calibrate", kTooLittleLeft));
   if (rest.contradictions.are_there()) return;
   rest.undecided.clear();
   try {
