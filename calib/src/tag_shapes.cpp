@@ -17,6 +17,8 @@ namespace {
 constexpr double kMostTags = 1.0 / 3.0;       // more of them, and it is the lens that is wrong
 constexpr std::size_t kMostTagsShaped = 200;  // the system is solved anew for each
 constexpr double kMedianOfNormal = 0.6745;    // of the sizes of standard normal numbers
+constexpr double kMedianOfThree = 1.538;      // of the lengths of three of them
+constexpr double kClearBeyondSize = 2.5;      // of the lengths of two: 1 of 23
 
 bool exceeds(double value, double sigma, double least) {
   return std::abs(value) > std::max(least, kClearSigmas * sigma);
@@ -27,6 +29,7 @@ struct ShapeEstimate {
   int tag = 0;
   TagFit scaled, bent;
   double gain_of_size = 0.0, gain_of_bend = 0.0;  ///< Half the squares they explain, in units of the noise.
+  double sigmas = 0.0, sigmas_beyond_size = 0.0;  ///< Of all three numbers together, and of two.
 
   bool is_size_clear() const { return exceeds(scaled.shape.log_scale, scaled.scale_sigma, kClearScale); }
   bool is_bend_clear() const { return bent.is_aspect_clear || bent.is_twist_clear; }
@@ -86,6 +89,10 @@ ShapeEstimate estimate_shape(const ParameterInformation& of_shape, const ErrorSc
   bent.aspect_sigma = sigma[1];
   bent.twist_sigma = sigma[2];
   result.gain_of_bend = -0.5 * gradient.dot(value) / scale.noise_variance;
+  // Optimal, unlike the numbers themselves, also where errors that the tag keeps outweigh the noise.
+  const double all = gradient.dot(spread.ldlt().solve(gradient));
+  result.sigmas = std::sqrt(std::max(0.0, all));
+  result.sigmas_beyond_size = std::sqrt(std::max(0.0, all - gradient[0] * gradient[0] / spread(0, 0)));
   return result;
 }
 
@@ -131,6 +138,29 @@ void widen_by_others(const std::vector<ShapeNumber>& numbers) {
   for (std::size_t i = 0; i < numbers.size(); ++i) *numbers[i].second *= factors[i];
 }
 
+/// By the lengths of three numbers.
+void widen_by_others(std::vector<ShapeEstimate>& shapes) {
+  if (shapes.size() < 2) return;
+  std::vector<double> lengths;
+  for (const ShapeEstimate& one : shapes) lengths.push_back(one.sigmas);
+  std::ranges::sort(lengths);
+  const double typical = std::max(1.0, lengths[lengths.size() / 2] / kMedianOfThree);
+  for (ShapeEstimate& one : shapes) {
+    one.sigmas /= typical;
+    one.sigmas_beyond_size /= typical;
+  }
+}
+
+/// A bend that no number shows by itself: the views may tell well only what their sum is.
+void judge_together(ShapeEstimate& one) {
+  TagFit& bent = one.bent;
+  if (one.is_clear() || one.sigmas < kClearSigmas || one.sigmas_beyond_size < kClearBeyondSize) return;
+  const bool is_twist =
+      std::abs(bent.shape.twist) * bent.aspect_sigma > std::abs(bent.shape.aspect) * bent.twist_sigma;
+  bent.is_twist_clear = is_twist && std::abs(bent.shape.twist) > kClearBend;
+  bent.is_aspect_clear = !is_twist && std::abs(bent.shape.aspect) > kClearBend;
+}
+
 /// What the lens or the detector does to all tags, and sigmas do not tell, shows in the others: a tag is odd
 /// only where they are as stated.
 void compare_with_others(std::vector<ShapeEstimate>& shapes) {
@@ -140,13 +170,13 @@ void compare_with_others(std::vector<ShapeEstimate>& shapes) {
     aspects.emplace_back(one.bent.shape.aspect, &one.bent.aspect_sigma);
     twists.emplace_back(one.bent.shape.twist, &one.bent.twist_sigma);
   }
-  widen_by_others(sizes);
-  widen_by_others(aspects);
-  widen_by_others(twists);
+  for (auto* numbers : {&sizes, &aspects, &twists}) widen_by_others(*numbers);
+  widen_by_others(shapes);
   for (ShapeEstimate& one : shapes) {
     TagFit& bent = one.bent;
     bent.is_aspect_clear = exceeds(bent.shape.aspect, bent.aspect_sigma, kClearBend);
     bent.is_twist_clear = exceeds(bent.shape.twist, bent.twist_sigma, kClearBend);
+    judge_together(one);
   }
 }
 
