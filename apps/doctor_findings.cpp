@@ -12,6 +12,7 @@ std::vector<Finding> find_all(const Facts& facts) {
   const std::vector<TagSummary> tags = summarise_tags(facts);
   std::ranges::move(find_in_tags(tags, joined_parts(facts.moments)), std::back_inserter(all));
   std::ranges::move(find_in_places(facts), std::back_inserter(all));
+  std::ranges::move(find_in_sizes(facts), std::back_inserter(all));
   for (const RecordingFacts& recording : facts.recordings) {
     for (const auto& find : {find_in_camera, find_in_lens, find_in_images, find_in_blur}) {
       for (Finding& finding : find(recording)) {

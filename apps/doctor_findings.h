@@ -46,6 +46,8 @@ std::vector<ImageSize> image_sizes(std::span<const FrameFacts> frames);
 bool is_surely_there(const FamilyReadings& readings, std::size_t sampled);
 
 std::vector<Finding> find_in_images(const RecordingFacts& recording);
+/// Whether recordings that are said to be of one camera are of one size.
+std::vector<Finding> find_in_sizes(const Facts& facts);
 std::vector<Finding> find_in_camera(const RecordingFacts& recording);
 std::vector<Finding> find_in_blur(const RecordingFacts& recording);
 /// Of the lens, by how square the tags look.

@@ -61,6 +61,18 @@ void find_in_times(const RecordingFacts& recording, std::vector<Finding>& findin
                      *times.rate_hz)});
 }
 
+/// Of the frames that show tags.
+void find_in_rest(const RecordingFacts& recording, std::vector<Finding>& findings) {
+  const auto with_tags = static_cast<std::size_t>(
+      std::ranges::count_if(recording.frames, [](const FrameFacts& frame) { return !frame.tags.empty(); }));
+  if (2 * recording.at_rest <= with_tags) return;
+  findings.push_back(
+      {Severity::kWarning, "at_rest",
+       fmt::format("{} of {} frames with tags show what an earlier one shows, to a pixel: however long the "
+                   "camera stands, a place counts once. Go on moving, slowly, and film from more places",
+                   recording.at_rest, with_tags)});
+}
+
 void find_in_light(const RecordingFacts& recording, std::vector<Finding>& findings) {
   std::size_t blank = 0, dark = 0, white = 0;
   for (const FrameFacts& frame : recording.frames) {
@@ -179,8 +191,28 @@ std::vector<Finding> find_in_images(const RecordingFacts& recording) {
                         fmt::format("{} of {} frames cannot be read; calibrate and track leave them out, too",
                                     recording.unreadable, recording.unreadable + recording.frames.size())});
   find_in_times(recording, findings);
+  find_in_rest(recording, findings);
   find_in_light(recording, findings);
   return findings;
+}
+
+std::vector<Finding> find_in_sizes(const Facts& facts) {
+  std::map<std::string, const RecordingFacts*> first_of_camera;
+  for (const RecordingFacts& recording : facts.recordings) {
+    if (recording.frames.empty()) continue;
+    const RecordingFacts& first =
+        *first_of_camera.try_emplace(recording.camera_name, &recording).first->second;
+    const ImageSize one = image_sizes(first.frames).front(), other = image_sizes(recording.frames).front();
+    if (one.width == other.width && one.height == other.height) continue;
+    if (first.camera && recording.camera) continue;  // find_in_camera() says which of them the file fits
+    return {{Severity::kStops, "camera_sizes",
+             fmt::format("{} is of {} x {} pixels and {} of {} x {}, but both are said to be of camera '{}', "
+                         "and a camera file is true of one size: name the cameras (cam0=PATH cam1=PATH, with "
+                         "a file of the rig), or take one of them at a time",
+                         first.input, one.width, one.height, recording.input, other.width, other.height,
+                         recording.camera_name)}};
+  }
+  return {};
 }
 
 std::vector<Finding> find_in_camera(const RecordingFacts& recording) {

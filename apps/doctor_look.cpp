@@ -11,6 +11,7 @@
 #include "apriltrack/detect/edge_blur.h"
 #include "blank_images.h"
 #include "doctor_families.h"
+#include "doctor_places.h"
 #include "doctor_sample.h"
 #include "frame_loop.h"
 #include "inputs.h"
@@ -127,6 +128,7 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
                       facts.frames.push_back(facts_of(frame, detector.response));
                     });
   facts.unreadable = counts.unreadable;
+  facts.at_rest = static_cast<std::size_t>(std::ranges::count(are_at_rest(facts.frames), true));
   is_interrupted = counts.is_interrupted;
   if (!is_interrupted && options.tries_other_families) {
     facts.other_families = read_other_families(sample.images(), detector, options.num_threads, console);
@@ -135,14 +137,17 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
   return facts;
 }
 
-/// Frames of several cameras belong to one moment where their times are equal.
+/// Frames of several cameras belong to one moment where their times are equal. What a frame at rest shows is
+/// known already.
 std::vector<std::vector<TagKey>> moments_of(const std::vector<RecordingFacts>& recordings) {
   Takes takes;
   for (const RecordingFacts& recording : recordings) {
     std::vector<FrameDetections> frames;
-    for (const FrameFacts& frame : recording.frames) {
-      frames.push_back({frame.time, recording.camera_name, {}});
-      for (const SeenTag& seen : frame.tags)
+    const std::vector<bool> at_rest = are_at_rest(recording.frames);
+    for (std::size_t i = 0; i < recording.frames.size(); ++i) {
+      frames.push_back({recording.frames[i].time, recording.camera_name, {}});
+      if (at_rest[i]) continue;
+      for (const SeenTag& seen : recording.frames[i].tags)
         frames.back().detections.push_back({seen.tag, {}, std::nullopt, std::nullopt});
     }
     takes.add(recording.input, {recording.camera_name}, std::move(frames));

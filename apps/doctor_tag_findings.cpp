@@ -241,10 +241,18 @@ std::vector<Finding> find_in_places(const Facts& facts) {
   const auto joint = static_cast<std::size_t>(
       std::ranges::count_if(facts.moments, [](const auto& tags) { return tags.size() > 1; }));
   if (joint != 1) return {};
+  std::size_t at_rest = 0;
+  for (const RecordingFacts& recording : facts.recordings) at_rest += recording.at_rest;
+  const std::string others =
+      at_rest == 0 ? ""
+                   : fmt::format(
+                         " ({} other{} the same from the same place: the camera stood still, or "
+                         "frames were copied)",
+                         at_rest, at_rest == 1 ? " shows" : "s show");
   return {{Severity::kStops, "one_place",
-           "only one picture shows two tags or more: a map needs tags together from two places at least. "
-           "Take more "
-           "pictures, from several sides"}};
+           fmt::format("only one picture shows two tags or more{}: a map needs tags together from two places "
+                       "at least. Take more pictures, from several sides",
+                       others)}};
 }
 
 std::vector<Finding> find_in_tags(std::span<const TagSummary> tags,

@@ -59,7 +59,10 @@ TEST(DoctorPlaces, OnePlaceStops) {
   const auto of_one = find_in_places(facts_of(recording({{1}, {1, 2}, {2}})));
   ASSERT_THAT(abouts(of_one), ElementsAre("one_place"));
   EXPECT_EQ(of_one[0].severity, Severity::kStops);
-  EXPECT_THAT(of_one[0].text, HasSubstr("only one picture shows two tags or more"));
+  EXPECT_THAT(of_one[0].text, HasSubstr("only one picture shows two tags or more:"));
+  Facts at_rest = facts_of(recording({{1}, {1, 2}, {2}}));
+  at_rest.recordings[0].at_rest = 19;
+  EXPECT_THAT(find_in_places(at_rest)[0].text, HasSubstr("(19 others show the same from the same place: "));
 }
 
 TEST(DoctorTags, OneTagAloneStops) {

@@ -50,6 +50,15 @@ GrayImage paint(const std::vector<PaintedTag>& tags, int width = 480) {
   return image;
 }
 
+/// As a camera sees it that goes past, two pixels from frame to frame.
+GrayImage seen_in_passing(const GrayImage& picture, int frame) {
+  const int shift_px = 2 * frame;
+  GrayImage image(picture.width(), picture.height());
+  for (int y = 0; y < picture.height(); ++y)
+    for (int x = 0; x < picture.width(); ++x) image(x, y) = picture(std::max(0, x - shift_px), y);
+  return image;
+}
+
 constexpr const char* kCamera =
     "cam0:\n  camera_model: pinhole\n  intrinsics: [500.0, 500.0, 239.5, 79.5]\n  distortion_model: none\n"
     "  distortion_coeffs: []\n  resolution: [480, 160]\n  exposure_time: 0.01\n  response: linear\n";
@@ -64,11 +73,11 @@ class Doctor : public ::testing::Test {
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  /// `count` more frames, at 10 Hz.
+  /// `count` more frames, at 10 Hz, by a camera that goes past.
   void film(int count, const GrayImage& picture) {
     for (int i = 0; i < count; ++i, ++num_frames_)
       write_image(folder_ / "frames" / (std::to_string(1'000'000'000 + 100'000'000LL * num_frames_) + ".png"),
-                  picture.view());
+                  seen_in_passing(picture, num_frames_).view());
   }
 
   ProgramRun look(const std::vector<std::string>& more = {}) const {
@@ -108,6 +117,18 @@ TEST_F(Doctor, TellsProgramsTheSame) {
   EXPECT_EQ(told["tags"][0]["tag"], "tag36h11/1");
   EXPECT_NEAR(told["tags"][0]["edge_px"][1].get<double>(), 64.0, 0.5);
   EXPECT_EQ(told["groups"].size(), 1u);
+}
+
+// Which calibrate refuses.
+TEST_F(Doctor, StopsWhereTheCameraStoodStill) {
+  film(1, paint(kThreeTags));
+  for (int i = 1; i < 8; ++i)
+    fs::copy_file(folder_ / "frames" / "1000000000.png",
+                  folder_ / "frames" / (std::to_string(1'000'000'000 + 100'000'000LL * i) + ".png"));
+  const ProgramRun run = look();
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.out, HasSubstr("only one picture shows two tags or more (7 others show the same from the "
+                                 "same place"));
 }
 
 TEST_F(Doctor, TellsOfMixedResolutions) {
@@ -159,7 +180,7 @@ TEST_F(Doctor, CamerasOfARigJoinTheTagsOfAMoment) {
     fs::create_directories(folder_ / camera);
     for (int i = 1; i <= 6; ++i)
       write_image(folder_ / camera / (std::to_string(i) + "00000000.png"),
-                  paint({{"tag36h11", camera == "left" ? 1 : 2, 0}}).view());
+                  seen_in_passing(paint({{"tag36h11", camera == "left" ? 1 : 2, 0}}), i).view());
   }
   const auto doctor = [&](const std::string& second) {
     return run_program({"doctor", "cam0=" + path("left"), second, "--no-other-families"});
@@ -195,8 +216,9 @@ TEST_F(Doctor, TellsOfBlankFramesAndOfUnreadableOnes) {
 
 TEST_F(Doctor, NeedsNeitherTimesNorACamera) {
   fs::create_directories(folder_ / "photos");
-  for (const char* name : {"a.png", "b.png", "c.png", "d.png", "e.png"})
-    write_image(folder_ / "photos" / name, paint(kThreeTags).view());
+  for (int i = 0; i < 5; ++i)
+    write_image(folder_ / "photos" / (std::string(1, static_cast<char>('a' + i)) + ".png"),
+                seen_in_passing(paint(kThreeTags), i).view());
   const ProgramRun run = run_program({"doctor", path("photos"), "--no-other-families"});
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("note: the images' names are no times"));
