@@ -1,5 +1,6 @@
 #include "bundle_adjustment.h"
 
+#include <ceres/iteration_callback.h>
 #include <ceres/loss_function.h>
 #include <ceres/sized_cost_function.h>
 #include <ceres/solver.h>
@@ -51,12 +52,28 @@ class ViewCost : public ceres::SizedCostFunction<8, 7, 7> {
   Matrix8d whitening_;
 };
 
+class StopCallback : public ceres::IterationCallback {
+ public:
+  explicit StopCallback(const ShouldStop& should_stop) : should_stop_(should_stop) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return should_stop_ && should_stop_() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const ShouldStop& should_stop_;
+};
+
 bool can_be_projected(const Observations& observations, const TagView& view, const MapState& state) {
   Vector8d residual_px;
   return residual_of(observations, view, state, &residual_px);
 }
 
 }  // namespace
+
+AdjustmentOptions adjustment_options(const CalibrationOptions& options, double loss_scale) {
+  return {loss_scale, options.max_iterations, options.should_stop};
+}
 
 BundleProblem::Blocks BundleProblem::make_blocks(const std::set<int>& keys, const std::vector<Pose>& poses) {
   Blocks result;
@@ -119,9 +136,11 @@ ceres::Solver::Options BundleProblem::solver_options() {
   return options;
 }
 
-AdjustmentSummary BundleProblem::solve(int max_iterations) {
+AdjustmentSummary BundleProblem::solve(int max_iterations, const ShouldStop& should_stop) {
   if (tags_.blocks.empty()) return {false, false, 0.0, "no view can be projected"};
+  StopCallback stop(should_stop);
   ceres::Solver::Options options = solver_options();
+  options.callbacks.push_back(&stop);
   options.max_num_iterations = std::min(max_iterations, kPlainIterations);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);
@@ -131,6 +150,7 @@ AdjustmentSummary BundleProblem::solve(int max_iterations) {
     options.function_tolerance = kNegligibleDecrease;
     ceres::Solve(options, &problem_, &summary);
   }
+  if (summary.termination_type == ceres::USER_FAILURE) throw Stopped();
   return {summary.IsSolutionUsable(), summary.termination_type == ceres::CONVERGENCE, summary.final_cost,
           summary.message};
 }
@@ -146,7 +166,7 @@ AdjustmentSummary adjust(const Observations& observations, const std::vector<std
                          const std::vector<int>& free_tags, const AdjustmentOptions& options,
                          MapState& state) {
   BundleProblem problem(observations, views, free_tags, state, options.loss_scale);
-  const AdjustmentSummary summary = problem.solve(options.max_iterations);
+  const AdjustmentSummary summary = problem.solve(options.max_iterations, options.should_stop);
   if (summary.is_usable) problem.write_back(state);
   return summary;
 }

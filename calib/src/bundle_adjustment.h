@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/calib/calibrate_map.h"
+#include "apriltrack/calib/stop.h"
 #include "map_state.h"
 #include "se3_manifold.h"
 
@@ -18,7 +20,11 @@ struct AdjustmentOptions {
   /// squares.
   double loss_scale = 0.0;
   int max_iterations = 100;
+  ShouldStop should_stop = {};  ///< Asked after each iteration.
 };
+
+/// As a calibration's options want it.
+AdjustmentOptions adjustment_options(const CalibrationOptions& options, double loss_scale = 0.0);
 
 struct AdjustmentSummary {
   bool is_usable = false;  ///< The state is at least as good as before.
@@ -36,7 +42,8 @@ class BundleProblem {
   BundleProblem(const Observations& observations, const std::vector<std::size_t>& views,
                 const std::vector<int>& free_tags, const MapState& state, double loss_scale);
 
-  AdjustmentSummary solve(int max_iterations);
+  /// Throws Stopped.
+  AdjustmentSummary solve(int max_iterations, const ShouldStop& should_stop);
   void write_back(MapState& state) const;
 
   ceres::Problem& problem() { return problem_; }
@@ -59,6 +66,7 @@ class BundleProblem {
   Blocks frames_;
 };
 
+/// Throws Stopped; `state` is then as it was.
 AdjustmentSummary adjust(const Observations& observations, const std::vector<std::size_t>& views,
                          const std::vector<int>& free_tags, const AdjustmentOptions& options,
                          MapState& state);

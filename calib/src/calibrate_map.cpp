@@ -330,7 +330,7 @@ std::optional<CamerasOfParts> refined_for_parts(const Observations& observations
 CalibrationResult calibrated(std::span<const FrameDetections> frames, const CameraRig& rig,
                              const TagSizes& sizes, const CalibrationOptions& options, Findings& findings,
                              const LogSink& log) {
-  const ParallelFor parallel = parallel_for(options.num_threads);
+  const ParallelFor parallel = stoppable(parallel_for(options.num_threads), options.should_stop);
   Observations observations = collect_observations(frames, rig, sizes, options, findings);
   CalibrationResult result;
   result.frames_at_rest =

@@ -60,9 +60,8 @@ class Fit {
     for (int i = 0; i < kMaxSteps; ++i) {
       const auto step = step_of_cameras(state);
       if (!step || !move(*step, state)) return false;
-      const AdjustmentSummary summary =
-          adjust(task_.observations, part_.views, free_tags(part_, held_tag_),
-                 {.loss_scale = 0.0, .max_iterations = task_.options.max_iterations}, state);
+      const AdjustmentSummary summary = adjust(task_.observations, part_.views, free_tags(part_, held_tag_),
+                                               adjustment_options(task_.options), state);
       if (!summary.is_usable || !summary.has_converged) return false;
       if (step->cwiseQuotient(sigmas_).cwiseAbs().maxCoeff() < kSettled) return true;
     }
@@ -160,8 +159,7 @@ class Fit {
 std::optional<std::map<int, double>> disagreements(const PartTask& task,
                                                    const std::vector<std::size_t>& views, MapState state) {
   const AdjustmentSummary summary =
-      adjust(task.observations, views, {}, {.loss_scale = 0.0, .max_iterations = task.options.max_iterations},
-             state);
+      adjust(task.observations, views, {}, adjustment_options(task.options), state);
   if (!summary.is_usable || !summary.has_converged) return std::nullopt;
   std::map<int, double> of_frames;
   for (const std::size_t v : views) {
@@ -239,7 +237,7 @@ std::optional<std::string> hold_out(const PartTask& task, const std::vector<Came
   MapState before = solved.state;
   const AdjustmentSummary summary =
       adjust(task.observations, others.views, free_tags(others, solved.held_tag),
-             {.loss_scale = 0.0, .max_iterations = task.options.max_iterations}, before);
+             adjustment_options(task.options), before);
   if (!summary.is_usable || !summary.has_converged)
     return "the map without the held-out frames does not settle";
   MapState after = before;

@@ -77,8 +77,7 @@ bool solve_half(const Observations& observations, const PartSolution& solution, 
   std::vector<int> free_tags = half.part.tags;
   std::erase(free_tags, held_tag);
   const AdjustmentSummary summary =
-      adjust(observations, half.part.views, free_tags,
-             {.loss_scale = 0.0, .max_iterations = options.max_iterations}, half.state);
+      adjust(observations, half.part.views, free_tags, adjustment_options(options), half.state);
   return summary.is_usable && summary.has_converged;
 }
 

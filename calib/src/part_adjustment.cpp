@@ -67,7 +67,7 @@ void adjust_robustly(const Observations& observations, const Part& part, int hel
   // Steps that run out here are no failure yet: the clean adjustment must converge.
   const auto adjust_with_loss = [&](double loss_scale) {
     const AdjustmentSummary summary = adjust(observations, part.views, free_tags(part, held_tag),
-                                             {loss_scale, options.max_iterations}, state);
+                                             adjustment_options(options, loss_scale), state);
     if (!summary.is_usable)
       throw no_result("calibrate", fmt::format("the robust adjustment of {} tags failed ({}); {}",
                                                part.tags.size(), summary.message, kWhatToCheck));
@@ -114,8 +114,7 @@ Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapSta
     if (next.views == kept.views) return kept;
     kept = std::move(next);
     const AdjustmentSummary summary =
-        adjust(observations, kept.views, free_tags(kept, held_tag),
-               {.loss_scale = 0.0, .max_iterations = options.max_iterations}, state);
+        adjust(observations, kept.views, free_tags(kept, held_tag), adjustment_options(options), state);
     if (!summary.is_usable || !summary.has_converged)
       throw no_result("calibrate",
                       fmt::format("the adjustment of {} tags did not converge ({}); more views of each tag, "

@@ -346,6 +346,24 @@ std::vector<TagKey> tags_with_views(const TagMap& map, const RefinementInput& in
   return {keys.begin(), keys.end()};
 }
 
+/// Why not, or empty. `result`: as calibrated, and as it was where the map is not to be taken.
+std::string refine_on_pictures(const CalibrationResult& calibration, std::span<const FrameDetections> frames,
+                               const CameraRig& rig, const RefinementOptions& options, const LogSink& log,
+                               RefinementResult& result) {
+  const ParallelFor parallel = stoppable(parallel_for(options.num_threads), options.should_stop);
+  const RefinementInput input = refinement_input(calibration, frames, rig, options.max_moments, parallel);
+  if (input.num_moments < kLeastMoments)
+    return fmt::format("too few pictures: {} moments show two tags or more, {} are needed", input.num_moments,
+                       kLeastMoments);
+  const std::vector<TagKey> tags = tags_with_views(calibration.map, input);
+  log(LogLevel::kInfo, fmt::format("refining {} tags on {} pictures", tags.size(), input.scene.views.size()));
+  if (const auto unseen = constrained_tag_without(tags, calibration.constraints))
+    return fmt::format("a constraint names {}, of which too few pictures can be used", to_string(*unseen));
+  Refinement refinement(input, calibration, parallel);
+  if (std::string why_not = refinement.judge(result); !why_not.empty()) return why_not;
+  return refinement.refine(options, result);
+}
+
 }  // namespace
 
 void RefinementOptions::check() const {
@@ -365,23 +383,12 @@ RefinementResult refine_map(const CalibrationResult& calibration, std::span<cons
   result.gauge = calibration.gauge;
   result.constraint_audits = calibration.constraint_audits;
   result.warnings = calibration.warnings;
-  const ParallelFor parallel = parallel_for(options.num_threads);
-  const RefinementInput input = refinement_input(calibration, frames, rig, options.max_moments, parallel);
-  if (input.num_moments < kLeastMoments) {
-    result.reason = fmt::format("too few pictures: {} moments show two tags or more, {} are needed",
-                                input.num_moments, kLeastMoments);
-    return result;
+  try {
+    result.reason = refine_on_pictures(calibration, frames, rig, options, log, result);
+  } catch (const Stopped&) {
+    result.reason = "interrupted";
+    result.is_stopped = true;
   }
-  const std::vector<TagKey> tags = tags_with_views(calibration.map, input);
-  log(LogLevel::kInfo, fmt::format("refining {} tags on {} pictures", tags.size(), input.scene.views.size()));
-  if (const auto unseen = constrained_tag_without(tags, calibration.constraints)) {
-    result.reason =
-        fmt::format("a constraint names {}, of which too few pictures can be used", to_string(*unseen));
-    return result;
-  }
-  Refinement refinement(input, calibration, parallel);
-  result.reason = refinement.judge(result);
-  if (result.reason.empty()) result.reason = refinement.refine(options, result);
   result.is_accepted = result.reason.empty();
   return result;
 }

@@ -10,6 +10,7 @@
 #include "apriltrack/calib/cross_validation.h"
 #include "apriltrack/calib/map_constraints.h"
 #include "apriltrack/calib/map_evidence.h"
+#include "apriltrack/calib/stop.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/tags/tag_map.h"
@@ -64,6 +65,7 @@ struct CalibrationOptions {
   int max_iterations = 100;
   int num_threads = 1;  ///< 0 = as many as the machine has cores. The result does not depend on it.
   std::string map_frame = "world";
+  ShouldStop should_stop = {};  ///< calibrate_map() then throws Stopped, soon.
 
   /// Throws Error(kInvalidInput) that names the option, its value and its range.
   void check() const;
@@ -123,7 +125,7 @@ struct CalibrationResult {
 /// Throws Error(kNoResult) when no two tags connect, ids are not unique, the adjustment does not converge, or
 /// a constraint contradicts all else, and says what to do; Error(kInvalidInput) when a size is missing, a
 /// camera is unknown or has two frames of one time, or the held tag or one that a constraint names was never
-/// seen.
+/// seen. Throws Stopped where the options say so.
 CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const CameraRig& rig,
                                 const TagSizes& sizes, const CalibrationOptions& options,
                                 const LogSink& log = silent_log());

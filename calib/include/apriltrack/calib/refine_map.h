@@ -7,6 +7,7 @@
 
 #include "apriltrack/base/log.h"
 #include "apriltrack/calib/calibrate_map.h"
+#include "apriltrack/calib/stop.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detection.h"
 
@@ -18,7 +19,8 @@ struct RefinementOptions {
   /// Error of a tag's corners that it keeps in ALL of its views (print, light, lens model): as
   /// CalibrationOptions::corner_bias_px, of pictures. Counts for the covariance only; 0 = none.
   double picture_bias_px = 0.015;
-  int num_threads = 1;  ///< 0 = as many as the machine has cores. The result does not depend on it.
+  int num_threads = 1;          ///< 0 = as many as the machine has cores. The result does not depend on it.
+  ShouldStop should_stop = {};  ///< refine_map() then returns soon, its map not accepted.
 
   /// Throws Error(kInvalidInput) that names the option, its value and its range.
   void check() const;
@@ -35,7 +37,8 @@ struct RefinementResult {
   /// their new covariances, and the flag "weak" by these.
   TagMap map;
   bool is_accepted = false;
-  std::string reason;  ///< Why not.
+  std::string reason;       ///< Why not.
+  bool is_stopped = false;  ///< Not accepted, for RefinementOptions::should_stop said so.
   /// Sorted. Tags without pictures that can be used are not among them, and stay where the corners have them.
   std::vector<TagKey> refined;
   std::string gauge;                               ///< As CalibrationResult::gauge, of the refined map.

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <exception>
+#include <functional>
+
+#include "apriltrack/base/parallel.h"
+
+namespace apriltrack {
+
+/// Whether work is no longer wanted; once true, it stays so. Asked often, by each of the threads at work.
+/// Empty: never.
+using ShouldStop = std::function<bool()>;
+
+/// Leaves work that is no longer wanted. Not an Error: whoever tries another way after a failure must let it
+/// pass.
+class Stopped : public std::exception {
+ public:
+  const char* what() const noexcept override { return "stopped before its end"; }
+};
+
+/// `parallel` that asks before each of its bodies, and throws Stopped.
+ParallelFor stoppable(ParallelFor parallel, ShouldStop should_stop);
+
+}  // namespace apriltrack
