@@ -68,6 +68,17 @@ void warn_of_shutters(const CameraRig& rig, const std::string& camera_name,
   }
 }
 
+/// By what was read before Ctrl-C, if it came so early; if it comes now, without a result.
+CalibrationResult solve(CalibrateOptions& a, const Sightings& sightings, const CameraRig& rig,
+                        const TagSizes& sizes) {
+  if (!sightings.counts.is_interrupted) a.calibration.should_stop = a.refinement.should_stop = is_interrupted;
+  try {
+    return calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
+  } catch (const Stopped&) {
+    throw no_result("calibrate", "interrupted while the map was solved: no map was written");
+  }
+}
+
 /// On the tags' pictures, where there are any; the map of `result` is then the refined one.
 std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sightings,
                                        CalibrationResult& result) {
@@ -75,7 +86,10 @@ std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sig
   a.refinement.num_threads = a.num_threads;
   RefinementResult refinement =
       refine_map(result, sightings.frames, result.rig, a.refinement, a.console.log());
-  if (!refinement.is_accepted)
+  if (refinement.is_stopped)
+    refinement.warnings.emplace_back(
+        "interrupted: the map is as the corners have it, not refined on pictures");
+  else if (!refinement.is_accepted)
     refinement.warnings.push_back("not refined on the tags' pictures: " + refinement.reason);
   result.warnings = refinement.warnings;
   result.map = refinement.map;
@@ -93,6 +107,8 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
   warn_of_shutters(rig, a.camera_name, recordings, a.console);
   ResponseFindings responses = estimate_responses(a, camera, to_estimate, recordings, sizes, rig);
   const Sightings sightings = gather(a, rig, recordings);
+  if (sightings.counts.is_interrupted && sightings.counts.readable == 0)
+    throw no_result("calibrate", kInterruptedAtOnce);
   for (const std::string& warning : sightings.warnings) a.console.warning(warning);
   if (sightings.counts.are_all_blank() &&
       std::ranges::all_of(sightings.frames, [](const auto& one) { return one.detections.empty(); }))
@@ -107,7 +123,7 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
   a.calibration.edge_offset_sigma_px =
       a.edge_offset_sigma_px.value_or(a.detections.empty() ? 0.0 : kForeignEdgeOffset_px);
   if (!a.held_tag.empty()) a.calibration.held_tag = parse_held_tag(a, sightings);
-  CalibrationResult result = calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
+  CalibrationResult result = solve(a, sightings, rig, sizes);
   const std::optional<RefinementResult> refinement = refine(a, sightings, result);
   for (const std::string& warning : result.warnings) a.console.warning(warning);
   const CalibrationFindings findings = find(result, refinement, sightings.frames);
@@ -120,7 +136,7 @@ void run(CLI::App& command, CalibrateOptions& a) {
   if (!a.config.empty()) apply_config_file(command, a.config);
   check(command, a);
   const auto leave_page = [&](const Error& error) {
-    if (error.kind() == ErrorKind::kNoResult && !a.report.empty())
+    if (error.kind() == ErrorKind::kNoResult && !a.report.empty() && !is_interrupted())
       write_failure_report(a.report, command_line_of(command), a, error.what());
   };
   try {

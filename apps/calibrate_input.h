@@ -12,6 +12,10 @@
 
 namespace apriltrack::app {
 
+/// Why there is no map.
+inline constexpr const char* kInterruptedAtOnce =
+    "interrupted before the first frame of the map was read: no map was written";
+
 /// One INPUT and the camera that filmed it.
 struct Recording {
   std::string camera;

@@ -47,6 +47,14 @@ std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptio
           {"observations", observations.filename().string()}};
 }
 
+void note_origin(const CalibrateOptions& a, const fs::path& camera, const FrameCounts& counts,
+                 const std::string& gauge, const fs::path& observations, TagMap& map) {
+  map.provenance = provenance(a, camera, gauge, observations);
+  if (counts.is_interrupted)
+    map.provenance.emplace_back("interrupted",
+                                fmt::format("while reading, after {} frames", counts.readable));
+}
+
 std::string outcome_of(const RefinementResult& refinement) {
   if (!refinement.is_accepted) return "none: " + refinement.reason;
   return fmt::format("of {} tags on {} of their pictures", refinement.refined.size(), refinement.views_used);
@@ -201,13 +209,13 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
                                    CalibrationResult& result) {
   CalibrationFiles files;
   files.observations = observations_file(a);
-  result.map.provenance = provenance(a, camera, result.gauge, files.observations);
+  note_origin(a, camera, sightings.counts, result.gauge, files.observations, result.map);
   if (is_response_estimated(responses))
     result.map.provenance.emplace_back("response", words_of_estimated(responses));
   if (refinement) result.map.provenance.emplace_back("refinement", outcome_of(*refinement));
   for (TagMap& part : result.other_parts)
-    part.provenance =
-        provenance(a, camera, to_string(part.tags.front().key) + " held at the origin", files.observations);
+    note_origin(a, camera, sightings.counts, to_string(part.tags.front().key) + " held at the origin",
+                files.observations, part);
   const bool has_them = is_detections_input(a, files.observations);  // it may hold more than was used
   // A run that fails in between must not leave an old map beside new observations, nor any part replaced.
   StagedFiles outputs;
@@ -238,6 +246,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
                       const CalibrationFiles& files) {
   nlohmann::json other_parts = nlohmann::json::array();
   for (const TagMap& part : result.other_parts) other_parts.push_back(told_keys(keys_of(part)));
+  const bool was_interrupted = sightings.counts.is_interrupted || (refinement && refinement->is_stopped);
   nlohmann::json summary = {{"tags", told_keys(keys_of(result.map))},
                             {"held_tag", to_string(result.held_tag)},
                             {"frames", sightings.counts.readable},
@@ -252,7 +261,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
                             {"part_files", files.parts},
                             {"gauge", result.gauge},
                             {"corrections", told(result.corrections)},
-                            {"interrupted", sightings.counts.is_interrupted},
+                            {"interrupted", was_interrupted},
                             {"output", a.output},
                             {"observations", files.observations.string()}};
   if (!a.constraints.empty()) summary["constraints"] = told_constraints(result.constraint_audits);

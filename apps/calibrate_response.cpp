@@ -38,6 +38,7 @@ ResponseEstimate estimate_from(const CalibrateOptions& a, const std::vector<Reco
     if (recording.camera != camera.name) continue;
     Sightings some =
         detect_in({recording}, rig, a.detector, sampled(recording, a.source), a.num_threads, true, a.console);
+    if (some.counts.is_interrupted) throw no_result("calibrate", kInterruptedAtOnce);
     std::move(some.frames.begin(), some.frames.end(), std::back_inserter(frames));
   }
   return estimate_response(frames, camera, sizes, a.num_threads);

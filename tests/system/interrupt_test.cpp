@@ -27,6 +27,8 @@ using nlohmann::json;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::Pair;
 
 /// Looks again and again, until it is so or the program has ended.
 template <class Condition>
@@ -47,12 +49,6 @@ std::vector<fs::path> images_of(const fs::path& recording) {
   return images;
 }
 
-std::set<std::string> names_in(const fs::path& folder) {
-  std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
-  return names;
-}
-
 /// A recording in which one image is a pipe. A program that comes to it waits, so that Ctrl-C finds it amidst
 /// its work on any machine; then the pipe is closed, and that image turns out empty.
 class Interrupted : public ::testing::Test {
@@ -66,10 +62,14 @@ class Interrupted : public ::testing::Test {
     recording_ = folder_ / "room";
     run_for_json({"simulate", "--scene", "room-gentle", "--frames", std::to_string(kNumFrames), "--seed", "3",
                   "--output", recording_});
-    pipe_ = images_of(recording_).at(kPipe);
+    make_pipe_of(kPipe);
+    fs::create_directories(folder_ / "out");
+  }
+
+  void make_pipe_of(std::size_t image) {
+    pipe_ = images_of(recording_).at(image);
     fs::remove(pipe_);
     ASSERT_EQ(::mkfifo(pipe_.c_str(), 0600), 0);
-    fs::create_directories(folder_ / "out");
   }
 
   std::string out(const std::string& name) const { return folder_ / "out" / name; }
@@ -130,7 +130,20 @@ TEST_F(Interrupted, CalibrateMakesTheMapOfTheFramesUntilThen) {
   EXPECT_EQ(told["interrupted"], true);
   EXPECT_EQ(told["frames"], kDone);
   EXPECT_EQ(names_in(folder_ / "out"), (std::set<std::string>{"map.detections.csv", "map.yaml"}));
-  EXPECT_EQ(read_tag_map(out("map.yaml")).tags.size(), told["tags"].size());
+  const TagMap map = read_tag_map(out("map.yaml"));
+  EXPECT_EQ(map.tags.size(), told["tags"].size());
+  EXPECT_THAT(map.provenance, Contains(Pair("interrupted", "while reading, after 4 frames")));
+}
+
+TEST_F(Interrupted, CalibrateBeforeTheFirstFrameBlamesNoTags) {
+  write_text(out("page.html"), "old\n");
+  make_pipe_of(0);
+  const ProgramRun run = interrupt({"calibrate", recording_, "--tag-size", "0.16", "--output",
+                                    out("map.yaml"), "--report", out("page.html")});
+  EXPECT_THAT(run, EndsWith(1, "interrupted before the first frame"));
+  EXPECT_THAT(run.err, Not(HasSubstr("family")));
+  EXPECT_EQ(names_in(folder_ / "out"), (std::set<std::string>{"page.html"}));
+  EXPECT_EQ(read_text(out("page.html")), "old\n");
 }
 
 // Which take a recording is of is told by all that were to come, not by those that were reached.

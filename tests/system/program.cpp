@@ -90,6 +90,12 @@ void write_text(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  return names;
+}
+
 void PrintTo(const ProgramRun& run, std::ostream* out) {
   *out << "status " << run.status << ", stderr:\n" << run.err;
 }
@@ -145,6 +151,10 @@ bool StartedProgram::is_running() {
 
 void StartedProgram::press_ctrl_c() {
   if (is_running()) ::kill(child_, SIGINT);
+}
+
+std::string StartedProgram::err_so_far() const {
+  return read_text(err_);
 }
 
 ProgramRun StartedProgram::finish() {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,8 @@ class StartedProgram {
 
   bool is_running();
   void press_ctrl_c();
+  /// On stderr, until now.
+  std::string err_so_far() const;
   /// Waits for its end.
   ProgramRun finish();
 
@@ -67,5 +70,7 @@ MATCHER_P2(EndsWith, status, message_part, "") {
 
 void write_text(const std::filesystem::path& path, const std::string& text);
 std::string read_text(const std::filesystem::path& path);
+/// Of files and folders in it.
+std::set<std::string> names_in(const std::filesystem::path& folder);
 
 }  // namespace apriltrack::test
