@@ -58,8 +58,7 @@ struct RecordingFacts {
   bool tells_times = true;  ///< False: no time in the images' names and none given; one a second was taken.
   std::vector<FrameFacts> frames = {};  ///< In the order of time.
   std::size_t unreadable = 0;
-  std::size_t at_rest = 0;  ///< Frames that show what an earlier one shows (are_at_rest()).
-  std::size_t sampled = 0;  ///< Frames in which all families were looked for.
+  std::size_t sampled = 0;                          ///< Frames in which all families were looked for.
   std::vector<FamilyReadings> other_families = {};  ///< Those read at all, without the families asked for.
 };
 
@@ -67,8 +66,10 @@ struct RecordingFacts {
 struct Facts {
   std::vector<std::string> families;  ///< Asked for.
   std::vector<RecordingFacts> recordings = {};
-  /// Tags seen at one moment, by one camera or by several of a rig: each tag once; frames at rest left out.
+  /// Tags seen at one moment, by one camera or by several of a rig: each tag once.
+  /// Without those at rest (are_at_rest()).
   std::vector<std::vector<TagKey>> moments = {};
+  std::size_t at_rest = 0;  ///< Moments that show two tags or more, as an earlier one shows them.
   bool is_interrupted = false;
 };
 

@@ -61,18 +61,6 @@ void find_in_times(const RecordingFacts& recording, std::vector<Finding>& findin
                      *times.rate_hz)});
 }
 
-/// Of the frames that show tags.
-void find_in_rest(const RecordingFacts& recording, std::vector<Finding>& findings) {
-  const auto with_tags = static_cast<std::size_t>(
-      std::ranges::count_if(recording.frames, [](const FrameFacts& frame) { return !frame.tags.empty(); }));
-  if (2 * recording.at_rest <= with_tags) return;
-  findings.push_back(
-      {Severity::kWarning, "at_rest",
-       fmt::format("{} of {} frames with tags show what an earlier one shows, to a pixel: however long the "
-                   "camera stands, a place counts once. Go on moving, slowly, and film from more places",
-                   recording.at_rest, with_tags)});
-}
-
 void find_in_light(const RecordingFacts& recording, std::vector<Finding>& findings) {
   std::size_t blank = 0, dark = 0, white = 0;
   for (const FrameFacts& frame : recording.frames) {
@@ -191,7 +179,6 @@ std::vector<Finding> find_in_images(const RecordingFacts& recording) {
                         fmt::format("{} of {} frames cannot be read; calibrate and track leave them out, too",
                                     recording.unreadable, recording.unreadable + recording.frames.size())});
   find_in_times(recording, findings);
-  find_in_rest(recording, findings);
   find_in_light(recording, findings);
   return findings;
 }

@@ -128,7 +128,6 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
                       facts.frames.push_back(facts_of(frame, detector.response));
                     });
   facts.unreadable = counts.unreadable;
-  facts.at_rest = static_cast<std::size_t>(std::ranges::count(are_at_rest(facts.frames), true));
   is_interrupted = counts.is_interrupted;
   if (!is_interrupted && options.tries_other_families) {
     facts.other_families = read_other_families(sample.images(), detector, options.num_threads, console);
@@ -137,33 +136,42 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
   return facts;
 }
 
-/// Frames of several cameras belong to one moment where their times are equal. What a frame at rest shows is
-/// known already.
-std::vector<std::vector<TagKey>> moments_of(const std::vector<RecordingFacts>& recordings) {
+/// Frames of several cameras belong to one moment where their times are equal.
+std::vector<Moment> moments_of(const std::vector<RecordingFacts>& recordings) {
   Takes takes;
   for (const RecordingFacts& recording : recordings) {
     std::vector<FrameDetections> frames;
-    const std::vector<bool> at_rest = are_at_rest(recording.frames);
-    for (std::size_t i = 0; i < recording.frames.size(); ++i) {
-      frames.push_back({recording.frames[i].time, recording.camera_name, {}});
-      if (at_rest[i]) continue;
-      for (const SeenTag& seen : recording.frames[i].tags)
-        frames.back().detections.push_back({seen.tag, {}, std::nullopt, std::nullopt});
+    for (const FrameFacts& frame : recording.frames) {
+      frames.push_back({frame.time, recording.camera_name, {}});
+      for (const SeenTag& seen : frame.tags)
+        frames.back().detections.push_back({seen.tag, seen.corners_px, std::nullopt, std::nullopt});
     }
     takes.add(recording.input, {recording.camera_name}, std::move(frames));
   }
-  std::vector<std::vector<TagKey>> moments;
-  std::set<TagKey> tags;
+  std::vector<Moment> moments;
+  Moment moment;
   const std::vector<FrameDetections> frames = takes.take_all().frames;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    for (const Detection& detection : frames[i].detections) tags.insert(detection.tag);
+    for (const Detection& detection : frames[i].detections)
+      moment.push_back({frames[i].camera, detection.tag, detection.corners_px});
     const bool goes_on = i + 1 < frames.size() && frames[i + 1].timestamp == frames[i].timestamp &&
                          frames[i + 1].camera != frames[i].camera;
-    if (goes_on || tags.empty()) continue;
-    moments.emplace_back(tags.begin(), tags.end());
-    tags.clear();
+    if (goes_on || moment.empty()) continue;
+    moments.push_back(std::move(moment));
+    moment.clear();
   }
   return moments;
+}
+
+void add_moments(Facts& facts) {
+  const std::vector<Moment> moments = moments_of(facts.recordings);
+  const std::vector<bool> at_rest = are_at_rest(moments);
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    std::set<TagKey> tags;
+    for (const Sight& sight : moments[i]) tags.insert(sight.tag);
+    if (!at_rest[i]) facts.moments.emplace_back(tags.begin(), tags.end());
+    if (at_rest[i] && tags.size() > 1) ++facts.at_rest;
+  }
 }
 
 }  // namespace
@@ -174,7 +182,7 @@ Facts look_at(const std::vector<std::string>& inputs, const LookOptions& options
     facts.recordings.push_back(look_at_one(input, options, console, facts.is_interrupted));
     if (facts.is_interrupted) break;
   }
-  facts.moments = moments_of(facts.recordings);
+  add_moments(facts);
   return facts;
 }
 

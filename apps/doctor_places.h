@@ -1,15 +1,28 @@
 #pragma once
 
+#include <array>
 #include <span>
+#include <string>
 #include <vector>
 
-#include "doctor_facts.h"
+#include "apriltrack/detect/detection.h"
+#include "apriltrack/tags/tag_key.h"
 
 namespace apriltrack::app {
 
-/// Of each frame, whether an earlier one shows the same tags where it does, to a pixel (rms over a tag's
-/// corners, as calibrate's CalibrationOptions::same_place_px): the camera stood still, or the frame is a
-/// copy. calibrate takes all that one place shows for one picture. False of frames without tags.
-std::vector<bool> are_at_rest(std::span<const FrameFacts> frames);
+/// A tag in one camera's frame.
+struct Sight {
+  std::string camera;
+  TagKey tag;
+  std::array<Eigen::Vector2d, kNumCorners> corners_px;
+};
+
+/// What all cameras of a rig show at one time.
+using Moment = std::vector<Sight>;
+
+/// Of each moment, whether an earlier one shows the same tags, each where it does to a pixel (rms over its
+/// corners, as CalibrationOptions::same_place_px): the camera stood still, or frames were copied. A stricter
+/// rule than calibrate's, which takes moments for one place that share most of their tags.
+std::vector<bool> are_at_rest(std::span<const Moment> moments);
 
 }  // namespace apriltrack::app

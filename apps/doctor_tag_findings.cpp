@@ -240,19 +240,24 @@ std::vector<Finding> find_in_families(const Facts& facts) {
 std::vector<Finding> find_in_places(const Facts& facts) {
   const auto joint = static_cast<std::size_t>(
       std::ranges::count_if(facts.moments, [](const auto& tags) { return tags.size() > 1; }));
-  if (joint != 1) return {};
-  std::size_t at_rest = 0;
-  for (const RecordingFacts& recording : facts.recordings) at_rest += recording.at_rest;
-  const std::string others =
-      at_rest == 0 ? ""
-                   : fmt::format(
-                         " ({} other{} the same from the same place: the camera stood still, or "
-                         "frames were copied)",
-                         at_rest, at_rest == 1 ? " shows" : "s show");
-  return {{Severity::kStops, "one_place",
-           fmt::format("only one picture shows two tags or more{}: a map needs tags together from two places "
-                       "at least. Take more pictures, from several sides",
-                       others)}};
+  if (joint == 1) {
+    const std::string others = facts.at_rest == 0
+                                   ? ""
+                                   : fmt::format(
+                                         " ({} other{} the same from the same place: the camera stood still, "
+                                         "or frames were copied)",
+                                         facts.at_rest, facts.at_rest == 1 ? " shows" : "s show");
+    return {{Severity::kStops, "one_place",
+             fmt::format("only one picture shows two tags or more{}: a map needs tags together from two "
+                         "places at least. Take more pictures, from several sides",
+                         others)}};
+  }
+  if (facts.at_rest <= joint) return {};
+  return {{Severity::kWarning, "at_rest",
+           fmt::format("{} of {} pictures of two tags or more show what an earlier one shows, to a pixel: "
+                       "however long the camera stands, a place counts once. Go on moving, slowly, and film "
+                       "from more places",
+                       facts.at_rest, facts.at_rest + joint)}};
 }
 
 std::vector<Finding> find_in_tags(std::span<const TagSummary> tags,
@@ -261,7 +266,9 @@ std::vector<Finding> find_in_tags(std::span<const TagSummary> tags,
   if (tags.empty() || parts.empty()) return findings;
   find_in_parts(parts, findings);
   const bool stops = !findings.empty() && findings.front().severity == Severity::kStops;
-  if (!stops) find_in_links(tags, findings);
+  const bool has_places =
+      std::ranges::any_of(tags, [](const TagSummary& tag) { return tag.moments_together >= kLeastMoments; });
+  if (!stops && has_places) find_in_links(tags, findings);
   find_in_views(tags, findings);
   return findings;
 }

@@ -6,13 +6,11 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "doctor_places.h"
 #include "hand_made.h"
 
 namespace apriltrack::app {
 namespace {
 
-using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -45,28 +43,6 @@ TEST(DoctorImages, OneCameraIsOfOneSize) {
   EXPECT_THAT(find_in_sizes({.families = {}, .recordings = {large, large}}), IsEmpty());
   small.camera_name = "cam1";
   EXPECT_THAT(find_in_sizes({.families = {}, .recordings = {large, small}}), IsEmpty());
-}
-
-TEST(DoctorImages, ACameraThatStandsStillSeesOnePlace) {
-  RecordingFacts film = recording(frames_of(30, {1, 2}));
-  EXPECT_THAT(are_at_rest(film.frames), Each(false));
-  for (FrameFacts& one : film.frames) one.tags = film.frames[0].tags;
-  for (Eigen::Vector2d& corner : film.frames[9].tags[1].corners_px) corner.x() += 0.9;  // noise
-  for (Eigen::Vector2d& corner : film.frames[20].tags[1].corners_px) corner.x() += 1.1;
-  const std::vector<bool> at_rest = are_at_rest(film.frames);
-  for (std::size_t i = 0; i < at_rest.size(); ++i) EXPECT_EQ(at_rest[i], i != 0 && i != 20) << i;
-  film.frames[12].tags.clear();
-  EXPECT_FALSE(are_at_rest(film.frames)[12]);
-}
-
-TEST(DoctorImages, StandingStillIsWarnedOf) {
-  RecordingFacts film = recording(frames_of(30, {1, 2}));
-  film.at_rest = 15;
-  EXPECT_THAT(find_in_images(film), IsEmpty());
-  film.at_rest = 16;
-  const auto findings = find_in_images(film);
-  ASSERT_THAT(abouts(findings), ElementsAre("at_rest"));
-  EXPECT_THAT(findings[0].text, HasSubstr("16 of 30 frames with tags show what an earlier one shows"));
 }
 
 TEST(DoctorImages, TimesHaveARateAndGaps) {

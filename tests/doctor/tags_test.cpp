@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "doctor_places.h"
 #include "hand_made.h"
 
 namespace apriltrack::app {
@@ -60,9 +61,45 @@ TEST(DoctorPlaces, OnePlaceStops) {
   ASSERT_THAT(abouts(of_one), ElementsAre("one_place"));
   EXPECT_EQ(of_one[0].severity, Severity::kStops);
   EXPECT_THAT(of_one[0].text, HasSubstr("only one picture shows two tags or more:"));
-  Facts at_rest = facts_of(recording({{1}, {1, 2}, {2}}));
-  at_rest.recordings[0].at_rest = 19;
-  EXPECT_THAT(find_in_places(at_rest)[0].text, HasSubstr("(19 others show the same from the same place: "));
+}
+
+/// A tag of 40 px, so far to the right.
+Sight sight(const std::string& camera, int id, double right_px) {
+  const Eigen::Vector2d corner(right_px, 100.0);
+  return {camera,
+          tag36(id),
+          {corner, corner + Eigen::Vector2d(40.0, 0.0), corner + Eigen::Vector2d(40.0, -40.0),
+           corner + Eigen::Vector2d(0.0, -40.0)}};
+}
+
+TEST(DoctorPlaces, AreThoseWhereATagIsMoreThanAPixelElsewhere) {
+  std::vector<Moment> moments(6, {sight("cam0", 1, 50.0), sight("cam0", 2, 150.0)});
+  moments[2][1] = sight("cam0", 2, 150.9);
+  moments[3][1] = sight("cam0", 2, 151.1);
+  std::swap(moments[4][0], moments[4][1]);
+  moments[5].pop_back();
+  EXPECT_THAT(are_at_rest(moments), ElementsAre(false, true, true, false, true, false));
+}
+
+TEST(DoctorPlaces, OfARigAllCamerasMustStandStill) {
+  const std::vector<Moment> moments = {{sight("left", 1, 50.0)},
+                                       {sight("left", 1, 50.0), sight("right", 2, 70.0)},
+                                       {sight("left", 1, 50.0), sight("right", 2, 80.0)},
+                                       {sight("left", 1, 50.0), sight("right", 2, 80.0)}};
+  EXPECT_THAT(are_at_rest(moments), ElementsAre(false, false, false, true));
+}
+
+TEST(DoctorPlaces, ACameraThatStandsStillIsToldOf) {
+  Facts facts = facts_of(recording({{1}, {1, 2}, {2}}));
+  facts.at_rest = 19;
+  EXPECT_THAT(find_in_places(facts)[0].text, HasSubstr("(19 others show the same from the same place: "));
+  facts = facts_of(recording(frames_of(9, {1, 2})));
+  facts.at_rest = 9;
+  EXPECT_THAT(find_in_places(facts), IsEmpty());
+  facts.at_rest = 10;
+  const auto findings = find_in_places(facts);
+  ASSERT_THAT(abouts(findings), ElementsAre("at_rest"));
+  EXPECT_THAT(findings[0].text, HasSubstr("10 of 19 pictures of two tags or more show what an earlier one"));
 }
 
 TEST(DoctorTags, OneTagAloneStops) {
