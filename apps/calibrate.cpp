@@ -136,7 +136,8 @@ void run(CLI::App& command, CalibrateOptions& a) {
   if (!a.config.empty()) apply_config_file(command, a.config);
   check(command, a);
   const auto leave_page = [&](const Error& error) {
-    if (error.kind() == ErrorKind::kNoResult && !a.report.empty() && !is_interrupted())
+    if (error.kind() == ErrorKind::kNoResult && !a.report.empty() &&
+        !error.cause().starts_with("interrupted"))
       write_failure_report(a.report, command_line_of(command), a, error.what());
   };
   try {

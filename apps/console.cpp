@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <iostream>
@@ -16,10 +17,12 @@ namespace apriltrack::app {
 namespace {
 
 bool g_has_answered_machines = false;
-volatile std::sig_atomic_t g_interrupted = 0;  // the one thing that a signal handler may touch
+// A signal handler may touch it as it needs no lock; threads at work ask it.
+std::atomic<bool> g_interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 void on_interrupt(int signal) {
-  g_interrupted = 1;
+  g_interrupted = true;
   std::signal(signal, SIG_DFL);
 }
 
@@ -45,7 +48,7 @@ bool has_answered_machines() {
 }
 
 bool is_interrupted() {
-  return g_interrupted != 0;
+  return g_interrupted;
 }
 
 void install_interrupt_handler() {
