@@ -1,6 +1,8 @@
 #include "mirrored_frames.h"
 
+#include <atomic>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "frame_views.h"
@@ -8,7 +10,8 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kLess = 1.0;  // by more than rounding within one minimum; of half the robust sum of squares
+constexpr double kLeastGain =
+    1.0;  // by more than rounding within one minimum; of half the robust sum of squares
 
 /// To the pose of another minimum, if it explains the views better.
 bool turn(FrameViews frame) {
@@ -16,19 +19,23 @@ bool turn(FrameViews frame) {
   frame.settle();
   const double as_it_is = frame.cost();
   const auto [cost, turned] = frame.best_of_proposals();
-  const bool is_better = cost < as_it_is - kLess;
+  const bool is_better = cost < as_it_is - kLeastGain;
   frame.pose() = is_better ? turned : before;
   return is_better;
 }
 
 }  // namespace
 
-bool turn_mirrored_frames(const PartTask& task, const Part& part, MapState& state) {
+bool turn_mirrored_frames(const PartTask& task, const Part& part, MapState& state,
+                          const ParallelFor& parallel) {
   std::map<int, std::vector<std::size_t>> views_of_frame;
   for (const std::size_t v : part.views) views_of_frame[task.observations.views[v].frame].push_back(v);
-  bool has_turned = false;
-  for (const auto& [frame, views] : views_of_frame)
-    if (turn({task, views, state})) has_turned = true;
+  std::vector<std::vector<std::size_t>> frames;
+  for (auto& [frame, views] : views_of_frame) frames.push_back(std::move(views));
+  std::atomic<bool> has_turned = false;
+  parallel(frames.size(), [&](std::size_t i) {
+    if (turn({task, std::move(frames[i]), state})) has_turned = true;
+  });
   return has_turned;
 }
 

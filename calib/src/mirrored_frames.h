@@ -8,6 +8,7 @@ namespace apriltrack {
 /// looks far off by it, and the tags give way. Tries each in the poses that its tags propose one by one, the
 /// tags as they are, and keeps what explains its views better. False when no frame was turned; else the
 /// caller adjusts again.
-bool turn_mirrored_frames(const PartTask& task, const Part& part, MapState& state);
+bool turn_mirrored_frames(const PartTask& task, const Part& part, MapState& state,
+                          const ParallelFor& parallel);
 
 }  // namespace apriltrack

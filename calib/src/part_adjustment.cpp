@@ -160,7 +160,7 @@ AdjustedPart adjust_part(const PartTask& task, const Part& offered, int held_tag
   if (result.part.tags.empty()) result.part = adjust_cleanly(task, part, held_tag, result.state);
   for (int round = 0; round < kMaxRounds; ++round) {
     const Part kept_tags = narrowed_to(observations, part, result.part.tags);
-    if (!turn_mirrored_frames(task, kept_tags, result.state)) break;
+    if (!turn_mirrored_frames(task, kept_tags, result.state, parallel)) break;
     result.part = adjust_cleanly(task, part, held_tag, result.state);
   }
   result.contradictions = contradictions_of(task, part, result.state);

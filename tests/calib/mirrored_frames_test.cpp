@@ -61,7 +61,7 @@ TEST(MirroredFrames, AreTurnedBack) {
   AdjustedWorld one(test::make_room(8, 60, test::perspective_camera()));
   const MapState truth = one.solved.state;
   ASSERT_GT(mirror_some_frames(one, 9).size(), 5u);
-  EXPECT_TRUE(turn_mirrored_frames(one.task(), one.offered, one.solved.state));
+  EXPECT_TRUE(turn_mirrored_frames(one.task(), one.offered, one.solved.state, parallel_for(2)));
   expect_frames_of(truth, one);
 }
 
@@ -85,14 +85,14 @@ TEST(MirroredFrames, AreTurnedBackWhereNoViewIsFarOff) {
       frame.pose() = true_pose;
   }
   ASSERT_GT(unsuspicious, 5);
-  EXPECT_TRUE(turn_mirrored_frames(task, one.offered, one.solved.state));
+  EXPECT_TRUE(turn_mirrored_frames(task, one.offered, one.solved.state, parallel_for(2)));
   expect_frames_of(truth, one);
 }
 
 TEST(MirroredFrames, OthersStayWhereTheyAre) {
   AdjustedWorld one(test::make_room(8, 60, test::perspective_camera()));
   const MapState before = one.solved.state;
-  EXPECT_FALSE(turn_mirrored_frames(one.task(), one.offered, one.solved.state));
+  EXPECT_FALSE(turn_mirrored_frames(one.task(), one.offered, one.solved.state, parallel_for(2)));
   for (std::size_t i = 0; i < before.T_map_rig.size(); ++i)
     EXPECT_THAT(one.solved.state.T_map_rig[i], PoseNear(before.T_map_rig[i], 0.0, 0.0));
 }
