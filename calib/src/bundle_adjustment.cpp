@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t kMaxDenseTags = 200;  // above, the reduced system is mostly empty
 // A frame that lies between its two poses of small tags is linear nowhere near, and the steps of all become
 // as short as its own must be. So when many steps did not suffice, each frame and tag goes downhill by itself
-// after every step (A. Ruhe, P. A. Wedin, "Algorithms for separable nonlinear least squares problems", 1980).
+// after a step, until that gains little (A. Ruhe, P. A. Wedin, "Algorithms for separable nonlinear least
+// squares problems", 1980).
 constexpr int kPlainIterations = 30;
 constexpr double kNegligibleDecrease = 1e-7;  // of the cost: of 10,000 numbers, 0.03 sigmas
 
