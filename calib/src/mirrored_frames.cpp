@@ -10,8 +10,8 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kLeastGain =
-    1.0;  // by more than rounding within one minimum; of half the robust sum of squares
+// Of half the robust sum of squares: more than rounding makes of one and the same minimum.
+constexpr double kLeastGain = 1.0;
 
 /// To the pose of another minimum, if it explains the views better.
 bool turn(FrameViews frame) {
