@@ -47,7 +47,7 @@ void check(DoctorOptions& options) {
 }
 
 bool has_tags(const Facts& facts) {
-  return !facts.moments.empty();
+  return !facts.places.empty();
 }
 
 void run(DoctorOptions& options) {

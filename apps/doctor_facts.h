@@ -66,10 +66,9 @@ struct RecordingFacts {
 struct Facts {
   std::vector<std::string> families;  ///< Asked for.
   std::vector<RecordingFacts> recordings = {};
-  /// Tags seen at one moment, by one camera or by several of a rig: each tag once.
-  /// Without those at rest (are_at_rest()).
-  std::vector<std::vector<TagKey>> moments = {};
-  std::size_t at_rest = 0;  ///< Moments that show two tags or more, as an earlier one shows them.
+  /// Tags seen from each place, by one camera or by several of a rig: each tag once (tags_by_place()).
+  std::vector<std::vector<TagKey>> places = {};
+  std::size_t at_rest = 0;  ///< Moments that show two tags or more, from a place that did so before.
   bool is_interrupted = false;
 };
 

@@ -10,7 +10,7 @@ namespace apriltrack::app {
 std::vector<Finding> find_all(const Facts& facts) {
   std::vector<Finding> all = find_in_families(facts);
   const std::vector<TagSummary> tags = summarise_tags(facts);
-  std::ranges::move(find_in_tags(tags, joined_parts(facts.moments)), std::back_inserter(all));
+  std::ranges::move(find_in_tags(tags, joined_parts(facts.places)), std::back_inserter(all));
   std::ranges::move(find_in_places(facts), std::back_inserter(all));
   std::ranges::move(find_in_sizes(facts), std::back_inserter(all));
   for (const RecordingFacts& recording : facts.recordings) {

@@ -191,7 +191,6 @@ std::vector<Finding> find_in_sizes(const Facts& facts) {
         *first_of_camera.try_emplace(recording.camera_name, &recording).first->second;
     const ImageSize one = image_sizes(first.frames).front(), other = image_sizes(recording.frames).front();
     if (one.width == other.width && one.height == other.height) continue;
-    if (first.camera && recording.camera) continue;  // find_in_camera() says which of them the file fits
     return {{Severity::kStops, "camera_sizes",
              fmt::format("{} is of {} x {} pixels and {} of {} x {}, but both are said to be of camera '{}', "
                          "and a camera file is true of one size: name the cameras (cam0=PATH cam1=PATH, with "

@@ -136,12 +136,18 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
   return facts;
 }
 
+/// Frames of another size are left out by calibrate.
+bool is_usable(const FrameFacts& frame, const std::optional<Camera>& camera) {
+  return !camera || camera->width == 0 || (frame.width == camera->width && frame.height == camera->height);
+}
+
 /// Frames of several cameras belong to one moment where their times are equal.
 std::vector<Moment> moments_of(const std::vector<RecordingFacts>& recordings) {
   Takes takes;
   for (const RecordingFacts& recording : recordings) {
     std::vector<FrameDetections> frames;
     for (const FrameFacts& frame : recording.frames) {
+      if (!is_usable(frame, recording.camera)) continue;
       frames.push_back({frame.time, recording.camera_name, {}});
       for (const SeenTag& seen : frame.tags)
         frames.back().detections.push_back({seen.tag, seen.corners_px, std::nullopt, std::nullopt});
@@ -163,15 +169,15 @@ std::vector<Moment> moments_of(const std::vector<RecordingFacts>& recordings) {
   return moments;
 }
 
-void add_moments(Facts& facts) {
+void add_places(Facts& facts) {
   const std::vector<Moment> moments = moments_of(facts.recordings);
-  const std::vector<bool> at_rest = are_at_rest(moments);
-  for (std::size_t i = 0; i < moments.size(); ++i) {
-    std::set<TagKey> tags;
-    for (const Sight& sight : moments[i]) tags.insert(sight.tag);
-    if (!at_rest[i]) facts.moments.emplace_back(tags.begin(), tags.end());
-    if (at_rest[i] && tags.size() > 1) ++facts.at_rest;
-  }
+  facts.places = tags_by_place(moments);
+  const auto shows_two = [](const Moment& moment) {
+    return std::ranges::any_of(moment, [&](const Sight& one) { return one.tag != moment.front().tag; });
+  };
+  const auto joins_two = [](const std::vector<TagKey>& tags) { return tags.size() > 1; };
+  facts.at_rest = static_cast<std::size_t>(std::ranges::count_if(moments, shows_two) -
+                                           std::ranges::count_if(facts.places, joins_two));
 }
 
 }  // namespace
@@ -182,7 +188,7 @@ Facts look_at(const std::vector<std::string>& inputs, const LookOptions& options
     facts.recordings.push_back(look_at_one(input, options, console, facts.is_interrupted));
     if (facts.is_interrupted) break;
   }
-  add_moments(facts);
+  add_places(facts);
   return facts;
 }
 

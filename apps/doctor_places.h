@@ -20,9 +20,9 @@ struct Sight {
 /// What all cameras of a rig show at one time.
 using Moment = std::vector<Sight>;
 
-/// Of each moment, whether an earlier one shows the same tags, each where it does to a pixel (rms over its
-/// corners, as CalibrationOptions::same_place_px): the camera stood still, or frames were copied. A stricter
-/// rule than calibrate's, which takes moments for one place that share most of their tags.
-std::vector<bool> are_at_rest(std::span<const Moment> moments);
+/// Of each place that moments were taken from, the tags that it ever showed, each once, in the order of the
+/// places. Where the camera stood still, or frames were copied, many moments are of one place, as calibrate
+/// takes them (find_camera_places() by CalibrationOptions::same_place_px).
+std::vector<std::vector<TagKey>> tags_by_place(std::span<const Moment> moments);
 
 }  // namespace apriltrack::app

@@ -76,7 +76,7 @@ std::string told_tags(std::span<const TagSummary> tags, std::size_t frames) {
   for (const TagSummary& tag : tags)
     text +=
         fmt::format("{:<20} {:>7} {:>6.1f} {:>9} {:>8.1f} {:>11} {:>7.0f} {:>8}\n", to_string(tag.tag),
-                    tag.frames, percent(tag.frames, frames), tag.moments_together, tag.median_edge_px,
+                    tag.frames, percent(tag.frames, frames), tag.places_together, tag.median_edge_px,
                     fmt::format("{:.0f}-{:.0f}", tag.smallest_edge_px, tag.largest_edge_px),
                     tag.median_margin, tag.median_blur_px ? fmt::format("{:.1f}", *tag.median_blur_px) : "-");
   return text;
@@ -158,7 +158,7 @@ nlohmann::json json_of(const RecordingFacts& recording) {
 nlohmann::json json_of(const TagSummary& tag) {
   return {{"tag", to_string(tag.tag)},
           {"frames", tag.frames},
-          {"frames_together", tag.moments_together},
+          {"places_together", tag.places_together},
           {"frames_twice", tag.frames_twice},
           {"edge_px", {tag.smallest_edge_px, tag.median_edge_px, tag.largest_edge_px}},
           {"decision_margin", tag.median_margin},
@@ -172,7 +172,7 @@ std::string told_facts(const Facts& facts, std::span<const Finding> findings, co
   for (const RecordingFacts& recording : facts.recordings)
     text += told_images(recording) + told_camera(recording) + told_blur(recording);
   text += told_tags(summarise_tags(facts), num_frames(facts));
-  text += told_parts(joined_parts(facts.moments));
+  text += told_parts(joined_parts(facts.places));
   for (const Finding& finding : findings)
     if (finding.severity == Severity::kNote) text += "note: " + finding.text + "\n";
   return text + "verdict: " + verdict.text;
@@ -183,7 +183,7 @@ nlohmann::json json_of(const Facts& facts, std::span<const Finding> findings, co
                  groups = nlohmann::json::array(), found = nlohmann::json::array();
   for (const RecordingFacts& recording : facts.recordings) recordings.push_back(json_of(recording));
   for (const TagSummary& tag : summarise_tags(facts)) tags.push_back(json_of(tag));
-  for (const std::vector<TagKey>& part : joined_parts(facts.moments)) {
+  for (const std::vector<TagKey>& part : joined_parts(facts.places)) {
     groups.push_back(nlohmann::json::array());
     for (const TagKey& tag : part) groups.back().push_back(to_string(tag));
   }

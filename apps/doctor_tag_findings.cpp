@@ -15,9 +15,9 @@
 namespace apriltrack::app {
 namespace {
 
-constexpr std::size_t kFewMoments = 5;    ///< A place that fewer hold is weak.
-constexpr std::size_t kLeastMoments = 2;  ///< As calibrate's --min-views.
-constexpr double kSmall_px = 20.0;        ///< Edges; smaller tags are read seldom and tilt freely.
+constexpr std::size_t kFewPlaces = 5;    ///< A place that fewer hold is weak.
+constexpr std::size_t kLeastPlaces = 2;  ///< As calibrate's --min-views.
+constexpr double kSmall_px = 20.0;       ///< Edges; smaller tags are read seldom and tilt freely.
 
 /// At most eight by name.
 std::string told(const std::vector<std::string>& names) {
@@ -71,28 +71,34 @@ void find_in_parts(std::span<const std::vector<TagKey>> parts, std::vector<Findi
                    groups.size(), fmt::join(groups, " | "))});
 }
 
+std::string num_places(std::size_t places) {
+  return places == 1 ? "1 place" : fmt::format("{} places", places);
+}
+
 void find_in_links(std::span<const TagSummary> tags, std::vector<Finding>& findings) {
   find_tags(
       tags,
       [](const TagSummary& tag) {
-        return tag.moments_together < kLeastMoments
-                   ? fmt::format("{} of its {} frames", tag.moments_together, tag.frames)
+        return tag.places_together < kLeastPlaces
+                   ? fmt::format("{} in {} frame{}", num_places(tag.places_together), tag.frames,
+                                 tag.frames == 1 ? "" : "s")
                    : std::string();
       },
       {Severity::kWarning, "left_out",
-       "calibrate leaves out tags that fewer than two frames show together with another: {}. Film each with "
-       "a neighbour in view; an id that is not there at all was read by chance"},
+       "calibrate leaves out tags that are seen together with another from fewer than two places: {}. Film "
+       "each with a neighbour in view, from several sides; an id that is not there at all was read by "
+       "chance"},
       findings);
   find_tags(
       tags,
       [](const TagSummary& tag) {
-        return tag.moments_together >= kLeastMoments && tag.moments_together < kFewMoments
-                   ? fmt::format("{} frames", tag.moments_together)
+        return tag.places_together >= kLeastPlaces && tag.places_together < kFewPlaces
+                   ? num_places(tag.places_together)
                    : std::string();
       },
       {Severity::kWarning, "few_frames",
-       "few frames show these tags together with others, and their places will be weak: {}. Film them "
-       "longer, or use every frame"},
+       "these tags are seen together with others from few places, and theirs will be weak: {}. Film them "
+       "longer and on the move, or use every frame"},
       findings);
 }
 
@@ -119,7 +125,7 @@ void find_in_views(std::span<const TagSummary> tags, std::vector<Finding>& findi
   find_tags(
       tags,
       [](const TagSummary& tag) {
-        return tag.views >= kFewMoments && tag.views_at_border == tag.views
+        return tag.views >= kFewPlaces && tag.views_at_border == tag.views
                    ? fmt::format("{} views", tag.views)
                    : std::string();
       },
@@ -239,7 +245,7 @@ std::vector<Finding> find_in_families(const Facts& facts) {
 
 std::vector<Finding> find_in_places(const Facts& facts) {
   const auto joint = static_cast<std::size_t>(
-      std::ranges::count_if(facts.moments, [](const auto& tags) { return tags.size() > 1; }));
+      std::ranges::count_if(facts.places, [](const auto& tags) { return tags.size() > 1; }));
   if (joint == 1) {
     const std::string others = facts.at_rest == 0
                                    ? ""
@@ -267,7 +273,7 @@ std::vector<Finding> find_in_tags(std::span<const TagSummary> tags,
   find_in_parts(parts, findings);
   const bool stops = !findings.empty() && findings.front().severity == Severity::kStops;
   const bool has_places =
-      std::ranges::any_of(tags, [](const TagSummary& tag) { return tag.moments_together >= kLeastMoments; });
+      std::ranges::any_of(tags, [](const TagSummary& tag) { return tag.places_together >= kLeastPlaces; });
   if (!stops && has_places) find_in_links(tags, findings);
   find_in_views(tags, findings);
   return findings;

@@ -51,10 +51,10 @@ std::vector<TagSummary> summarise_tags(const Facts& facts) {
       }
     }
   }
-  for (const std::vector<TagKey>& moment : facts.moments) {
-    for (const TagKey& tag : moment)
-      if (const auto of = tags.find(tag); of != tags.end() && moment.size() > 1)
-        ++of->second.summary.moments_together;
+  for (const std::vector<TagKey>& place : facts.places) {
+    for (const TagKey& tag : place)
+      if (const auto of = tags.find(tag); of != tags.end() && place.size() > 1)
+        ++of->second.summary.places_together;
   }
   std::vector<TagSummary> summaries;
   for (const auto& [tag, views] : tags) {
@@ -64,13 +64,13 @@ std::vector<TagSummary> summarise_tags(const Facts& facts) {
   return summaries;
 }
 
-std::vector<std::vector<TagKey>> joined_parts(std::span<const std::vector<TagKey>> moments) {
+std::vector<std::vector<TagKey>> joined_parts(std::span<const std::vector<TagKey>> places) {
   std::map<TagKey, std::size_t> numbers;
-  for (const std::vector<TagKey>& moment : moments)
-    for (const TagKey& tag : moment) numbers.try_emplace(tag, numbers.size());
+  for (const std::vector<TagKey>& place : places)
+    for (const TagKey& tag : place) numbers.try_emplace(tag, numbers.size());
   DisjointSets joined(numbers.size());
-  for (const std::vector<TagKey>& moment : moments)
-    for (const TagKey& tag : moment) joined.join(numbers.at(moment.front()), numbers.at(tag));
+  for (const std::vector<TagKey>& place : places)
+    for (const TagKey& tag : place) joined.join(numbers.at(place.front()), numbers.at(tag));
   std::map<std::size_t, std::vector<TagKey>> sets;
   for (const auto& [tag, number] : numbers) sets[joined.find(number)].push_back(tag);
   std::vector<std::vector<TagKey>> parts;

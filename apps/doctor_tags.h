@@ -12,9 +12,9 @@ namespace apriltrack::app {
 /// How one tag was seen in all recordings.
 struct TagSummary {
   TagKey tag;
-  std::size_t frames = 0;            ///< That show it.
-  std::size_t moments_together = 0;  ///< That show another tag, too.
-  std::size_t frames_twice = 0;      ///< That show it more than once.
+  std::size_t frames = 0;           ///< That show it.
+  std::size_t places_together = 0;  ///< From which it was seen, and another tag, too.
+  std::size_t frames_twice = 0;     ///< That show it more than once.
   std::size_t views_at_border = 0;
   std::size_t views = 0;
   double median_edge_px = 0.0;
@@ -27,9 +27,9 @@ struct TagSummary {
 /// One for every tag that was seen, in the order of their keys.
 std::vector<TagSummary> summarise_tags(const Facts& facts);
 
-/// The parts that moments with two or more tags join: largest first, then by their first tag; a tag that is
+/// The parts that places with two or more tags join: largest first, then by their first tag; a tag that is
 /// never seen with another is a part of its own.
-std::vector<std::vector<TagKey>> joined_parts(std::span<const std::vector<TagKey>> moments);
+std::vector<std::vector<TagKey>> joined_parts(std::span<const std::vector<TagKey>> places);
 
 /// A frame's blur: the median over its tags; nullopt where none could be measured.
 std::optional<double> blur_of_frame_px(const FrameFacts& frame);

@@ -2,20 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <numbers>
 #include <span>
-#include <unordered_map>
 #include <utility>
 #include <vector>
+
+#include "apriltrack/calib/camera_places.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr double kAgreeing = 0.75;  ///< Of the views that two moments of one place share.
-constexpr double kReach = 2.0;      ///< Of a tag's scatter at a place.
-constexpr double kMoving = 0.1;     ///< Of a tag's views at a place, where it is no outlier any more.
+constexpr double kReach = 2.0;   ///< Of a tag's scatter at a place.
+constexpr double kMoving = 0.1;  ///< Of a tag's views at a place, where it is no outlier any more.
 
 /// A tag in a camera.
 using Sight = std::pair<int, int>;
@@ -23,12 +22,6 @@ using Sight = std::pair<int, int>;
 struct RestingMoment {
   std::size_t begin = 0;  ///< Into the views.
   std::size_t end = 0;
-};
-
-/// Moments that saw the same from one place.
-struct Place {
-  std::map<Sight, CornersPx> first_corners_px;  ///< As seen first.
-  std::vector<std::size_t> moments;
 };
 
 Sight sight_of(const TagView& view) {
@@ -51,75 +44,27 @@ std::vector<RestingMoment> split_by_moment(std::span<const TagView> views) {
   return moments;
 }
 
-/// Finds places by where a tag's first corner lies: a grid as wide as it may move.
-class PlaceIndex {
- public:
-  explicit PlaceIndex(double same_place_px) : cell_px_(2.0 * same_place_px) {}
-
-  void add(const TagView& view, std::size_t place) { places_[key(view, 0, 0)].push_back(place); }
-
-  /// Rising, each once; perhaps too many, never too few.
-  std::vector<std::size_t> near(std::span<const TagView> views) const {
-    std::vector<std::size_t> result;
-    for (const TagView& view : views) {
-      for (const int dx : {-1, 0, 1}) {
-        for (const int dy : {-1, 0, 1}) {
-          const auto found = places_.find(key(view, dx, dy));
-          if (found != places_.end()) result.insert(result.end(), found->second.begin(), found->second.end());
-        }
-      }
-    }
-    std::ranges::sort(result);
-    result.erase(std::unique(result.begin(), result.end()), result.end());
-    return result;
-  }
-
- private:
-  /// Of two cells with one key all are looked at, and the corners decide.
-  std::uint64_t key(const TagView& view, int dx, int dy) const {
-    const auto cell = [&](double px, int d) {
-      return static_cast<std::uint64_t>(
-                 static_cast<std::int64_t>(std::floor(std::clamp(px / cell_px_, -1e9, 1e9))) + d) &
-             0xfffffu;
-    };
-    const auto sight =
-        static_cast<std::uint64_t>(view.camera) * 40961u + static_cast<std::uint64_t>(view.tag);
-    return (sight << 40) | (cell(view.corners_px[0].x(), dx) << 20) | cell(view.corners_px[0].y(), dy);
-  }
-
-  double cell_px_;
-  std::unordered_map<std::uint64_t, std::vector<std::size_t>> places_;
-};
-
-bool is_at(const Place& place, std::span<const TagView> views, double same_place_px) {
-  int shared = 0, agreeing = 0;
-  for (const TagView& view : views) {
-    const auto there = place.first_corners_px.find(sight_of(view));
-    if (there == place.first_corners_px.end()) continue;
-    ++shared;
-    agreeing += distance_px(there->second, view.corners_px) <= same_place_px;
-  }
-  return 2 * shared > static_cast<int>(views.size()) && agreeing > kAgreeing * shared;
-}
-
-std::vector<Place> find_places(std::span<const TagView> views, const std::vector<RestingMoment>& moments,
-                               const std::vector<bool>& is_kept, double same_place_px) {
-  std::vector<Place> places;
-  PlaceIndex index(same_place_px);
+/// By place, the moments; without those that are kept as they are.
+std::vector<std::vector<std::size_t>> moments_by_place(std::span<const TagView> views,
+                                                       const std::vector<RestingMoment>& moments,
+                                                       const std::vector<bool>& is_kept,
+                                                       double same_place_px) {
+  std::vector<std::size_t> asked;
+  std::vector<std::vector<TagSight>> sights;
   for (std::size_t m = 0; m < moments.size(); ++m) {
     if (is_kept[m]) continue;
-    const auto seen = views.subspan(moments[m].begin, moments[m].end - moments[m].begin);
-    const std::vector<std::size_t> near = index.near(seen);
-    const auto own =
-        std::ranges::find_if(near, [&](std::size_t p) { return is_at(places[p], seen, same_place_px); });
-    const std::size_t p = own == near.end() ? places.size() : *own;
-    if (p == places.size()) places.emplace_back();
-    places[p].moments.push_back(m);
-    for (const TagView& view : seen) {
-      if (places[p].first_corners_px.emplace(sight_of(view), view.corners_px).second) index.add(view, p);
-    }
+    asked.push_back(m);
+    sights.emplace_back();
+    for (const TagView& view : views.subspan(moments[m].begin, moments[m].end - moments[m].begin))
+      sights.back().push_back({view.camera, view.tag, view.corners_px});
   }
-  return places;
+  const std::vector<std::size_t> places = find_camera_places(sights, same_place_px);
+  std::vector<std::vector<std::size_t>> result;
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    if (places[i] == result.size()) result.emplace_back();
+    result[places[i]].push_back(asked[i]);
+  }
+  return result;
 }
 
 CornersPx median_of(const std::vector<const TagView*>& views) {
@@ -168,8 +113,7 @@ class PlaceMerge {
         is_dropped_(is_dropped) {}
 
   /// Where a tag moves, the moments that see it elsewhere are a place of their own.
-  void merge(const Place& place, RestingFrames& counts) {
-    std::vector<std::size_t> left = place.moments;
+  void merge(std::vector<std::size_t> left, RestingFrames& counts) {
     while (left.size() > 1) {
       const std::vector<std::size_t> still = drop_outliers(left);
       if (still.empty()) return;
@@ -319,8 +263,8 @@ RestingFrames merge_resting_frames(Observations& observations, double same_place
         kept.contains(observations.frames[static_cast<std::size_t>(observations.views[moment.begin].frame)]));
   std::vector<bool> is_dropped(observations.views.size(), false);
   PlaceMerge merge(observations, moments, same_place_px, noise, is_dropped);
-  for (const Place& place : find_places(observations.views, moments, is_kept, same_place_px)) {
-    if (place.moments.size() > 1) merge.merge(place, counts);
+  for (auto& place : moments_by_place(observations.views, moments, is_kept, same_place_px)) {
+    if (place.size() > 1) merge.merge(std::move(place), counts);
   }
   std::size_t v = 0;
   std::erase_if(observations.views, [&](const TagView&) { return is_dropped[v++]; });

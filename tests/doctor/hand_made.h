@@ -58,7 +58,7 @@ inline Facts facts_of(const RecordingFacts& film) {
     std::ranges::sort(tags);
     const auto repeated = std::ranges::unique(tags);
     tags.erase(repeated.begin(), repeated.end());
-    if (!tags.empty()) facts.moments.push_back(tags);
+    if (!tags.empty()) facts.places.push_back(tags);
   }
   return facts;
 }

@@ -41,6 +41,9 @@ TEST(DoctorImages, OneCameraIsOfOneSize) {
   EXPECT_EQ(findings[0].severity, Severity::kStops);
   EXPECT_THAT(findings[0].text, HasSubstr("film is of 640 x 480 pixels and clip of 320 x 480"));
   EXPECT_THAT(find_in_sizes({.families = {}, .recordings = {large, large}}), IsEmpty());
+  small.camera = large.camera;
+  EXPECT_THAT(abouts(find_in_sizes({.families = {}, .recordings = {large, small}})),
+              ElementsAre("camera_sizes"));
   small.camera_name = "cam1";
   EXPECT_THAT(find_in_sizes({.families = {}, .recordings = {large, small}}), IsEmpty());
 }
