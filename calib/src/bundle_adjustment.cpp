@@ -18,7 +18,7 @@ constexpr std::size_t kMaxDenseTags = 200;  // above, the reduced system is most
 // after a step, until that gains little (A. Ruhe, P. A. Wedin, "Algorithms for separable nonlinear least
 // squares problems", 1980).
 constexpr int kPlainIterations = 30;
-constexpr double kNegligibleDecrease = 1e-7;  // of the cost: of 10,000 numbers, 0.03 sigmas
+constexpr double kNegligibleDecrease = 1e-3;  // of the cost of one number: a step of 0.03 sigmas
 
 /// Whitened reprojection errors of one view by the poses of its tag and of its frame's rig.
 class ViewCost : public ceres::SizedCostFunction<8, 7, 7> {
@@ -148,7 +148,8 @@ AdjustmentSummary BundleProblem::solve(int max_iterations, const ShouldStop& sho
   if (summary.termination_type == ceres::NO_CONVERGENCE && max_iterations > kPlainIterations) {
     options.max_num_iterations = max_iterations - kPlainIterations;
     options.use_inner_iterations = true;
-    options.function_tolerance = kNegligibleDecrease;
+    options.function_tolerance =
+        std::max(options.function_tolerance, kNegligibleDecrease / problem_.NumResiduals());
     ceres::Solve(options, &problem_, &summary);
   }
   if (summary.termination_type == ceres::USER_FAILURE) throw Stopped();

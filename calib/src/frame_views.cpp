@@ -14,7 +14,7 @@ namespace {
 constexpr CauchyLoss kViewLoss{8.0};   // of a view's whitened norm; a good one's is sqrt(8)
 constexpr double kFarOff = 8.0 * 9.0;  // squares: three sigmas in the mean
 constexpr double kUnseen = 400.0;      // cost of a view that cannot be projected
-constexpr int kMaxSteps = 6;
+constexpr int kMaxSettleSteps = 6;
 constexpr std::size_t kMaxTrials = 3;
 
 }  // namespace
@@ -38,8 +38,10 @@ bool FrameViews::has_far_view() const {
   return std::ranges::any_of(views_, [&](std::size_t v) { return squares_of(v) > kFarOff; });
 }
 
-void FrameViews::settle() {
-  for (int step = 0; step < kMaxSteps; ++step) {
+// A step may lead uphill where views are far from linear.
+double FrameViews::settle() {
+  std::pair<double, Pose> best{cost(), pose_};
+  for (int step = 0; step < kMaxSettleSteps; ++step) {
     Matrix6d information = Matrix6d::Zero();
     Vector6d gradient = Vector6d::Zero();
     for (const LinearView& view : corner_views(task_.observations, views_, state_)) {
@@ -48,9 +50,12 @@ void FrameViews::settle() {
       gradient += weight * view.by_rig.transpose() * view.residual;
     }
     const Vector6d change = -information.ldlt().solve(gradient);
-    if (!change.allFinite()) return;
+    if (!change.allFinite()) break;
     pose_ = pose_ * Pose::exp(change);
+    if (const double of_this = cost(); of_this < best.first) best = {of_this, pose_};
   }
+  pose_ = best.second;
+  return best.first;
 }
 
 std::pair<double, Pose> FrameViews::best_of_proposals() {
@@ -58,8 +63,7 @@ std::pair<double, Pose> FrameViews::best_of_proposals() {
   std::pair<double, Pose> best{std::numeric_limits<double>::infinity(), before};
   for (const Pose& proposal : best_proposals()) {
     pose_ = proposal;
-    settle();
-    if (const double of_this = cost(); of_this < best.first) best = {of_this, pose_};
+    if (const double of_this = settle(); of_this < best.first) best = {of_this, pose_};
   }
   pose_ = before;
   return best;

@@ -19,8 +19,9 @@ class FrameViews {
   double cost() const;
   /// Three standard deviations in the mean, or where it cannot be projected.
   bool has_far_view() const;
-  /// Downhill by Gauss and Newton, views that are far off counting little.
-  void settle();
+  /// Downhill by Gauss and Newton, views that are far off counting little. The cost of the best pose on the
+  /// way, which is kept.
+  double settle();
   /// The best that is found from the poses that the tags' candidates propose one by one, and its cost, which
   /// is infinite where there is none.
   std::pair<double, Pose> best_of_proposals();

@@ -16,8 +16,7 @@ constexpr double kLeastGain = 1.0;
 /// To the pose of another minimum, if it explains the views better.
 bool turn(FrameViews frame) {
   const Pose before = frame.pose();
-  frame.settle();
-  const double as_it_is = frame.cost();
+  const double as_it_is = frame.settle();
   const auto [cost, turned] = frame.best_of_proposals();
   const bool is_better = cost < as_it_is - kLeastGain;
   frame.pose() = is_better ? turned : before;
