@@ -28,7 +28,7 @@ std::optional<AdjustedPart> adjust_anew(const PartTask& task, const Part& part, 
   const std::optional<HeldPart> rest = part_without(task, part, gone, held_tag);
   if (!rest) return std::nullopt;
   try {
-    AdjustedPart result = adjust_part(task, rest->part, rest->held_tag, parallel_for(1));
+    AdjustedPart result = adjust_part(task, rest->part, rest->held_tag, on_one_thread(task));
     if (result.contradictions.are_there()) return std::nullopt;
     return result;
   } catch (const Error&) {  // contradictory, or not converged: so these tags are not the cause
@@ -104,7 +104,8 @@ Trial try_without(const PartTask& task, const Part& part, const Contradictions& 
               count_accusations(contradictions, tag)};
   if (!trial.rest) return trial;
   trial.finding = look_by(task, part, *trial.rest, tag).finding;
-  if (trial.finding) trial.num_others = suspects_in(task, part, *trial.rest, {tag}, parallel_for(1)).size();
+  if (trial.finding)
+    trial.num_others = suspects_in(task, part, *trial.rest, {tag}, on_one_thread(task)).size();
   return trial;
 }
 

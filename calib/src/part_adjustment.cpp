@@ -80,6 +80,10 @@ void adjust_robustly(const Observations& observations, const Part& part, int hel
 
 }  // namespace
 
+ParallelFor on_one_thread(const PartTask& task) {
+  return stoppable(parallel_for(1), task.options.should_stop);
+}
+
 std::vector<int> free_tags(const Part& part, int held_tag) {
   std::vector<int> tags = part.tags;
   std::erase(tags, held_tag);

@@ -24,6 +24,9 @@ struct PartTask {
   const CalibrationOptions& options;
 };
 
+/// For what is one of several bodies that run side by side; asks whether to stop.
+ParallelFor on_one_thread(const PartTask& task);
+
 /// An adjusted part, and how it agrees with its frames.
 struct AdjustedPart {
   int held_tag = 0;

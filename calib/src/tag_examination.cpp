@@ -91,7 +91,7 @@ std::unique_ptr<Absence> best_absence(const PartTask& task, const Part& part, co
                                       const std::vector<int>& suspects, const std::set<int>& known,
                                       const ParallelFor& parallel) {
   std::vector<std::unique_ptr<Absence>> trials(suspects.size());
-  const ParallelFor within = suspects.size() > 1 ? parallel_for(1) : parallel;
+  const ParallelFor within = suspects.size() > 1 ? on_one_thread(task) : parallel;
   parallel(suspects.size(),
            [&](std::size_t i) { trials[i] = look_without(task, part, solved, suspects[i], known, within); });
   std::erase(trials, nullptr);
