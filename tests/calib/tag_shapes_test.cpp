@@ -69,7 +69,7 @@ TEST(TagShapes, FindATwist) {
 
 // Narrower, and twisted, each so little that its number by itself may be chance.
 TEST(TagShapes, FindABendThatItsNumbersShowOnlyTogether) {
-  int found = 0;
+  int found = 0, told = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const auto finding = finding_of(
         [](Eigen::Vector3d corner, std::size_t) {
@@ -79,8 +79,10 @@ TEST(TagShapes, FindABendThatItsNumbersShowOnlyTogether) {
         },
         0.25, seed);
     found += finding && finding->kind == TagFinding::Kind::kNotFlat ? 1 : 0;
+    told += finding && finding->words.find("size, aspect and twist together are ") != std::string::npos;
   }
   EXPECT_GE(found, 4);
+  EXPECT_GE(told, 2);
 }
 
 TEST(TagShapes, AreAsStatedWhereCornersAreAndWhereTheyErr) {
