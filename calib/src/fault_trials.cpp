@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "apriltrack/base/error.h"
+#include "split_tag.h"
 #include "tag_moves.h"
 #include "tag_places.h"
 
@@ -44,19 +44,6 @@ double cost_of(const Observations& observations, const std::vector<std::size_t>&
     sum += is_valid ? std::min(kGivenUpCost, 0.5 * residual.squaredNorm()) : kGivenUpCost;
   }
   return sum;
-}
-
-/// From the start, of what hangs together; nullopt where nothing fits.
-std::optional<AdjustedPart> solve_anew(const PartTask& task, const Suspect& suspect) {
-  const std::vector<Part> parts =
-      find_parts(task.observations, suspect.part.views, task.options.min_views).parts;
-  if (parts.empty()) return std::nullopt;
-  const auto held = std::ranges::find_if(parts.front().tags, [&](int tag) { return tag != suspect.tag; });
-  try {
-    return adjust_part(task, parts.front(), *held, parallel_for(1));
-  } catch (const Error&) {
-    return std::nullopt;
-  }
 }
 
 /// The moment, or where the views that are given up beside it end.
@@ -115,7 +102,7 @@ double at_vertex(const FaultTrial& middle, double gain_below, double gain_above,
 FaultTrials::FaultTrials(const PartTask& task, const Suspect& suspect, const AdjustedPart& solved)
     : task_(task), suspect_(suspect), solved_(solved), observations_(task.observations) {
   observations_.cameras = solved.state.cameras;
-  whole_ = solve_anew({observations_, task.candidates, task.options}, suspect);
+  whole_ = solve_anew({observations_, task.candidates, task.options}, suspect.part.views, suspect.tag);
   for (const std::size_t v : suspect.views) is_given_up_.push_back(!is_kept(whole_ ? *whole_ : solved, v));
   ask_probes();
 }
@@ -151,7 +138,8 @@ std::optional<FaultTrial> FaultTrials::best() const {
 }
 
 std::optional<FaultTrial> FaultTrials::try_fault(const Observations& observations, FaultTrial trial) const {
-  auto solved = solve_anew({observations, task_.candidates, task_.options}, suspect_);
+  auto solved =
+      solve_anew({observations, task_.candidates, task_.options}, suspect_.part.views, suspect_.tag);
   if (!solved) return std::nullopt;
   const NoiseScale noise = solved->state.noise;
   const std::vector<std::size_t>& views = suspect_.part.views;
@@ -162,17 +150,8 @@ std::optional<FaultTrial> FaultTrials::try_fault(const Observations& observation
   return trial;
 }
 
-// The second place is a tag of its own, numbered after all others.
 Observations FaultTrials::split_suspect(const std::vector<bool>& is_at_second) const {
-  const auto t = static_cast<std::size_t>(suspect_.tag);
-  Observations result = observations_;
-  const auto second = static_cast<int>(result.tags.size());
-  result.tags.push_back(result.tags[t]);
-  result.sizes_m.push_back(result.sizes_m[t]);
-  for (std::size_t i = 0; i < suspect_.views.size(); ++i) {
-    if (is_at_second[i]) result.views[suspect_.views[i]].tag = second;
-  }
-  return result;
+  return split_tag(observations_, suspect_.tag, suspect_.views, is_at_second);
 }
 
 std::optional<FaultTrial> FaultTrials::split(Kind kind, std::vector<bool> is_at_second) const {
@@ -191,7 +170,7 @@ bool FaultTrials::moves_again(const FaultTrial& moved) const {
   const Observations observations = split_suspect(moved.is_at_second);
   const auto second = static_cast<int>(observations.tags.size()) - 1;
   return do_move_again({observations, task_.candidates, task_.options}, moved.solved, {suspect_.tag, second},
-                       parallel_for(1));
+                       on_one_thread(task_));
 }
 
 std::optional<FaultTrial> FaultTrials::move_at(std::size_t moment) const {

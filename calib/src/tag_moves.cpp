@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "moves_of_tag.h"
+#include "split_tag.h"
 #include "tag_fault_words.h"
 #include "tag_neighbourhoods.h"
 #include "tag_places.h"
@@ -19,6 +22,10 @@ namespace {
 // the median, and what it hardly ever gives.
 constexpr double kUsualOnce = 11.0, kUsualTwice = 20.0;
 constexpr double kClearOnce = 60.0, kClearTwice = 100.0;
+// What is worth a solve that shows how much the move hides: squares, and times what others show. (By the
+// noise of two places alone, errors that blocks of frames share would be moves.)
+constexpr double kWorthTwoPlaces = 45.0, kBesideOthers = 2.0;
+constexpr std::size_t kMostInTwoPlaces = 2;
 constexpr std::size_t kLeastOthers = 3;
 constexpr std::size_t kMostFramesAsked = 250;  // of a tag; and as many others
 // What a second move explains further: beyond chance, and beyond what the first, linearised, leaves.
@@ -47,12 +54,13 @@ double mean_square(const Move& always) {
   return always.squares / static_cast<double>(std::max<Eigen::Index>(always.changes.size(), 1));
 }
 
-/// The median of what the others show; infinite where they are few.
+/// The median of what all but `own` tags show; infinite where they are few.
 template <class Value>
-double median_of_others(const std::vector<Suspicion>& suspicions, const Suspicion& own, const Value& value) {
+double median_of_others(const std::vector<Suspicion>& suspicions, const std::set<int>& own,
+                        const Value& value) {
   std::vector<double> others;
   for (const Suspicion& one : suspicions) {
-    if (&one != &own && one.is_asked) others.push_back(value(one));
+    if (!own.contains(one.once.tag) && one.is_asked) others.push_back(value(one));
   }
   if (others.size() < kLeastOthers) return std::numeric_limits<double>::infinity();
   const auto middle = others.begin() + static_cast<std::ptrdiff_t>(others.size() / 2);
@@ -67,20 +75,18 @@ double beyond_others(const Move& always, double usual) {
   return (always.squares / (usual * num) - 1.0) / (kClearAlways * std::sqrt(2.0 / num));
 }
 
-/// How much more than by chance a tag seems to move, and more than the others: neighbouring frames repeat
-/// their errors, and what a lens does to all tags is no move.
-void compare(std::vector<Suspicion>& suspicions) {
-  for (Suspicion& one : suspicions) {
-    const auto excess_of_others = [&](Move Suspicion::*which, double usual) {
-      const auto squares = [&](const Suspicion& other) { return (other.*which).squares; };
-      return std::max(1.0, median_of_others(suspicions, one, squares) / usual);
-    };
-    one.of_once = one.once.squares / (kClearOnce * excess_of_others(&Suspicion::once, kUsualOnce));
-    one.of_twice = one.twice.squares / (kClearTwice * excess_of_others(&Suspicion::twice, kUsualTwice));
-    const auto of_number = [](const Suspicion& other) { return mean_square(other.always); };
-    one.usual_always = std::max(kLeastUsual, median_of_others(suspicions, one, of_number));
-    one.of_always = beyond_others(one.always, one.usual_always);
-  }
+/// How much more than by chance a tag seems to move, and more than others do, which are all but `own` of
+/// them: neighbouring frames repeat their errors, and what a lens does to all tags is no move.
+void compare(const std::vector<Suspicion>& suspicions, const std::set<int>& own, Suspicion& one) {
+  const auto excess_of_others = [&](Move Suspicion::*which, double usual) {
+    const auto squares = [&](const Suspicion& other) { return (other.*which).squares; };
+    return std::max(1.0, median_of_others(suspicions, own, squares) / usual);
+  };
+  one.of_once = one.once.squares / (kClearOnce * excess_of_others(&Suspicion::once, kUsualOnce));
+  one.of_twice = one.twice.squares / (kClearTwice * excess_of_others(&Suspicion::twice, kUsualTwice));
+  const auto of_number = [](const Suspicion& other) { return mean_square(other.always); };
+  one.usual_always = std::max(kLeastUsual, median_of_others(suspicions, own, of_number));
+  one.of_always = beyond_others(one.always, one.usual_always);
 }
 
 /// Of nothing where the views leave a pose undetermined.
@@ -96,19 +102,31 @@ Suspicion suspicion_of(const LinearPart& part, int tag) {
   return one;
 }
 
+/// The tag, and what is near it, linearised.
+LinearPart linear_around(const PartTask& task, const AdjustedPart& solved,
+                         const TagNeighbourhoods& neighbourhoods, int tag) {
+  if (neighbourhoods.are_all_one()) return {task, solved.state, solved.part, solved.held_tag};
+  return {task, solved.state, neighbourhoods.around(tag), tag};
+}
+
 std::vector<Suspicion> suspicions_of(const PartTask& task, const AdjustedPart& solved,
-                                     const ParallelFor& parallel) {
-  const TagNeighbourhoods neighbourhoods(task.observations, solved.part, kMostFramesAsked);
+                                     const TagNeighbourhoods& neighbourhoods, const ParallelFor& parallel) {
   std::optional<LinearPart> whole;
   if (neighbourhoods.are_all_one()) whole.emplace(task, solved.state, solved.part, solved.held_tag);
   std::vector<Suspicion> result(solved.part.tags.size());
   parallel(result.size(), [&](std::size_t i) {
     const int tag = solved.part.tags[i];
     result[i] = whole ? suspicion_of(*whole, tag)
-                      : suspicion_of({task, solved.state, neighbourhoods.around(tag), tag}, tag);
+                      : suspicion_of(linear_around(task, solved, neighbourhoods, tag), tag);
   });
-  compare(result);
+  for (Suspicion& one : result) compare(result, {one.once.tag}, one);
   return result;
+}
+
+std::vector<Suspicion> suspicions_of(const PartTask& task, const AdjustedPart& solved,
+                                     const ParallelFor& parallel) {
+  return suspicions_of(task, solved, TagNeighbourhoods(task.observations, solved.part, kMostFramesAsked),
+                       parallel);
 }
 
 /// What moves again, or all the time, has no place.
@@ -131,12 +149,64 @@ bool is_too_small(const PartTask& task, const Move& move) {
 }
 
 /// Beyond chance and beyond others; and far enough to matter.
+bool is_clear(const PartTask& task, const Suspicion& one) {
+  return one.largest() >= 1.0 && (is_loose(one) || !is_too_small(task, one.once));
+}
+
+std::vector<bool> is_at_second_of(const Move& move) {
+  std::vector<bool> result(move.views.size());
+  std::fill(result.begin() + static_cast<std::ptrdiff_t>(move.moments.front()), result.end(), true);
+  return result;
+}
+
+/// A tag that moved makes all views seem noisy, and others seem to move with it. Judges it by the noise and
+/// by the others of a map where it has two places: these are as they are without the move. Less by what
+/// frames still repeat there, which may look like a move. nullopt where there is no such map.
+std::optional<Suspicion> judge_by_two_places(const PartTask& task, const AdjustedPart& solved,
+                                             const TagNeighbourhoods& neighbourhoods, const Move& move,
+                                             const ParallelFor& parallel) {
+  LinearPart part = linear_around(task, solved, neighbourhoods, move.tag);
+  Observations split = split_tag(task.observations, move.tag, move.views, is_at_second_of(move));
+  split.cameras = solved.state.cameras;
+  const PartTask of_two{split, task.candidates, task.options};
+  const std::optional<AdjustedPart> anew = solve_anew(of_two, part.part.views, move.tag);
+  if (!anew || !part.poses) return std::nullopt;
+  const LinearPart by_two(of_two, anew->state, anew->part, anew->held_tag);
+  if (!by_two.poses) return std::nullopt;
+  part.scale = by_two.scale;
+  Suspicion one = suspicion_of(part, move.tag);
+  compare(suspicions_of(of_two, *anew, parallel), {move.tag, static_cast<int>(task.observations.tags.size())},
+          one);
+  one.of_once /= by_two.scale.views_per_independent_view;
+  return one;
+}
+
+/// Those that stand out most by how they seem to have moved once.
+std::vector<Move> moves_worth_two_places(const std::vector<Suspicion>& all) {
+  std::vector<Move> moves;
+  for (const Suspicion& one : all) {
+    const auto squares = [](const Suspicion& other) { return other.once.squares; };
+    const double least =
+        std::max(kWorthTwoPlaces, kBesideOthers * median_of_others(all, {one.once.tag}, squares));
+    if (!one.once.moments.empty() && one.once.squares > least) moves.push_back(one.once);
+  }
+  std::ranges::sort(moves, std::greater<>(), &Move::squares);
+  moves.resize(std::min(moves.size(), kMostInTwoPlaces));
+  return moves;
+}
+
+/// Where none is, perhaps one of the likeliest is when it is judged by two places.
 std::vector<Suspicion> clear_suspicions(const PartTask& task, const AdjustedPart& solved,
                                         const ParallelFor& parallel) {
-  std::vector<Suspicion> clear = suspicions_of(task, solved, parallel);
-  std::erase_if(clear, [&](const Suspicion& one) {
-    return one.largest() < 1.0 || (!is_loose(one) && is_too_small(task, one.once));
-  });
+  const TagNeighbourhoods neighbourhoods(task.observations, solved.part, kMostFramesAsked);
+  const std::vector<Suspicion> all = suspicions_of(task, solved, neighbourhoods, parallel);
+  std::vector<Suspicion> clear;
+  std::ranges::copy_if(all, std::back_inserter(clear), [&](const auto& one) { return is_clear(task, one); });
+  if (!clear.empty()) return clear;
+  for (const Move& move : moves_worth_two_places(all)) {
+    const auto one = judge_by_two_places(task, solved, neighbourhoods, move, parallel);
+    if (one && one->of_once >= 1.0 && is_clear(task, *one)) clear.push_back(*one);
+  }
   return clear;
 }
 
@@ -144,7 +214,7 @@ TwoPlaces places_of(const Move& move, const AdjustedPart& solved) {
   TwoPlaces two{};
   two.fit.T_map_tag = solved.state.T_map_tag[static_cast<std::size_t>(move.tag)];
   two.second.T_map_tag = two.fit.T_map_tag * Pose::exp(move.first_change());
-  for (std::size_t i = 0; i < move.views.size(); ++i) two.is_at_second.push_back(i >= move.moments.front());
+  two.is_at_second = is_at_second_of(move);
   return two;
 }
 

@@ -59,6 +59,16 @@ TEST(HiddenMoves, NameATagThatWasTurned) {
   EXPECT_THAT(finding->words, HasSubstr("was moved by"));
 }
 
+/// So far that by the noise of one place, which the move makes, it might be chance.
+TEST(HiddenMoves, AreJudgedByTheNoiseOfTwoPlaces) {
+  const AdjustedWorld one =
+      filmed_in_pairs([](std::size_t i) { return i < kNumFrames / 2 ? Pose() : turned(2, 2.0); }, 61);
+  const auto finding = find_hidden_move(one.task(), one.solved, parallel_for(1));
+  ASSERT_TRUE(finding);
+  EXPECT_EQ(finding->tag, one.index_of(kMovedTag));
+  EXPECT_EQ(finding->kind, TagFinding::Kind::kMoved);
+}
+
 TEST(HiddenMoves, NameATagThatFlaps) {
   const AdjustedWorld one = filmed_in_pairs(
       [](std::size_t i) { return turned(0, 10.0 * std::sin(0.31 * static_cast<double>(i))); }, 62);
