@@ -229,6 +229,8 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
     suspects.resize(std::min(suspects.size(), kMostSuspects));
     std::unique_ptr<Absence> best = best_absence(task, part, solved, suspects, known, parallel);
     if (!best) break;
+    if (best->finding.kind == TagFinding::Kind::kLoose)
+      best->finding = moved_or_loose(task, part, best->rest, std::move(best->finding));
     require_sound_held_tag(task, best->finding);
     known.insert(best->finding.tag);
     if (best->finding.is_left_out) solved = std::move(best->rest);

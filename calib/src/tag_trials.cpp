@@ -189,4 +189,21 @@ std::vector<TagFinding> find_faults_by_trial(const PartTask& task, const Part& p
   return findings;
 }
 
+TagFinding moved_or_loose(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                          TagFinding loose) {
+  std::vector<int> tags = solved.part.tags;
+  tags.push_back(loose.tag);
+  std::ranges::sort(tags);
+  const TagNeighbourhoods neighbourhoods(task.observations, narrowed_to(task.observations, part, tags),
+                                         kMostFramesTried);
+  const Suspect suspect = to_suspect(task.observations, neighbourhoods, loose.tag);
+  if (suspect.views.size() < kLeastViews) return loose;
+  const auto trial = FaultTrials(task, suspect, solved).best();
+  if (!trial || trial->kind != TagFinding::Kind::kMoved) return loose;
+  TagFinding moved = to_finding(task.observations, suspect, *trial, true);
+  moved.misfit_before = loose.misfit_before;
+  moved.misfit_after = loose.misfit_after;
+  return moved;
+}
+
 }  // namespace apriltrack

@@ -18,4 +18,9 @@ bool do_frames_tell(const PartTask& task, const Part& part, const AdjustedPart& 
 std::vector<TagFinding> find_faults_by_trial(const PartTask& task, const Part& part,
                                              const AdjustedPart& solved, const ParallelFor& parallel);
 
+/// Of a tag that seems loose by the single frames, some of which may be mirrored: that it moved once, where
+/// that explains its views after all; else as it was found. solved: the map without it.
+TagFinding moved_or_loose(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                          TagFinding loose);
+
 }  // namespace apriltrack

@@ -78,6 +78,26 @@ TEST(TagTrials, NameATagThatMovedAndHangsLooselySince) {
   EXPECT_THAT(findings[0].words, HasSubstr("hangs loosely"));
 }
 
+TEST(TagTrials, TellATagThatMovedOnceFromALooseOne) {
+  const auto kind_of = [](const WhereCornersAre& where) {
+    const SyntheticWorld world = room_of_pairs();
+    const AdjustedWorld one(world, shown_in_pairs(test::filmed_with(world, kTagOnTrial, where)));
+    TagFinding loose;
+    loose.tag = kIndexOnTrial;
+    loose.kind = TagFinding::Kind::kLoose;
+    return moved_or_loose(one.task(), one.offered, one.solved, loose).kind;
+  };
+  const auto turned_by = [](const Eigen::Vector3d& corner, double angle_rad) {
+    return Eigen::Vector3d(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitX()) * corner);
+  };
+  EXPECT_EQ(kind_of([&](const auto& corner, std::size_t i) { return turned_by(corner, i < 33 ? 0.0 : 0.3); }),
+            TagFinding::Kind::kMoved);
+  EXPECT_EQ(kind_of([&](const auto& corner, std::size_t i) {
+              return turned_by(corner, 0.3 * std::sin(0.7 * static_cast<double>(i)));
+            }),
+            TagFinding::Kind::kLoose);
+}
+
 TEST(TagTrials, NameAnIdThatHangsInTwoPlacesByTurns) {
   const auto findings = find_where_pairs_show([](const Eigen::Vector3d& corner, std::size_t i) {
     return Eigen::Vector3d(corner + Eigen::Vector3d(i % 24 < 16 ? 0.0 : 0.6, 0.0, 0.0));
