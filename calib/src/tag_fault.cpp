@@ -61,8 +61,10 @@ std::vector<Hypothesis> hypotheses_about(const std::vector<ProbeView>& probes, c
   if (misfit > kMisfitOfMoved) {
     if (auto moved = moved_once(probes, size_m)) result.push_back({Kind::kMoved, moved->cost, {}, moved});
   }
-  if (auto places = two_places(probes, one, size_m))
-    result.push_back({Kind::kTwoPlaces, places->cost, {}, places});
+  if (auto places = two_places(probes, one, size_m)) {
+    const Kind kind = is_one_change(places->is_at_second) ? Kind::kMoved : Kind::kTwoPlaces;
+    result.push_back({kind, places->cost, {}, places});
+  }
   return result;
 }
 

@@ -78,6 +78,12 @@ bool are_apart(const TwoPlaces& two, double least_m) {
   return squares > kClearSquares && change.translation().norm() > least_m;
 }
 
+void put_first_view_first(TwoPlaces& two) {
+  if (!two.is_at_second.front()) return;
+  std::swap(two.fit, two.second);
+  two.is_at_second.flip();
+}
+
 /// Of a place with few views: whether one tag there explains them, in frames that are beyond doubt, and
 /// nothing at the other place does.
 bool is_a_place(const TagFit& fit, const TagFit& other, const std::vector<ProbeView>& views) {
@@ -121,6 +127,10 @@ std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double
   return are_apart(*best, least_shift_m(best->change(), size_m)) ? best : std::nullopt;
 }
 
+bool is_one_change(const std::vector<bool>& is_at_second) {
+  return std::ranges::is_sorted(is_at_second);
+}
+
 // The views that the one place explains worst tell where the other is.
 std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const TagFit& one, double size_m) {
   std::vector<bool> at_second(probes.size());
@@ -147,6 +157,7 @@ std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const 
   result->cost = result->fit.cost + result->second.cost;
   const auto minority = static_cast<double>(std::min(at_first.size(), elsewhere.size()));
   result->cost += 6.0 * kFeeOfUnknown + minority;
+  put_first_view_first(*result);
   return result;
 }
 

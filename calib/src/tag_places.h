@@ -26,7 +26,11 @@ double least_between_tags_m(const Pose& change, double size_m);
 /// order of time.
 std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double size_m);
 
-/// By turns: two tags of one id. one: the best single place.
+/// Whether the tag is at the second place from one view on.
+bool is_one_change(const std::vector<bool>& is_at_second);
+
+/// By turns: two tags of one id; or one that moved, where it is one change after all. `fit` is the place seen
+/// first. one: the best single place.
 std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const TagFit& one, double size_m);
 
 /// Many views that no one place explains, though each by itself is a tag's.

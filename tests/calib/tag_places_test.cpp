@@ -1,0 +1,59 @@
+// Tags of which the views of single frames show two places.
+#include "tag_places.h"
+
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <map>
+
+#include "adjusted_world.h"
+#include "tag_suspects.h"
+
+namespace apriltrack {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int kAtTwoPlaces = 11;
+
+/// What is found of a tag that in some of its views, as they come, is 0.42 m away, which is farther than a
+/// tag beside it must be.
+TagFinding find_where_it_is_away(const std::function<bool(std::size_t view, std::size_t of)>& is_away) {
+  const test::SyntheticWorld world = test::make_room(12, 120, test::perspective_camera());
+  std::map<std::size_t, std::size_t> rank_of_frame;
+  test::filmed_with(world, kAtTwoPlaces, [&](const Eigen::Vector3d& corner, std::size_t i) {
+    rank_of_frame.try_emplace(i, rank_of_frame.size());
+    return corner;
+  });
+  std::vector<FrameDetections> frames =
+      test::filmed_with(world, kAtTwoPlaces, [&](const Eigen::Vector3d& corner, std::size_t i) {
+        const bool is_here = !is_away(rank_of_frame.at(i), rank_of_frame.size());
+        return Eigen::Vector3d(corner + (is_here ? Eigen::Vector3d::Zero() : Eigen::Vector3d(0.3, 0.3, 0.0)));
+      });
+  RandomStream random(77);
+  test::add_edge_noise(frames, 0.1, -0.45, random);
+  const test::AdjustedWorld one(world, frames);
+  return look_by(one.task(), one.offered, one.solved, one.index_of(kAtTwoPlaces))
+      .finding.value_or(TagFinding());
+}
+
+TEST(TwoPlaces, OneAfterTheOtherAreOfATagThatMoved) {
+  for (const std::size_t few : {2u, 3u, 6u, 20u}) {
+    const TagFinding late =
+        find_where_it_is_away([=](std::size_t i, std::size_t of) { return i + few >= of; });
+    EXPECT_EQ(late.kind, TagFinding::Kind::kMoved) << few;
+    EXPECT_THAT(late.words, HasSubstr("was moved by 0.4")) << few;
+    const TagFinding early = find_where_it_is_away([=](std::size_t i, std::size_t) { return i < few; });
+    EXPECT_EQ(early.kind, TagFinding::Kind::kMoved) << few;
+    EXPECT_THAT(early.words, HasSubstr("was moved by 0.4")) << few;
+  }
+}
+
+TEST(TwoPlaces, ByTurnsAreOfCopies) {
+  const TagFinding found = find_where_it_is_away([](std::size_t i, std::size_t) { return i / 8 % 2 == 1; });
+  EXPECT_EQ(found.kind, TagFinding::Kind::kTwoPlaces);
+  EXPECT_THAT(found.words, HasSubstr("its id hangs twice"));
+}
+
+}  // namespace
+}  // namespace apriltrack
