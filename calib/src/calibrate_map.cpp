@@ -87,10 +87,9 @@ std::string way_to_connect(const Observations& observations, int min_views) {
   if (joint == 0)
     return "move so that every tag shares some frames with another, in a chain that reaches all of them";
   return fmt::format(
-      "{} two tags or more together, but a tag is mapped from {} or more of these, taken from different "
-      "places "
-      "(--min-views), and no two tags are in so many: film them on the move, or take more pictures of them, "
-      "from several sides",
+      "{} two tags or more together. A tag is mapped from {} such frames or more, from different places "
+      "(--min-views); where those with fewer are taken away, none is left: film on the move, or take more "
+      "pictures of the same tags, from several sides",
       joint == 1 ? "only 1 frame shows" : fmt::format("{} frames show", joint), min_views);
 }
 

@@ -44,7 +44,7 @@ struct Trial {
   std::size_t num_others = 0;         ///< That still seem at fault.
 
   bool is_explained() const { return finding && finding->is_complete(); }
-  bool is_copied() const { return finding && finding->kind == TagFinding::Kind::kTwoPlaces; }
+  bool is_copied() const { return finding && finding->may_be_copies; }
   std::size_t num_left() const { return rest ? rest->part.tags.size() : 0; }
 };
 

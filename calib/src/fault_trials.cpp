@@ -122,7 +122,8 @@ void FaultTrials::ask_probes() {
   }
   const auto two = two_places(probes, fit_tag_anew(probes, size_m()), size_m());
   if (!two) return;
-  places_of_probes_.assign(suspect_.views.size(), false);
+  const auto at_second = std::ranges::count(two->is_at_second, true);
+  places_of_probes_.assign(suspect_.views.size(), 2 * at_second > std::ssize(two->is_at_second));
   for (std::size_t i = 0; i < probes.size(); ++i)
     places_of_probes_[rank_of(probes[i])] = two->is_at_second[i];
 }
@@ -210,6 +211,7 @@ std::optional<FaultTrial> FaultTrials::best_move() const {
 std::optional<FaultTrial> FaultTrials::best_copy() const {
   std::optional<FaultTrial> best = if_enough(best_copy_from(is_given_up_));
   keep_better(best, if_enough(best_copy_from(places_of_probes_)));
+  if (best && is_one_change(best->is_at_second)) best->kind = Kind::kMoved;
   return best;
 }
 

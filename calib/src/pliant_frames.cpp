@@ -20,8 +20,7 @@ double cost_beside_others(const PartTask& task, MapState& state, const ProbeView
   all.push_back(static_cast<std::size_t>(probe.view - views.data()));
   FrameViews together(task, std::move(all), state);
   const double elsewhere = together.best_of_proposals().first;
-  together.settle();
-  return std::min(elsewhere, together.cost()) - of_others;
+  return std::min(elsewhere, together.settle()) - of_others;
 }
 
 }  // namespace

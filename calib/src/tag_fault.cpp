@@ -29,7 +29,16 @@ struct Hypothesis {
   double cost;  ///< With a fee for its unknowns.
   TagFit fit;
   std::optional<TwoPlaces> places;
+  bool may_be_copies = false;
 };
+
+/// Copies of one id may be of two sizes.
+bool are_of_one_tag(const TwoPlaces& two) {
+  const auto sigma_of = [](const TagFit& fit) { return fit.shape.log_scale == 0.0 ? 0.0 : fit.scale_sigma; };
+  const double sigma = std::hypot(sigma_of(two.fit), sigma_of(two.second));
+  return is_one_change(two.is_at_second) && std::abs(two.fit.shape.log_scale - two.second.shape.log_scale) <
+                                                std::max(kClearScale, kClearSigmas * sigma);
+}
 
 /// Beyond chance, and beyond what errors do that the tag keeps in all of its views, `kept`.
 bool is_clear(double value, double sigma, double kept, double least, double misfit) {
@@ -62,8 +71,8 @@ std::vector<Hypothesis> hypotheses_about(const std::vector<ProbeView>& probes, c
     if (auto moved = moved_once(probes, size_m)) result.push_back({Kind::kMoved, moved->cost, {}, moved});
   }
   if (auto places = two_places(probes, one, size_m)) {
-    const Kind kind = is_one_change(places->is_at_second) ? Kind::kMoved : Kind::kTwoPlaces;
-    result.push_back({kind, places->cost, {}, places});
+    const Kind kind = are_of_one_tag(*places) ? Kind::kMoved : Kind::kTwoPlaces;
+    result.push_back({kind, places->cost, {}, places, true});
   }
   return result;
 }
@@ -107,6 +116,7 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
   if (best != hypotheses.end() && is_explanation(*best)) {
     look.finding = {.tag = tag,
                     .kind = best->kind,
+                    .may_be_copies = best->may_be_copies,
                     .words = describe(*best, probes, task.observations, name),
                     .is_left_out = best->kind != Kind::kNotFlat,
                     .misfit_before = look.misfit,

@@ -47,9 +47,10 @@ std::string words_of_bend(const TagFit& bent, const std::string& name) {
     what += fmt::format("{}it is {:.1f} % (sigma {:.1f}) {} than high", what.empty() ? "" : ", and ",
                         100.0 * std::abs(shape.aspect), 100.0 * bent.aspect_sigma,
                         shape.aspect > 0.0 ? "wider" : "narrower");
-  if (bent.sigmas_together > 0.0)
-    what += fmt::format(" at the likeliest; size, aspect and twist together are {:.1f} sigmas off",
-                        bent.sigmas_together);
+  if (bent.is_clear_together)
+    what +=
+        "; by itself that may be chance, but size, aspect and twist together are off as they are in one "
+        "sound tag of 7,000";
   return fmt::format(
       "{} is bent, not flat, or was printed unevenly: {}. Fix it to a flat, stiff board; its pose is that of "
       "the plane through its corners",

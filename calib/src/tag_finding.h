@@ -10,6 +10,8 @@ struct TagFinding {
   enum class Kind { kSize, kMoved, kTwoPlaces, kNotFlat, kLoose };
   int tag = 0;
   Kind kind = Kind::kSize;
+  /// Two places as far apart as tags hang that are there at a time, in whatever order they were seen.
+  bool may_be_copies = false;
   std::string words;
   bool is_left_out = false;
   /// What the views cost, in units of what they would if they erred as expected: with one place and the

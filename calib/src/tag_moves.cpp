@@ -44,6 +44,8 @@ struct Suspicion {
   Move once, twice, always;
   bool is_asked = false;                                  ///< It has views enough, which determine its pose.
   double of_once = 0.0, of_twice = 0.0, of_always = 0.0;  ///< Over 1: beyond chance, and what others show.
+  std::optional<bool> moves_again;                        ///< Given two places, if that was tried.
+  double explained_squares = 0.0;                         ///< Of `once`, by the noise of the map as it is.
   double usual_always = 1.0;  ///< Squares for each number of `always`, as others show them.
 
   double largest() const { return std::max({of_once, of_twice, of_always}); }
@@ -96,6 +98,7 @@ Suspicion suspicion_of(const LinearPart& part, int tag) {
   if (!part.poses) return one;
   const MovesOfTag moves(part, tag);
   one.once = moves.with_one_more(moves.none());
+  one.explained_squares = one.once.squares;
   one.twice = moves.with_one_more(one.once);
   one.always = moves.all();
   one.is_asked = one.always.changes.size() > 0;
@@ -131,6 +134,7 @@ std::vector<Suspicion> suspicions_of(const PartTask& task, const AdjustedPart& s
 
 /// What moves again, or all the time, has no place.
 bool is_loose(const Suspicion& one) {
+  if (one.moves_again) return *one.moves_again;
   if (one.of_once < 1.0) return true;
   const double least = kAgain * one.once.squares;
   if (one.twice.squares - one.once.squares > std::max(kClearAgain, least)) return true;
@@ -159,25 +163,53 @@ std::vector<bool> is_at_second_of(const Move& move) {
   return result;
 }
 
+bool does_any_move_again(const std::vector<Suspicion>& all, const std::set<int>& tags) {
+  return std::ranges::any_of(all, [&](const Suspicion& one) {
+    return tags.contains(one.once.tag) && one.largest() > kClearAfterOne;
+  });
+}
+
+/// The map with two places for a tag; nullopt where it keeps but one of them.
+std::optional<AdjustedPart> solve_with_two_places(const PartTask& of_two,
+                                                  const std::vector<std::size_t>& views, int tag) {
+  auto anew = solve_anew(of_two, views, tag);
+  const int second = static_cast<int>(of_two.observations.tags.size()) - 1;
+  if (!anew || !std::ranges::binary_search(anew->part.tags, tag) ||
+      !std::ranges::binary_search(anew->part.tags, second))
+    return std::nullopt;
+  return anew;
+}
+
 /// A tag that moved makes all views seem noisy, and others seem to move with it. Judges it by the noise and
-/// by the others of a map where it has two places: these are as they are without the move. Less by what
-/// frames still repeat there, which may look like a move. nullopt where there is no such map.
+/// by the others of a map where it has two places: these are as they are without the move. nullopt where
+/// there is no such map.
 std::optional<Suspicion> judge_by_two_places(const PartTask& task, const AdjustedPart& solved,
                                              const TagNeighbourhoods& neighbourhoods, const Move& move,
                                              const ParallelFor& parallel) {
-  LinearPart part = linear_around(task, solved, neighbourhoods, move.tag);
   Observations split = split_tag(task.observations, move.tag, move.views, is_at_second_of(move));
   split.cameras = solved.state.cameras;
   const PartTask of_two{split, task.candidates, task.options};
-  const std::optional<AdjustedPart> anew = solve_anew(of_two, part.part.views, move.tag);
-  if (!anew || !part.poses) return std::nullopt;
+  const std::vector<std::size_t> views =
+      neighbourhoods.are_all_one() ? solved.part.views : neighbourhoods.around(move.tag).views;
+  const auto anew = solve_with_two_places(of_two, views, move.tag);
+  if (!anew) return std::nullopt;
   const LinearPart by_two(of_two, anew->state, anew->part, anew->held_tag);
-  if (!by_two.poses) return std::nullopt;
+  MapState state = solved.state;
+  state.noise = anew->state.noise;
+  LinearPart part(task, state,
+                  connected_to(task.observations, anew->part.views, move.tag, task.options.min_views),
+                  move.tag);
+  if (!by_two.poses || !part.poses) return std::nullopt;
   part.scale = by_two.scale;
   Suspicion one = suspicion_of(part, move.tag);
-  compare(suspicions_of(of_two, *anew, parallel), {move.tag, static_cast<int>(task.observations.tags.size())},
-          one);
-  one.of_once /= by_two.scale.views_per_independent_view;
+  one.explained_squares = move.squares;
+  // The noise knows what frames repeat. But it may be a step that they repeat, like a move.
+  for (Move* some : {&one.once, &one.twice, &one.always})
+    some->squares /= by_two.scale.views_per_independent_view;
+  const std::set<int> halves{move.tag, static_cast<int>(task.observations.tags.size())};
+  const std::vector<Suspicion> all = suspicions_of(of_two, *anew, parallel);
+  compare(all, halves, one);
+  one.moves_again = does_any_move_again(all, halves);
   return one;
 }
 
@@ -222,7 +254,7 @@ TwoPlaces places_of(const Move& move, const AdjustedPart& solved) {
 double explained_by(const Suspicion& one) {
   const auto num = static_cast<double>(one.always.changes.size());
   const double by_always = one.of_always > 1.0 ? 0.5 * (one.always.squares - one.usual_always * num) : 0.0;
-  return std::max(0.5 * one.once.squares, by_always) - 7.0 * kFeeOfUnknown;
+  return std::max(0.5 * one.explained_squares, by_always) - 7.0 * kFeeOfUnknown;
 }
 
 TagFinding to_finding(const PartTask& task, const AdjustedPart& solved, const Suspicion& one) {
@@ -259,10 +291,7 @@ std::optional<TagFinding> find_hidden_move(const PartTask& task, const AdjustedP
 
 bool do_move_again(const PartTask& task, const AdjustedPart& solved, const std::set<int>& tags,
                    const ParallelFor& parallel) {
-  const std::vector<Suspicion> all = suspicions_of(task, solved, parallel);
-  return std::ranges::any_of(all, [&](const Suspicion& one) {
-    return tags.contains(one.once.tag) && one.largest() > kClearAfterOne;
-  });
+  return does_any_move_again(suspicions_of(task, solved, parallel), tags);
 }
 
 }  // namespace apriltrack

@@ -78,12 +78,6 @@ bool are_apart(const TwoPlaces& two, double least_m) {
   return squares > kClearSquares && change.translation().norm() > least_m;
 }
 
-void put_first_view_first(TwoPlaces& two) {
-  if (!two.is_at_second.front()) return;
-  std::swap(two.fit, two.second);
-  two.is_at_second.flip();
-}
-
 /// Of a place with few views: whether one tag there explains them, in frames that are beyond doubt, and
 /// nothing at the other place does.
 bool is_a_place(const TagFit& fit, const TagFit& other, const std::vector<ProbeView>& views) {
@@ -128,7 +122,15 @@ std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double
 }
 
 bool is_one_change(const std::vector<bool>& is_at_second) {
-  return std::ranges::is_sorted(is_at_second);
+  std::size_t changes = 0;
+  for (std::size_t i = 1; i < is_at_second.size(); ++i) changes += is_at_second[i] != is_at_second[i - 1];
+  return changes == 1;
+}
+
+void put_first_view_first(TwoPlaces& two) {
+  if (!two.is_at_second.front()) return;
+  std::swap(two.fit, two.second);
+  two.is_at_second.flip();
 }
 
 // The views that the one place explains worst tell where the other is.

@@ -26,8 +26,10 @@ double least_between_tags_m(const Pose& change, double size_m);
 /// order of time.
 std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double size_m);
 
-/// Whether the tag is at the second place from one view on.
+/// Whether the tag leaves one place for the other, and never comes back.
 bool is_one_change(const std::vector<bool>& is_at_second);
+/// So that `fit` is the place of the first view.
+void put_first_view_first(TwoPlaces& two);
 
 /// By turns: two tags of one id; or one that moved, where it is one change after all. `fit` is the place seen
 /// first. one: the best single place.

@@ -54,7 +54,7 @@ struct TagFit {
   Matrix6d covariance = Matrix6d::Zero();                           ///< Of the pose.
   double scale_sigma = 0.0, aspect_sigma = 0.0, twist_sigma = 0.0;  ///< Where they were free.
   bool is_aspect_clear = false, is_twist_clear = false;             ///< Beyond doubt.
-  double sigmas_together = 0.0;  ///< Of the three, where it is they that leave no doubt, not one of them.
+  bool is_clear_together = false;  ///< It is the three that leave no doubt, not the one that is clear.
 };
 
 /// Robustly; from `start`.

@@ -161,7 +161,7 @@ void judge_together(ShapeEstimate& one) {
       std::abs(bent.shape.twist) * bent.aspect_sigma > std::abs(bent.shape.aspect) * bent.twist_sigma;
   bent.is_twist_clear = is_twist && std::abs(bent.shape.twist) > kClearBend;
   bent.is_aspect_clear = !is_twist && std::abs(bent.shape.aspect) > kClearBend;
-  bent.sigmas_together = one.sigmas;
+  bent.is_clear_together = true;
 }
 
 /// What the lens or the detector does to all tags, and sigmas do not tell, shows in the others: a tag is odd

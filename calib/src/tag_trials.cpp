@@ -106,6 +106,7 @@ std::string words_of_places(const Observations& observations, const Suspect& sus
   two.fit.T_map_tag = trial.T_map_first;
   two.second.T_map_tag = trial.T_map_second;
   two.is_at_second = trial.is_at_second;
+  put_first_view_first(two);
   if (trial.kind == TagFinding::Kind::kTwoPlaces) return words_of_copies(two, name);
   std::vector<ProbeView> when;
   for (const std::size_t v : suspect.views) {
@@ -202,7 +203,8 @@ TagFinding moved_or_loose(const PartTask& task, const Part& part, const Adjusted
   if (!trial || trial->kind != TagFinding::Kind::kMoved) return loose;
   TagFinding moved = to_finding(task.observations, suspect, *trial, true);
   moved.misfit_before = loose.misfit_before;
-  moved.misfit_after = loose.misfit_after;
+  moved.misfit_after = 1.0;  // what is left is as usual, or it were no explanation
+  moved.num_views = loose.num_views;
   return moved;
 }
 

@@ -18,7 +18,8 @@ constexpr int kAtTwoPlaces = 11;
 
 /// What is found of a tag that in some of its views, as they come, is 0.42 m away, which is farther than a
 /// tag beside it must be.
-TagFinding find_where_it_is_away(const std::function<bool(std::size_t view, std::size_t of)>& is_away) {
+TagFinding find_where_it_is_away(const std::function<bool(std::size_t view, std::size_t of)>& is_away,
+                                 double size_there = 1.0) {
   const test::SyntheticWorld world = test::make_room(12, 120, test::perspective_camera());
   std::map<std::size_t, std::size_t> rank_of_frame;
   test::filmed_with(world, kAtTwoPlaces, [&](const Eigen::Vector3d& corner, std::size_t i) {
@@ -28,7 +29,7 @@ TagFinding find_where_it_is_away(const std::function<bool(std::size_t view, std:
   std::vector<FrameDetections> frames =
       test::filmed_with(world, kAtTwoPlaces, [&](const Eigen::Vector3d& corner, std::size_t i) {
         const bool is_here = !is_away(rank_of_frame.at(i), rank_of_frame.size());
-        return Eigen::Vector3d(corner + (is_here ? Eigen::Vector3d::Zero() : Eigen::Vector3d(0.3, 0.3, 0.0)));
+        return is_here ? corner : Eigen::Vector3d(size_there * corner + Eigen::Vector3d(0.3, 0.3, 0.0));
       });
   RandomStream random(77);
   test::add_edge_noise(frames, 0.1, -0.45, random);
@@ -47,6 +48,13 @@ TEST(TwoPlaces, OneAfterTheOtherAreOfATagThatMoved) {
     EXPECT_EQ(early.kind, TagFinding::Kind::kMoved) << few;
     EXPECT_THAT(early.words, HasSubstr("was moved by 0.4")) << few;
   }
+}
+
+TEST(TwoPlaces, OfTwoSizesAreOfCopiesInWhateverOrder) {
+  const TagFinding found =
+      find_where_it_is_away([](std::size_t i, std::size_t of) { return 2 * i > of; }, 0.8);
+  EXPECT_EQ(found.kind, TagFinding::Kind::kTwoPlaces);
+  EXPECT_THAT(found.words, HasSubstr("its id hangs twice"));
 }
 
 TEST(TwoPlaces, ByTurnsAreOfCopies) {

@@ -13,7 +13,7 @@ namespace apriltrack {
 struct TagSight {
   int camera = 0;
   int tag = 0;
-  std::array<Eigen::Vector2d, kNumCorners> corners_px;
+  std::array<Eigen::Vector2d, kNumCorners> corners_px;  ///< Finite.
 };
 
 /// Of each moment, the place from which the rig saw it, numbered from 0 as they come up: the camera stood
