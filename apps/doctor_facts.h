@@ -62,6 +62,11 @@ struct RecordingFacts {
   std::vector<FamilyReadings> other_families = {};  ///< Those read at all, without the families asked for.
 };
 
+/// Frames of another size than the camera file's are left out by calibrate.
+inline bool is_usable(const FrameFacts& frame, const std::optional<Camera>& camera) {
+  return !camera || camera->width == 0 || (frame.width == camera->width && frame.height == camera->height);
+}
+
 /// All INPUTs, and how their tags are seen together.
 struct Facts {
   std::vector<std::string> families;  ///< Asked for.

@@ -21,6 +21,9 @@ std::vector<Finding> find_all(const Facts& facts) {
       }
     }
   }
+  // Of two sizes said to be one camera's, one cannot but differ from the camera file's.
+  if (std::ranges::find(all, "camera_sizes", &Finding::about) != all.end())
+    std::erase_if(all, [](const Finding& finding) { return finding.about == "camera_resolution"; });
   std::ranges::stable_sort(all, {}, &Finding::severity);
   return all;
 }

@@ -116,15 +116,17 @@ void find_in_intrinsics(const Camera& camera, std::vector<Finding>& findings) {
 void find_in_resolution(const Camera& camera, std::span<const ImageSize> sizes,
                         std::vector<Finding>& findings) {
   if (camera.width == 0 || camera.height == 0 || sizes.empty()) return;
+  const ImageSize& most = sizes.front();
+  if (most.width == camera.width && most.height == camera.height) return;
   const bool some_fit = std::ranges::any_of(sizes, [&](const ImageSize& size) {
     return size.width == camera.width && size.height == camera.height;
   });
-  if (some_fit) return;
   findings.push_back(
-      {Severity::kStops, "camera_resolution",
-       fmt::format("the images are {} x {} pixels, but camera '{}' is calibrated for {} x {}: {}",
-                   sizes.front().width, sizes.front().height, camera.name, camera.width, camera.height,
-                   advice_on_resolution(camera, sizes.front().width, sizes.front().height))});
+      {some_fit ? Severity::kWarning : Severity::kStops, "camera_resolution",
+       fmt::format("{} images are {} x {} pixels, but camera '{}' is calibrated for {} x {}{}: {}",
+                   some_fit ? "most" : "the", most.width, most.height, camera.name, camera.width,
+                   camera.height, some_fit ? ", and calibrate uses no others" : "",
+                   advice_on_resolution(camera, most.width, most.height))});
 }
 
 void find_in_exposure(const RecordingFacts& recording, std::vector<Finding>& findings) {

@@ -136,11 +136,6 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
   return facts;
 }
 
-/// Frames of another size are left out by calibrate.
-bool is_usable(const FrameFacts& frame, const std::optional<Camera>& camera) {
-  return !camera || camera->width == 0 || (frame.width == camera->width && frame.height == camera->height);
-}
-
 /// Frames of several cameras belong to one moment where their times are equal.
 std::vector<Moment> moments_of(const std::vector<RecordingFacts>& recordings) {
   Takes takes;

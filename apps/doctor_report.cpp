@@ -72,7 +72,7 @@ std::string told_blur(const RecordingFacts& recording) {
 std::string told_tags(std::span<const TagSummary> tags, std::size_t frames) {
   if (tags.empty()) return "";
   std::string text = fmt::format("{:<20} {:>7} {:>6} {:>9} {:>8} {:>11} {:>7} {:>8}\n", "tag", "frames", "%",
-                                 "together", "edge px", "range px", "margin", "blur px");
+                                 "places", "edge px", "range px", "margin", "blur px");
   for (const TagSummary& tag : tags)
     text +=
         fmt::format("{:<20} {:>7} {:>6.1f} {:>9} {:>8.1f} {:>11} {:>7.0f} {:>8}\n", to_string(tag.tag),

@@ -15,7 +15,7 @@
 namespace apriltrack::app {
 namespace {
 
-constexpr std::size_t kFewPlaces = 5;    ///< A place that fewer hold is weak.
+constexpr std::size_t kFewPlaces = 5;    ///< A tag seen from fewer is weakly placed.
 constexpr std::size_t kLeastPlaces = 2;  ///< As calibrate's --min-views.
 constexpr double kSmall_px = 20.0;       ///< Edges; smaller tags are read seldom and tilt freely.
 
@@ -97,7 +97,8 @@ void find_in_links(std::span<const TagSummary> tags, std::vector<Finding>& findi
                    : std::string();
       },
       {Severity::kWarning, "few_frames",
-       "these tags are seen together with others from few places, and theirs will be weak: {}. Film them "
+       "these tags are seen together with others from few places, so that their poses will be weak: {}. Film "
+       "them "
        "longer and on the move, or use every frame"},
       findings);
 }
@@ -243,20 +244,41 @@ std::vector<Finding> find_in_families(const Facts& facts) {
                    asked, frames, tried ? ", nor of any other family" : " (is another --family printed?)")}};
 }
 
+namespace {
+
+/// Frames of the camera file's size show no tags, others do.
+bool are_tags_in_unusable_frames_alone(const Facts& facts) {
+  bool some_are_usable = false, has_tags = false;
+  for (const RecordingFacts& recording : facts.recordings) {
+    for (const FrameFacts& frame : recording.frames) {
+      some_are_usable = some_are_usable || is_usable(frame, recording.camera);
+      has_tags = has_tags || !frame.tags.empty();
+    }
+  }
+  return facts.places.empty() && some_are_usable && has_tags;
+}
+
+}  // namespace
+
 std::vector<Finding> find_in_places(const Facts& facts) {
+  if (are_tags_in_unusable_frames_alone(facts))
+    return {
+        {Severity::kStops, "camera_resolution",
+         "tags are seen only in images of another size than the camera file's, which calibrate leaves out: "
+         "give the camera file of these images"}};
   const auto joint = static_cast<std::size_t>(
       std::ranges::count_if(facts.places, [](const auto& tags) { return tags.size() > 1; }));
   if (joint == 1) {
-    const std::string others = facts.at_rest == 0
-                                   ? ""
-                                   : fmt::format(
-                                         " ({} other{} the same from the same place: the camera stood still, "
-                                         "or frames were copied)",
-                                         facts.at_rest, facts.at_rest == 1 ? " shows" : "s show");
+    const std::string seen =
+        facts.at_rest == 0
+            ? "only one picture shows two tags or more"
+            : fmt::format(
+                  "all {} pictures of two tags or more are from one place (the camera stood still, or "
+                  "frames were copied)",
+                  facts.at_rest + 1);
     return {{Severity::kStops, "one_place",
-             fmt::format("only one picture shows two tags or more{}: a map needs tags together from two "
-                         "places at least. Take more pictures, from several sides",
-                         others)}};
+             seen + ": a map needs tags together from two places at least. Take more pictures, from several "
+                    "sides"}};
   }
   if (facts.at_rest <= joint) return {};
   return {{Severity::kWarning, "at_rest",

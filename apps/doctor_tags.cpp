@@ -40,6 +40,7 @@ std::vector<TagSummary> summarise_tags(const Facts& facts) {
   std::map<TagKey, TagViews> tags;
   for (const RecordingFacts& recording : facts.recordings) {
     for (const FrameFacts& frame : recording.frames) {
+      if (!is_usable(frame, recording.camera)) continue;
       std::map<TagKey, int> times;
       for (const SeenTag& seen : frame.tags) {
         tags[seen.tag].add(seen);

@@ -24,7 +24,7 @@ struct TagSummary {
   std::optional<double> median_blur_px = std::nullopt;
 };
 
-/// One for every tag that was seen, in the order of their keys.
+/// One for every tag that was seen in frames that calibrate uses, in the order of their keys.
 std::vector<TagSummary> summarise_tags(const Facts& facts);
 
 /// The parts that places with two or more tags join: largest first, then by their first tag; a tag that is

@@ -49,7 +49,7 @@ std::string words_of_bend(const TagFit& bent, const std::string& name) {
                         shape.aspect > 0.0 ? "wider" : "narrower");
   if (bent.is_clear_together)
     what +=
-        "; by itself that may be chance, but size, aspect and twist together are off as they are in one "
+        "; by itself that may be chance, but scale, aspect and twist together are off as they are in one "
         "sound tag of 7,000";
   return fmt::format(
       "{} is bent, not flat, or was printed unevenly: {}. Fix it to a flat, stiff board; its pose is that of "

@@ -79,7 +79,7 @@ TEST(TagShapes, FindABendThatItsNumbersShowOnlyTogether) {
         },
         0.25, seed);
     found += finding && finding->kind == TagFinding::Kind::kNotFlat ? 1 : 0;
-    told += finding && finding->words.find("size, aspect and twist together") != std::string::npos;
+    told += finding && finding->words.find("scale, aspect and twist together") != std::string::npos;
   }
   EXPECT_GE(found, 4);
   EXPECT_GE(told, 2);

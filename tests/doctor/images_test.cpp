@@ -11,9 +11,12 @@
 namespace apriltrack::app {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 TEST(DoctorImages, OfAGoodFilmNothingIsFound) {
   const RecordingFacts film = recording(frames_of(30, {1, 2}));
@@ -44,6 +47,8 @@ TEST(DoctorImages, OneCameraIsOfOneSize) {
   small.camera = large.camera;
   EXPECT_THAT(abouts(find_in_sizes({.families = {}, .recordings = {large, small}})),
               ElementsAre("camera_sizes"));
+  EXPECT_THAT(abouts(find_all({.families = {"tag36h11"}, .recordings = {large, small}})),
+              AllOf(Contains("camera_sizes"), Not(Contains("camera_resolution"))));
   small.camera_name = "cam1";
   EXPECT_THAT(find_in_sizes({.families = {}, .recordings = {large, small}}), IsEmpty());
 }
@@ -112,7 +117,15 @@ TEST(DoctorCamera, AnotherResolutionStopsAndNamesBoth) {
   EXPECT_THAT(findings[0].text, HasSubstr("1280 x 960"));
   film.frames[3].width = 1280;
   film.frames[3].height = 960;
-  EXPECT_THAT(find_in_camera(film), IsEmpty()) << "one image fits; find_in_images tells of the others";
+  const auto of_mixed = find_in_camera(film);
+  ASSERT_THAT(abouts(of_mixed), ElementsAre("camera_resolution"));
+  EXPECT_EQ(of_mixed[0].severity, Severity::kWarning);
+  EXPECT_THAT(of_mixed[0].text, HasSubstr("most images are 640 x 480 pixels"));
+  for (std::size_t i = 0; i < 16; ++i) {
+    film.frames[i].width = 1280;
+    film.frames[i].height = 960;
+  }
+  EXPECT_THAT(find_in_camera(film), IsEmpty()) << "most fit; find_in_images tells of the others";
 }
 
 TEST(DoctorCamera, OddIntrinsicsAreTold) {

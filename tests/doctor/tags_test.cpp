@@ -60,7 +60,7 @@ TEST(DoctorPlaces, OnePlaceStops) {
   const auto of_one = find_in_places(facts_of(recording({{1}, {1, 2}, {2}})));
   ASSERT_THAT(abouts(of_one), ElementsAre("one_place"));
   EXPECT_EQ(of_one[0].severity, Severity::kStops);
-  EXPECT_THAT(of_one[0].text, HasSubstr("only one picture shows two tags or more:"));
+  EXPECT_THAT(of_one[0].text, HasSubstr("only one picture shows two tags or more: a map"));
 }
 
 /// A tag of 40 px, so far to the right.
@@ -103,7 +103,8 @@ TEST(DoctorPlaces, OfARigAllCamerasMustStandStill) {
 TEST(DoctorPlaces, ACameraThatStandsStillIsToldOf) {
   Facts facts = facts_of(recording({{1}, {1, 2}, {2}}));
   facts.at_rest = 19;
-  EXPECT_THAT(find_in_places(facts)[0].text, HasSubstr("(19 others show the same from the same place: "));
+  EXPECT_THAT(find_in_places(facts)[0].text,
+              HasSubstr("all 20 pictures of two tags or more are from one place ("));
   facts = facts_of(recording(frames_of(9, {1, 2})));
   facts.at_rest = 9;
   EXPECT_THAT(find_in_places(facts), IsEmpty());
@@ -111,6 +112,17 @@ TEST(DoctorPlaces, ACameraThatStandsStillIsToldOf) {
   const auto findings = find_in_places(facts);
   ASSERT_THAT(abouts(findings), ElementsAre("at_rest"));
   EXPECT_THAT(findings[0].text, HasSubstr("10 of 19 pictures of two tags or more show what an earlier one"));
+}
+
+TEST(DoctorPlaces, FramesOfAnotherSizeShowNone) {
+  Facts facts = facts_of(recording(frames_of(9, {1, 2}) + frames_of(3, {})));
+  EXPECT_THAT(find_in_places(facts), IsEmpty());
+  for (std::size_t i = 0; i < 9; ++i) facts.recordings[0].frames[i].width = 320;
+  EXPECT_THAT(summarise_tags(facts), IsEmpty());
+  facts.places.clear();
+  const auto findings = find_in_places(facts);
+  ASSERT_THAT(abouts(findings), ElementsAre("camera_resolution"));
+  EXPECT_EQ(findings[0].severity, Severity::kStops);
 }
 
 TEST(DoctorTags, OneTagAloneStops) {

@@ -127,8 +127,8 @@ TEST_F(Doctor, StopsWhereTheCameraStoodStill) {
                   folder_ / "frames" / (std::to_string(1'000'000'000 + 100'000'000LL * i) + ".png"));
   const ProgramRun run = look();
   EXPECT_EQ(run.status, 1);
-  EXPECT_THAT(run.out, HasSubstr("only one picture shows two tags or more (7 others show the same from the "
-                                 "same place"));
+  EXPECT_THAT(run.out,
+              HasSubstr("all 8 pictures of two tags or more are from one place (the camera stood still, "));
 }
 
 TEST_F(Doctor, TellsOfMixedResolutions) {
