@@ -54,6 +54,16 @@ TEST(CsvTable, RefusesWrongTables) {
   EXPECT_THAT(message_of([] { read("\na,b\n1,2\n", {"c"}); }),
               AllOf(HasSubstr("t.csv:2: the column 'c' is missing"), HasSubstr("a, b")));
   EXPECT_THAT(message_of([] { read("a,b,a\n"); }), HasSubstr("t.csv:1: the column 'a' stands twice"));
+  EXPECT_THAT(
+      message_of([] {
+        read("1,cam0,0\n2,cam0,0\n", {"t", "camera", "id"});
+      }),
+      HasSubstr(
+          "t.csv:1: the first line is no header, for it has numbers: begin with one such as t,camera,id"));
+  EXPECT_THAT(message_of([] {
+                read("t;camera;id\n1;cam0;0\n", {"t", "camera"});
+              }),
+              HasSubstr("t.csv:1: semicolons separate its columns"));
   EXPECT_THAT(message_of([] { read("", {"a", "b"}); }), AllOf(HasSubstr("is empty"), HasSubstr("a,b")));
 }
 

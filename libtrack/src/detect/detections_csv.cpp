@@ -64,8 +64,12 @@ FrameDetections& frame_of(const CsvTable& table, std::size_t row, LatestFrames* 
     FrameDetections& frame = (*frames)[found->second];
     if (frame.timestamp == timestamp) return frame;
     if (timestamp < frame.timestamp)
-      refuse(table, row, "timestamp_ns",
-             fmt::format("time runs backwards within camera '{}', after {}", camera, frame.timestamp.ns));
+      refuse(
+          table, row, "timestamp_ns",
+          fmt::format(
+              "time runs backwards within camera '{}', after {}: sort the lines by time, or give each take "
+              "a file of its own",
+              camera, frame.timestamp.ns));
   }
   latest->insert_or_assign(camera, frames->size());
   return frames->emplace_back(FrameDetections{timestamp, camera, {}});

@@ -50,6 +50,19 @@ void for_each_line(std::string_view text, const Function& function) {
   }
 }
 
+/// What other programs write in place of a header that this reader knows.
+void require_header(const std::string& where, const std::vector<std::string>& header,
+                    const std::vector<std::string>& required_columns) {
+  const std::string example = fmt::format("{}", fmt::join(required_columns, ","));
+  if (header.size() == 1 && header.front().find(';') != std::string::npos)
+    throw invalid_input(
+        where, fmt::format("semicolons separate its columns: separate them by commas, such as {}", example));
+  if (std::ranges::any_of(header, [](const std::string& name) { return parse_double(name).has_value(); }))
+    throw invalid_input(
+        where,
+        fmt::format("the first line is no header, for it has numbers: begin with one such as {}", example));
+}
+
 }  // namespace
 
 CsvTable CsvTable::read_file(const std::filesystem::path& path,
@@ -77,6 +90,7 @@ CsvTable CsvTable::read_file(const std::filesystem::path& path,
                                                  fmt::join(required_columns, ",")));
   }
   const std::string where = fmt::format("{}:{}", table.name_, header_line);
+  require_header(where, table.header_, required_columns);
   for (auto name = table.header_.begin(); name != table.header_.end(); ++name) {
     if (std::find(table.header_.begin(), name, *name) != name)
       throw invalid_input(where, fmt::format("the column '{}' stands twice in the header", *name));
