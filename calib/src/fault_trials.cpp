@@ -55,21 +55,6 @@ std::size_t shifted_moment(const Suspect& suspect, const FaultTrial& trial, std:
   return shifted;
 }
 
-/// Where views that are given up and others are told apart best by time.
-std::size_t moment_of_change(const std::vector<bool>& is_given_up) {
-  const auto given_up = std::ranges::count(is_given_up, true);
-  const double share = static_cast<double>(given_up) / static_cast<double>(is_given_up.size());
-  double excess = 0.0, most = 0.0;
-  std::size_t best = 0;
-  for (std::size_t i = 0; i < is_given_up.size(); ++i) {
-    excess += (is_given_up[i] ? 1.0 : 0.0) - share;
-    if (std::abs(excess) <= most) continue;
-    most = std::abs(excess);
-    best = i + 1;
-  }
-  return best;
-}
-
 /// Where the tag was not seen for the longest time.
 std::size_t moment_after_gap(const Observations& observations, const Suspect& suspect) {
   const auto time = [&](std::size_t i) {
@@ -116,11 +101,12 @@ void FaultTrials::ask_probes() {
     const auto view = static_cast<std::size_t>(probe.view - observations_.views.data());
     return static_cast<std::size_t>(std::ranges::lower_bound(suspect_.views, view) - suspect_.views.begin());
   };
-  if (const auto moved = moved_once(probes, size_m())) {
+  const TagFit one = fit_tag_anew(probes, size_m());
+  if (const auto moved = moved_once(probes, one, size_m())) {
     const auto second = std::ranges::find(moved->is_at_second, true) - moved->is_at_second.begin();
     moment_of_probes_ = rank_of(probes[static_cast<std::size_t>(second)]);
   }
-  const auto two = two_places(probes, fit_tag_anew(probes, size_m()), size_m());
+  const auto two = two_places(probes, one, size_m());
   if (!two) return;
   const auto at_second = std::ranges::count(two->is_at_second, true);
   places_of_probes_.assign(suspect_.views.size(), 2 * at_second > std::ssize(two->is_at_second));

@@ -21,8 +21,9 @@ constexpr double kMostLeft = 2.5;      // of the usual
 constexpr double kNearlyAll = 0.8;     // of what is beyond the usual: a shape that explains it is no chance
 // Misfit of one place, below which no second one is asked for.
 constexpr double kMisfitOfTwo = 1.2;
-constexpr double kMisfitOfMoved = 2.5;  // lens errors look like small moves
-constexpr double kMisfitOfLoose = 2.0;  // something is always left
+constexpr double kMisfitOfMoved = 2.5;           // lens errors look like small moves
+constexpr std::size_t kLeastViewsElsewhere = 3;  // views: however many the place explains
+constexpr double kMisfitOfLoose = 2.0;           // something is always left
 
 struct Hypothesis {
   Kind kind;
@@ -66,9 +67,12 @@ std::vector<Hypothesis> hypotheses_about(const std::vector<ProbeView>& probes, c
       is_clear(bent.shape.twist, bent.twist_sigma, kTwistPerEdge * kept, kClearBend, misfit);
   if (bent.is_aspect_clear || bent.is_twist_clear)
     result.push_back({Kind::kNotFlat, bent.cost + 2.0 * kFeeOfUnknown, bent, {}});
-  if (misfit < kMisfitOfTwo) return result;
-  if (misfit > kMisfitOfMoved) {
-    if (auto moved = moved_once(probes, size_m)) result.push_back({Kind::kMoved, moved->cost, {}, moved});
+  const bool are_some_elsewhere = count_elsewhere(one, probes) >= kLeastViewsElsewhere;
+  if (misfit < kMisfitOfTwo && !are_some_elsewhere) return result;
+  if (misfit > kMisfitOfMoved || are_some_elsewhere) {
+    auto moved = moved_once(probes, one, size_m);
+    if (moved && (misfit > kMisfitOfMoved || is_beyond_doubt(*moved, probes)))
+      result.push_back({Kind::kMoved, moved->cost, {}, std::move(moved)});
   }
   if (auto places = two_places(probes, one, size_m)) {
     const Kind kind = are_of_one_tag(*places) ? Kind::kMoved : Kind::kTwoPlaces;

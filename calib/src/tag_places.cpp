@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -62,6 +63,14 @@ std::optional<TwoPlaces> fit_two(const std::vector<ProbeView>& probes, std::vect
   return result;
 }
 
+/// What the place explains badly.
+std::vector<bool> are_elsewhere(const std::vector<ProbeView>& probes, const TagFit& one) {
+  std::vector<bool> result;
+  for (const ProbeView& probe : probes)
+    result.push_back(probe_cost(probe, one.T_map_tag, one.shape) > 4.0 * usual_probe_cost());
+  return result;
+}
+
 /// Two tags of one id need not be of one size.
 void allow_another_size(const std::vector<ProbeView>& probes, TagFit& fit) {
   TagFit scaled = fit_tag(probes, fit, ShapeFreedom::kSize);
@@ -78,13 +87,16 @@ bool are_apart(const TwoPlaces& two, double least_m) {
   return squares > kClearSquares && change.translation().norm() > least_m;
 }
 
-/// Of a place with few views: whether one tag there explains them, in frames that are beyond doubt, and
-/// nothing at the other place does.
-bool is_a_place(const TagFit& fit, const TagFit& other, const std::vector<ProbeView>& views) {
-  if (views.size() >= kLeastOfMoved) return true;
+/// Whether one tag there explains the views, in frames that are beyond doubt, and nothing at the other place
+/// does.
+bool is_plainly_a_place(const TagFit& fit, const TagFit& other, const std::vector<ProbeView>& views) {
   const double usual = usual_probe_cost() * static_cast<double>(views.size());
   return fit.cost < kMostOfPlace * usual && cost_at(views, other) > kLeastElsewhere * usual &&
          std::ranges::all_of(views, &ProbeView::is_frame_sure);
+}
+
+bool is_a_place(const TagFit& fit, const TagFit& other, const std::vector<ProbeView>& views) {
+  return views.size() >= kLeastOfMoved || is_plainly_a_place(fit, other, views);
 }
 
 }  // namespace
@@ -99,10 +111,24 @@ double least_between_tags_m(const Pose& change, double size_m) {
   return size_m * (turn_rad > kAnEdge_rad ? kAboutAnEdge : kSideBySide);
 }
 
-std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double size_m) {
+std::size_t moment_of_change(const std::vector<bool>& is_so) {
+  const auto num = std::ranges::count(is_so, true);
+  const double share = static_cast<double>(num) / static_cast<double>(is_so.size());
+  double excess = 0.0, most = 0.0;
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < is_so.size(); ++i) {
+    excess += (is_so[i] ? 1.0 : 0.0) - share;
+    if (std::abs(excess) <= most) continue;
+    most = std::abs(excess);
+    best = i + 1;
+  }
+  return best;
+}
+
+std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, const TagFit& one, double size_m) {
   std::optional<TwoPlaces> best;
-  for (const double share : {0.25, 0.5, 0.75}) {
-    auto change = static_cast<std::size_t>(share * static_cast<double>(probes.size()));
+  const std::size_t num = probes.size();
+  for (std::size_t change : {moment_of_change(are_elsewhere(probes, one)), num / 4, num / 2, 3 * num / 4}) {
     std::optional<TwoPlaces> trial;
     for (int round = 0; round < 4; ++round) {
       std::vector<bool> at_second(probes.size());
@@ -133,11 +159,21 @@ void put_first_view_first(TwoPlaces& two) {
   two.is_at_second.flip();
 }
 
+bool is_beyond_doubt(const TwoPlaces& two, const std::vector<ProbeView>& probes) {
+  const auto first = where(probes, two.is_at_second, false), second = where(probes, two.is_at_second, true);
+  return first.size() < second.size() ? is_plainly_a_place(two.fit, two.second, first)
+                                      : is_plainly_a_place(two.second, two.fit, second);
+}
+
+std::size_t count_elsewhere(const TagFit& one, const std::vector<ProbeView>& probes) {
+  return static_cast<std::size_t>(std::ranges::count_if(probes, [&](const ProbeView& probe) {
+    return probe_cost(probe, one.T_map_tag, one.shape) > kLeastElsewhere * usual_probe_cost();
+  }));
+}
+
 // The views that the one place explains worst tell where the other is.
 std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const TagFit& one, double size_m) {
-  std::vector<bool> at_second(probes.size());
-  for (std::size_t i = 0; i < probes.size(); ++i)
-    at_second[i] = probe_cost(probes[i], one.T_map_tag, one.shape) > 4.0 * usual_probe_cost();
+  std::vector<bool> at_second = are_elsewhere(probes, one);
   std::optional<TwoPlaces> result;
   for (int round = 0; round < 4; ++round) {
     auto next = fit_two(probes, at_second, size_m, kLeastOfCopy);

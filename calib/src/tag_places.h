@@ -22,9 +22,18 @@ double least_shift_m(const Pose& change, double size_m);
 /// How far apart two tags that hang at a time must be, one turned and shifted so against the other.
 double least_between_tags_m(const Pose& change, double size_m);
 
+/// Where views that are so and others are told apart best by time: the first after the change.
+std::size_t moment_of_change(const std::vector<bool>& is_so);
+
 /// First at the one, then at the other; nullopt where the views tell no two places apart. probes: in the
-/// order of time.
-std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, double size_m);
+/// order of time. one: the best single place.
+std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, const TagFit& one, double size_m);
+
+/// Of the place with fewer views: whether one tag there explains them, in frames that are beyond doubt, and
+/// nothing at the other place does. No lens does that.
+bool is_beyond_doubt(const TwoPlaces& two, const std::vector<ProbeView>& probes);
+/// Views that the place does not explain at all.
+std::size_t count_elsewhere(const TagFit& one, const std::vector<ProbeView>& probes);
 
 /// Whether the tag leaves one place for the other, and never comes back.
 bool is_one_change(const std::vector<bool>& is_at_second);

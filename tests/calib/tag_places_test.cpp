@@ -19,7 +19,7 @@ constexpr int kAtTwoPlaces = 11;
 /// What is found of a tag that in some of its views, as they come, is 0.42 m away, which is farther than a
 /// tag beside it must be.
 TagFinding find_where_it_is_away(const std::function<bool(std::size_t view, std::size_t of)>& is_away,
-                                 double size_there = 1.0) {
+                                 double size_there = 1.0, const Eigen::Vector3d& away_m = {0.3, 0.3, 0.0}) {
   const test::SyntheticWorld world = test::make_room(12, 120, test::perspective_camera());
   std::map<std::size_t, std::size_t> rank_of_frame;
   test::filmed_with(world, kAtTwoPlaces, [&](const Eigen::Vector3d& corner, std::size_t i) {
@@ -29,7 +29,7 @@ TagFinding find_where_it_is_away(const std::function<bool(std::size_t view, std:
   std::vector<FrameDetections> frames =
       test::filmed_with(world, kAtTwoPlaces, [&](const Eigen::Vector3d& corner, std::size_t i) {
         const bool is_here = !is_away(rank_of_frame.at(i), rank_of_frame.size());
-        return is_here ? corner : Eigen::Vector3d(size_there * corner + Eigen::Vector3d(0.3, 0.3, 0.0));
+        return is_here ? corner : Eigen::Vector3d(size_there * corner + away_m);
       });
   RandomStream random(77);
   test::add_edge_noise(frames, 0.1, -0.45, random);
@@ -48,6 +48,15 @@ TEST(TwoPlaces, OneAfterTheOtherAreOfATagThatMoved) {
     EXPECT_EQ(early.kind, TagFinding::Kind::kMoved) << few;
     EXPECT_THAT(early.words, HasSubstr("was moved by 0.4")) << few;
   }
+}
+
+// So few that on the whole the tag's views look as they should.
+TEST(TwoPlaces, AreToldByThreeViewsThatNothingElseExplains) {
+  const TagFinding found = find_where_it_is_away([](std::size_t i, std::size_t of) { return i + 3 >= of; },
+                                                 1.0, {0.08, 0.06, 0.0});
+  EXPECT_EQ(found.kind, TagFinding::Kind::kMoved);
+  EXPECT_THAT(found.words, HasSubstr("was moved by 0.1"));
+  EXPECT_TRUE(find_where_it_is_away([](std::size_t, std::size_t) { return false; }).words.empty());
 }
 
 TEST(TwoPlaces, OfTwoSizesAreOfCopiesInWhateverOrder) {
