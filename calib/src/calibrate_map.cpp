@@ -67,7 +67,9 @@ std::vector<Part> solvable_parts(const Observations& observations, const Calibra
   leave_out(observations, connectivity.lone_tags, "never seen together with another tag", findings);
   leave_out(
       observations, connectivity.rare_tags,
-      fmt::format("seen in fewer than {} frames together with other tags (--min-views)", options.min_views),
+      fmt::format("seen in fewer than {} frames together with other tags, those of one place counted once "
+                  "(--min-views)",
+                  options.min_views),
       findings);
   return connectivity.parts;
 }

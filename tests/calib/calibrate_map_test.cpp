@@ -267,7 +267,7 @@ TEST(CalibrateMap, AsksForMoreFramesWhereOneShowsSeveralTags) {
   frames.resize(1);
   EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { calibrate(world, frames); }),
               AllOf(HasSubstr("only 1 frame shows two tags or more together"),
-                    HasSubstr("take more pictures of them"), Not(HasSubstr("in a chain"))));
+                    HasSubstr("take more pictures of the same tags"), Not(HasSubstr("in a chain"))));
   frames.resize(5, frames.front());  // a film that stands still is one picture
   for (std::size_t i = 0; i < frames.size(); ++i) frames[i].timestamp.ns += static_cast<std::int64_t>(i);
   EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { calibrate(world, frames); }),
