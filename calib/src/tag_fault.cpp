@@ -71,8 +71,11 @@ std::vector<Hypothesis> hypotheses_about(const std::vector<ProbeView>& probes, c
   if (misfit < kMisfitOfTwo && !are_some_elsewhere) return result;
   if (misfit > kMisfitOfMoved || are_some_elsewhere) {
     auto moved = moved_once(probes, one, size_m);
-    if (moved && (misfit > kMisfitOfMoved || is_beyond_doubt(*moved, probes)))
-      result.push_back({Kind::kMoved, moved->cost, {}, std::move(moved)});
+    if (moved && (misfit > kMisfitOfMoved || is_beyond_doubt(*moved, probes))) {
+      const double apart_m = moved->change().translation().norm();
+      const bool may_be_copies = apart_m > least_between_tags_m(moved->change(), size_m);
+      result.push_back({Kind::kMoved, moved->cost, {}, std::move(moved), may_be_copies});
+    }
   }
   if (auto places = two_places(probes, one, size_m)) {
     const Kind kind = are_of_one_tag(*places) ? Kind::kMoved : Kind::kTwoPlaces;

@@ -43,6 +43,7 @@ TEST(TwoPlaces, OneAfterTheOtherAreOfATagThatMoved) {
     const TagFinding late =
         find_where_it_is_away([=](std::size_t i, std::size_t of) { return i + few >= of; });
     EXPECT_EQ(late.kind, TagFinding::Kind::kMoved) << few;
+    EXPECT_TRUE(late.may_be_copies) << few;
     EXPECT_THAT(late.words, HasSubstr("was moved by 0.4")) << few;
     const TagFinding early = find_where_it_is_away([=](std::size_t i, std::size_t) { return i < few; });
     EXPECT_EQ(early.kind, TagFinding::Kind::kMoved) << few;
@@ -55,6 +56,7 @@ TEST(TwoPlaces, AreToldByThreeViewsThatNothingElseExplains) {
   const TagFinding found = find_where_it_is_away([](std::size_t i, std::size_t of) { return i + 3 >= of; },
                                                  1.0, {0.08, 0.06, 0.0});
   EXPECT_EQ(found.kind, TagFinding::Kind::kMoved);
+  EXPECT_FALSE(found.may_be_copies);
   EXPECT_THAT(found.words, HasSubstr("was moved by 0.1"));
   EXPECT_TRUE(find_where_it_is_away([](std::size_t, std::size_t) { return false; }).words.empty());
 }
