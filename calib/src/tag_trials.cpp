@@ -193,8 +193,8 @@ std::vector<TagFinding> find_faults_by_trial(const PartTask& task, const Part& p
 TagFinding moved_or_loose(const PartTask& task, const Part& part, const AdjustedPart& solved,
                           TagFinding loose) {
   std::vector<int> tags = solved.part.tags;
-  tags.push_back(loose.tag);
-  std::ranges::sort(tags);
+  const auto at = std::ranges::lower_bound(tags, loose.tag);
+  if (at == tags.end() || *at != loose.tag) tags.insert(at, loose.tag);
   const TagNeighbourhoods neighbourhoods(task.observations, narrowed_to(task.observations, part, tags),
                                          kMostFramesTried);
   const Suspect suspect = to_suspect(task.observations, neighbourhoods, loose.tag);
