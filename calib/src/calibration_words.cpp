@@ -51,6 +51,21 @@ void warn_of_rejected_tags(const Observations& observations, const PartSolution&
         ": trust their places less; a wrong size, a bend, or a tag that moved may be the cause");
 }
 
+/// A tag that hung elsewhere while the camera stood still was seen once, as counted by places.
+void warn_of_views_at_rest(const Observations& observations, const PartSolution& solution,
+                           Findings& findings) {
+  for (const std::size_t v : solution.rejected_at_rest) {
+    const TagView& view = observations.views[v];
+    const Timestamp when = observations.frames[static_cast<std::size_t>(view.frame)];
+    findings.warnings.push_back(
+        fmt::format("{} is not where the map has it in {} frames of one place, about {:.2f} s after the "
+                    "first frame: it was "
+                    "moved for that long, or something lay on its edges; those frames do not count for it",
+                    to_string(key_of(observations, view.tag)), view.num_frames,
+                    seconds_between(observations.frames.front(), when)));
+  }
+}
+
 /// Faults of tags that have a name; and of a culprit whose fault has none.
 void report_findings(const Observations& observations, const PartSolution& solution, Findings& findings) {
   std::vector<int> unnamed = solution.culprits;
@@ -154,6 +169,7 @@ void report_quality(const Observations& observations, const PartSolution& soluti
                                       : "tied to the others by such a tag, or by frames that contradict them",
             findings);
   warn_of_rejected_tags(observations, solution, findings);
+  warn_of_views_at_rest(observations, solution, findings);
   const double rejected =
       1.0 - static_cast<double>(solution.part.views.size()) / static_cast<double>(solution.views_offered);
   if (rejected > kManyOfAllRejected)

@@ -18,6 +18,7 @@ struct TagView {
   Matrix8d whitening;  ///< Turns corner errors (px, x0 y0 x1 ...) into independent numbers of unit variance.
   Vector8d inward;     ///< How the corners move when all edges move inward by one pixel.
   int num_frames = 1;  ///< Whose mean it is: more than one where the scene stood still.
+  int place = -1;  ///< From which its frame was taken, if others were taken from there, too; -1: none was.
 };
 
 struct RigCamera {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "apriltrack/base/disjoint_sets.h"
 
@@ -17,13 +18,17 @@ std::map<int, std::set<int>> tags_by_frame(const Observations& observations,
   return tags;
 }
 
-/// Frames in which each tag is seen together with another.
-std::vector<int> count_joint_frames(const Observations& observations,
+/// Frames in which each tag is seen together with another; those of one place count once.
+std::vector<int> count_joint_frames(const Observations& observations, const std::vector<std::size_t>& views,
                                     const std::map<int, std::set<int>>& frames) {
   std::vector<int> count(observations.tags.size(), 0);
-  for (const auto& [frame, tags] : frames) {
-    if (tags.size() < 2) continue;
-    for (const int tag : tags) ++count[static_cast<std::size_t>(tag)];
+  std::set<std::pair<int, int>> counted;
+  for (const std::size_t v : views) {
+    const TagView& view = observations.views[v];
+    if (frames.at(view.frame).size() < 2) continue;
+    const int of_its_own = -1 - view.frame;
+    if (counted.emplace(view.tag, view.place < 0 ? of_its_own : view.place).second)
+      ++count[static_cast<std::size_t>(view.tag)];
   }
   return count;
 }
@@ -34,7 +39,7 @@ std::vector<std::size_t> keep_supported(const Observations& observations, std::v
                                         int min_views) {
   while (true) {
     const auto frames = tags_by_frame(observations, views);
-    const std::vector<int> joint = count_joint_frames(observations, frames);
+    const std::vector<int> joint = count_joint_frames(observations, views, frames);
     const auto is_weak = [&](std::size_t v) {
       const TagView& view = observations.views[v];
       return joint[static_cast<std::size_t>(view.tag)] < min_views || frames.at(view.frame).size() < 2;
@@ -91,7 +96,8 @@ std::vector<std::size_t> views_without(const Observations& observations, const P
 Connectivity find_parts(const Observations& observations, const std::vector<std::size_t>& views,
                         int min_views) {
   Connectivity result;
-  const std::vector<int> joint_frames = count_joint_frames(observations, tags_by_frame(observations, views));
+  const std::vector<int> joint_frames =
+      count_joint_frames(observations, views, tags_by_frame(observations, views));
   result.parts = split_by_connection(observations, keep_supported(observations, views, min_views));
   std::sort(result.parts.begin(), result.parts.end(), [](const Part& a, const Part& b) {
     return a.tags.size() != b.tags.size() ? a.tags.size() > b.tags.size() : a.tags < b.tags;

@@ -263,8 +263,14 @@ RestingFrames merge_resting_frames(Observations& observations, double same_place
         kept.contains(observations.frames[static_cast<std::size_t>(observations.views[moment.begin].frame)]));
   std::vector<bool> is_dropped(observations.views.size(), false);
   PlaceMerge merge(observations, moments, same_place_px, noise, is_dropped);
+  int number = 0;
   for (auto& place : moments_by_place(observations.views, moments, is_kept, same_place_px)) {
-    if (place.size() > 1) merge.merge(std::move(place), counts);
+    if (place.size() < 2) continue;
+    for (const std::size_t m : place) {
+      for (std::size_t v = moments[m].begin; v < moments[m].end; ++v) observations.views[v].place = number;
+    }
+    ++number;
+    merge.merge(std::move(place), counts);
   }
   std::size_t v = 0;
   std::erase_if(observations.views, [&](const TagView&) { return is_dropped[v++]; });

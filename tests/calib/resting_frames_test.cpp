@@ -16,6 +16,7 @@ namespace {
 using test::SyntheticWorld;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// The camera stands at `places` of its way for `frames_at_rest` frames each, and passes the others by. All
 /// frames of a place share the errors of a sigma of 0.15 px; those that are new in each are a fifth of it.
@@ -238,6 +239,37 @@ TEST(RestingFrames, OfOnePlaceMakeNoMap) {
   const SyntheticWorld world = test::make_room(14, 24, test::equidistant_camera());
   EXPECT_THAT(test::error_of(ErrorKind::kNoResult, [&] { test::calibrate(world, at_rest(world, 50, 0.1)); }),
               HasSubstr("49 of 50 frames show what another shows"));
+}
+
+// Each set of tags that is seen together keeps a mean, but all are of one place.
+TEST(RestingFrames, OfOnePlaceMakeNoMapThoughTagsFlicker) {
+  const SyntheticWorld world = test::make_room(14, 24, test::equidistant_camera());
+  auto frames = at_rest(world, 90, 0.1);
+  ASSERT_GE(frames[0].detections.size(), 3u);
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    frames[i].detections.erase(frames[i].detections.begin() + static_cast<std::ptrdiff_t>(i % 3));
+  EXPECT_THAT(test::error_of(ErrorKind::kNoResult, [&] { test::calibrate(world, frames); }),
+              HasSubstr("frames show what another shows"));
+}
+
+// Forty frames of one stand show the tag 10 cm aside, and single ones from elsewhere show it in place.
+TEST(RestingFrames, ATagThatHungElsewhereDuringAStandIsTold) {
+  const SyntheticWorld world = test::make_room(8, 40, test::equidistant_camera());
+  RandomStream random(116);
+  std::vector<FrameDetections> frames = film(world, {{17}, 40}, random);
+  const TagKey tag = frames[30].detections.front().tag;
+  const TagKey unmoved = frames[30].detections.back().tag;
+  ASSERT_NE(tag, unmoved);
+  EXPECT_THAT(test::calibrate(world, frames).warnings, Not(Contains(HasSubstr("frames of one place"))));
+  for (std::size_t i = 17; i < 57; ++i) {
+    for (Detection& detection : frames[i].detections) {
+      if (detection.tag != tag) continue;
+      for (Eigen::Vector2d& corner : detection.corners_px) corner += Eigen::Vector2d(12.0, 5.0);
+    }
+  }
+  const CalibrationResult result = test::calibrate(world, frames);
+  EXPECT_THAT(result.warnings,
+              Contains(HasSubstr(to_string(tag) + " is not where the map has it in 40 frames")));
 }
 
 TEST(RestingFrames, AFilmThatStandsStillMostOfTheTimeIsWarnedOf) {
