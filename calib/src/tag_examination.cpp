@@ -80,6 +80,8 @@ std::unique_ptr<Absence> look_without(const PartTask& task, const Part& part, co
   TagLook look = look_by(task, part, trial->rest, tag);
   if (!look.finding) look = look_by(task, part, solved, tag);
   if (!look.finding) return nullptr;
+  if (look.finding->kind == TagFinding::Kind::kLoose && !does_disturb(task, part, solved, tag))
+    return nullptr;
   trial->finding = std::move(*look.finding);
   known.insert(tag);
   trial->num_others = suspects_in(task, part, trial->rest, known, parallel).size();

@@ -24,7 +24,41 @@ std::set<int> tags_rejected_often(const Observations& observations, const Part& 
   return tags;
 }
 
+/// Of several views with the map.
+struct Disagreement {
+  double squares = 0.0;
+  std::size_t views = 0, rejected = 0;
+
+  double mean_square() const { return squares / static_cast<double>(std::max<std::size_t>(views, 1)); }
+  double rejected_share() const {
+    return static_cast<double>(rejected) / static_cast<double>(std::max<std::size_t>(views, 1));
+  }
+};
+
 }  // namespace
+
+bool does_disturb(const PartTask& task, const Part& part, const AdjustedPart& solved, int tag) {
+  constexpr double kFewRejected = 0.03, kMuchMoreRejected = 2.0, kWorse = 1.3;
+  if (!std::ranges::binary_search(solved.part.tags, tag)) return true;
+  std::set<int> frames_of_tag;
+  for (const std::size_t v : part.views)
+    if (task.observations.views[v].tag == tag) frames_of_tag.insert(task.observations.views[v].frame);
+  Disagreement beside, elsewhere;
+  for (const std::size_t v : part.views) {
+    const TagView& view = task.observations.views[v];
+    const bool is_beside = frames_of_tag.contains(view.frame);
+    Disagreement& one = is_beside ? beside : elsewhere;
+    ++one.views;
+    if (!std::ranges::binary_search(solved.part.views, v)) {
+      ++one.rejected;
+      continue;
+    }
+    bool is_valid = false;
+    one.squares += whitened_residual(task.observations, view, solved.state, is_valid).squaredNorm();
+  }
+  return beside.rejected_share() > std::max(kFewRejected, kMuchMoreRejected * elsewhere.rejected_share()) ||
+         beside.mean_square() > kWorse * elsewhere.mean_square();
+}
 
 TagLook look_by(const PartTask& task, const Part& part, const AdjustedPart& solved, int tag) {
   return look_at(task, solved, probe_views(task, part, solved, tag), tag);

@@ -16,4 +16,8 @@ TagLook look_by(const PartTask& task, const Part& part, const AdjustedPart& solv
 std::vector<int> suspects_in(const PartTask& task, const Part& part, const AdjustedPart& solved,
                              const std::set<int>& known, const ParallelFor& parallel);
 
+/// Whether the frames that show the tag fit worse than others do in the map with it: a tag that has no place
+/// cannot be mapped without that, where one that others foretell badly can. True of one that is not mapped.
+bool does_disturb(const PartTask& task, const Part& part, const AdjustedPart& solved, int tag);
+
 }  // namespace apriltrack
