@@ -44,6 +44,10 @@ struct Trial {
   std::size_t num_others = 0;         ///< That still seem at fault.
 
   bool is_explained() const { return finding && finding->is_complete(); }
+  /// That a tag has no fixed place explains anything, and nothing: it counts as a fault that is left.
+  std::size_t num_unexplained() const {
+    return num_others + (finding && finding->kind == TagFinding::Kind::kLoose ? 1 : 0);
+  }
   bool is_copied() const { return finding && finding->may_be_copies; }
   std::size_t num_left() const { return rest ? rest->part.tags.size() : 0; }
 };
@@ -52,14 +56,14 @@ struct Trial {
 /// the better; else one whose absence keeps many tags, and of such the one that is accused most.
 std::tuple<bool, int, double, std::size_t, std::size_t> merit(const Trial& trial) {
   const bool is_explained = trial.is_explained();
-  return {is_explained, is_explained ? -static_cast<int>(trial.num_others) : 0,
+  return {is_explained, is_explained ? -static_cast<int>(trial.num_unexplained()) : 0,
           is_explained ? trial.finding->gain() : 0.0, trial.num_left(), trial.rest ? trial.accusations : 0};
 }
 
 /// Where frames go from one place of an id to the other over a second tag, that one may as well be the copy.
 /// What lies beyond hangs on few frames then, so that what they say need not be complete.
 bool is_rival_copy(const Trial& trial, const Trial& best) {
-  return trial.is_copied() && best.is_copied() && trial.num_others <= best.num_others &&
+  return trial.is_copied() && best.is_copied() && trial.num_unexplained() <= best.num_unexplained() &&
          trial.finding->gain() >= best.finding->gain();
 }
 
@@ -72,7 +76,7 @@ std::set<int> possible_culprits(const std::vector<Trial>& trials, const Trial& b
     if (!trial.rest) continue;
     if (is_rival_copy(trial, best)) tags.insert(trial.tag);
     if (trial.is_explained() != best.is_explained()) continue;
-    const bool is_as_good = best.is_explained() ? trial.num_others <= best.num_others &&
+    const bool is_as_good = best.is_explained() ? trial.num_unexplained() <= best.num_unexplained() &&
                                                       2.0 * trial.finding->gain() >= best.finding->gain()
                                                 : 2 * trial.num_left() >= most;
     if (is_as_good) tags.insert(trial.tag);

@@ -71,6 +71,10 @@ std::size_t moment_after_gap(const Observations& observations, const Suspect& su
   return best;
 }
 
+double apart_m(const FaultTrial& trial) {
+  return (trial.T_map_first.translation() - trial.T_map_second.translation()).norm();
+}
+
 void keep_better(std::optional<FaultTrial>& best, std::optional<FaultTrial> trial, double least_gain = 0.0) {
   if (trial && (!best || trial->gain > best->gain + least_gain)) best = std::move(trial);
 }
@@ -118,9 +122,14 @@ void FaultTrials::ask_probes() {
 std::optional<FaultTrial> FaultTrials::best() const {
   std::optional<FaultTrial> best;
   keep_better(best, if_enough(best_size()));
-  std::optional<FaultTrial> move = best_move();
-  keep_better(best, move ? std::move(move) : best_copy(), kFeeOfPlace);
-  if (best && best->kind == Kind::kMoved && moves_again(*best)) best->kind = Kind::kLoose;
+  std::optional<FaultTrial> places = best_move();
+  if (!places || !explains_all(*places)) {
+    std::optional<FaultTrial> copy = best_copy();
+    if (copy && (!places || apart_m(*copy) > kOneObject_m)) keep_better(places, std::move(copy), kFeeOfPlace);
+  }
+  keep_better(best, std::move(places), kFeeOfPlace);
+  if (best && best->kind == Kind::kMoved && apart_m(*best) < kOneObject_m && moves_again(*best))
+    best->kind = Kind::kLoose;
   return best;
 }
 
@@ -187,8 +196,7 @@ std::optional<FaultTrial> FaultTrials::best_move() const {
        {moment_of_probes_, moment_of_change(is_given_up_), moment_after_gap(observations_, suspect_), num / 4,
         num / 2, 3 * num / 4}) {
     keep_better(best, if_enough(best_move_from(moment)));
-    if (best && std::ranges::all_of(suspect_.views, [&](std::size_t v) { return is_kept(best->solved, v); }))
-      return best;
+    if (best && explains_all(*best)) return best;
   }
   return best;
 }
@@ -257,6 +265,10 @@ std::optional<FaultTrial> FaultTrials::if_enough(std::optional<FaultTrial> trial
           ? trial->gain > kClearSize && std::abs(trial->log_scale) > kClearScale
           : trial->gain > kClearMove && std::min(at_first, at_second) >= kLeastAtPlace && are_apart(*trial);
   return is_clear ? std::move(trial) : std::nullopt;
+}
+
+bool FaultTrials::explains_all(const FaultTrial& trial) const {
+  return std::ranges::all_of(suspect_.views, [&](std::size_t v) { return is_kept(trial.solved, v); });
 }
 
 bool FaultTrials::are_apart(const FaultTrial& trial) const {

@@ -54,6 +54,7 @@ class FaultTrials {
   std::optional<FaultTrial> resize(double log_scale) const;
   std::optional<FaultTrial> best_size() const;
   std::optional<FaultTrial> if_enough(std::optional<FaultTrial> trial) const;
+  bool explains_all(const FaultTrial& trial) const;
   bool are_apart(const FaultTrial& trial) const;
 
   const PartTask& task_;

@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "apriltrack/base/error.h"
+
 namespace apriltrack {
 
 bool is_held_by_wish(const PartTask& task, int tag) {
@@ -38,6 +40,28 @@ bool adjust_without(const PartTask& task, const Part& part, const std::set<int>&
   solved.contradictions = contradictions_of(task, rest->part, solved.state);
   solved.held_tag = rest->held_tag;
   return true;
+}
+
+bool solve_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved,
+                   const ParallelFor& parallel) {
+  CalibrationOptions options = task.options;
+  if (std::ranges::any_of(gone, [&](int tag) { return is_held_by_wish(task, tag); }))
+    options.held_tag.reset();
+  Observations by_cameras = task.observations;
+  by_cameras.cameras = solved.state.cameras;
+  const PartTask without{by_cameras, task.candidates, options};
+  const std::optional<HeldPart> rest = part_without(without, part, gone, solved.held_tag);
+  if (!rest) return false;
+  try {
+    AdjustedPart anew = adjust_part(without, rest->part, rest->held_tag, parallel);
+    solved.held_tag = rest->held_tag;
+    solved.part = std::move(anew.part);
+    solved.state = std::move(anew.state);
+    solved.contradictions = std::move(anew.contradictions);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 }  // namespace apriltrack

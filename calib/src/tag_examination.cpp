@@ -39,31 +39,6 @@ std::set<int> tags_out(const AdjustedPart& solved, int tag, const std::set<int>&
   return out;
 }
 
-/// The map without some tags, from the start, for with them it may have been folded; by the cameras of
-/// `solved`, which may have been refined. Without the tag that the user holds another one is held. False
-/// where too little is left that agrees.
-bool solve_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved,
-                   const ParallelFor& parallel) {
-  CalibrationOptions options = task.options;
-  if (std::ranges::any_of(gone, [&](int tag) { return is_held_by_wish(task, tag); }))
-    options.held_tag.reset();
-  Observations by_cameras = task.observations;
-  by_cameras.cameras = solved.state.cameras;
-  const PartTask without{by_cameras, task.candidates, options};
-  const std::optional<HeldPart> rest = part_without(without, part, gone, solved.held_tag);
-  if (!rest) return false;
-  try {
-    AdjustedPart anew = adjust_part(without, rest->part, rest->held_tag, parallel);
-    solved.held_tag = rest->held_tag;
-    solved.part = std::move(anew.part);
-    solved.state = std::move(anew.state);
-    solved.contradictions = std::move(anew.contradictions);
-    return true;
-  } catch (const Error&) {
-    return false;
-  }
-}
-
 /// And without those that are `known`, and not in the map.
 bool solve_without(const PartTask& task, const Part& part, int tag, const std::set<int>& known,
                    AdjustedPart& solved, const ParallelFor& parallel) {
@@ -162,39 +137,58 @@ std::vector<int> tags_but(std::vector<int> tags, const std::set<int>& known) {
   return tags;
 }
 
-/// Before others are held against a map that lacks what they explain: they may have been accused in their
-/// place, and may be why others are undecided.
-void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
-                        std::vector<TagFinding>& findings, const ParallelFor& parallel) {
-  const Part without_known = narrowed_to(task.observations, part, tags_but(part.tags, known));
-  std::vector<TagFinding> faults = find_faults_by_trial(task, without_known, solved, parallel);
-  if (faults.empty()) return;
-  // Of several that would do the one that the user holds is trusted.
-  if (faults.size() > 1)
-    std::erase_if(faults, [&](const TagFinding& fault) { return is_held_by_wish(task, fault.tag); });
+/// The map without some tags and the culprits, but for those that were accused in the place of one of them.
+/// nullopt where it cannot be; Error(kNoResult) where nothing is left that is decided.
+std::optional<AdjustedPart> adjust_without_faults(const PartTask& task, const Part& part,
+                                                  const AdjustedPart& solved, const std::set<int>& known,
+                                                  const std::vector<TagFinding>& faults,
+                                                  const ParallelFor& parallel) {
   AdjustedPart rest = solved;
   std::erase_if(rest.culprits, [&](int culprit) {
     return !known.contains(culprit) && !do_frames_tell(task, part, solved, culprit);
   });
   std::set<int> gone(rest.culprits.begin(), rest.culprits.end());
-  for (const TagFinding& fault : faults) {
-    require_sound_held_tag(task, fault);
-    gone.insert(fault.tag);
-  }
+  for (const TagFinding& fault : faults) gone.insert(fault.tag);
   if (!solve_without(task, part, gone, rest, parallel))
     fail_after(faults, no_result("calibrate", kTooLittleLeft));
-  if (rest.contradictions.are_there()) return;
+  if (rest.contradictions.are_there()) return std::nullopt;
   rest.undecided.clear();
   try {
     leave_out_undecided(task, part, rest, parallel);
   } catch (const Error& error) {
     fail_after(faults, error);
   }
-  solved = std::move(rest);
-  for (TagFinding& fault : faults) {
-    known.insert(fault.tag);
-    std::erase(solved.undecided, fault.tag);
-    findings.push_back(std::move(fault));
+  return rest;
+}
+
+bool has_culprit(const AdjustedPart& solved, const std::vector<TagFinding>& faults) {
+  return std::ranges::any_of(faults, [&](const TagFinding& fault) {
+    return std::ranges::find(solved.culprits, fault.tag) != solved.culprits.end();
+  });
+}
+
+/// Before others are held against a map that lacks what they explain: they may have been accused in their
+/// place, and may be why others are undecided. What explains most; or, where that leaves contradictions, a
+/// fault of a culprit, without which there are none.
+void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
+                        std::vector<TagFinding>& findings, const ParallelFor& parallel) {
+  const Part without_known = narrowed_to(task.observations, part, tags_but(part.tags, known));
+  bool is_first = true;
+  for (std::vector<TagFinding>& faults : find_faults_by_trial(task, without_known, solved, parallel)) {
+    if (!std::exchange(is_first, false) && !has_culprit(solved, faults)) continue;
+    // Of several that would do the one that the user holds is trusted.
+    if (faults.size() > 1)
+      std::erase_if(faults, [&](const TagFinding& fault) { return is_held_by_wish(task, fault.tag); });
+    for (const TagFinding& fault : faults) require_sound_held_tag(task, fault);
+    std::optional<AdjustedPart> rest = adjust_without_faults(task, part, solved, known, faults, parallel);
+    if (!rest) continue;
+    solved = std::move(*rest);
+    for (TagFinding& fault : faults) {
+      known.insert(fault.tag);
+      std::erase(solved.undecided, fault.tag);
+      findings.push_back(std::move(fault));
+    }
+    return;
   }
 }
 

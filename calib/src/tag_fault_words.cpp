@@ -10,8 +10,6 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kOneObject_m = 1.0;  // farther, and it may as well be two tags
-
 std::string how_far(const TwoPlaces& two) {
   const Pose change = two.change();
   return fmt::format("{:.3g} m and {:.1f} degrees", change.translation().norm(),
@@ -81,7 +79,17 @@ std::string words_of_loose(const std::string& name) {
 }
 
 std::string words_of_rival(const std::string& words) {
-  return words + ". Or another tag is at fault: the views do not tell which";
+  const std::string another = ". Or another tag is at fault: the views do not tell which";
+  return words.ends_with(another) ? words : words + another;
+}
+
+std::string words_of_joint(const std::string& name, const std::string& of_two_places, bool may_be_copies) {
+  return fmt::format(
+      "{} alone joins the two places at which {} is seen: it may be {} instead. It is left out: film both "
+      "together with other tags",
+      name, of_two_places,
+      may_be_copies ? "its id that hangs twice (a duplicate), or it that was carried from one to the other,"
+                    : "the one that was moved");
 }
 
 }  // namespace apriltrack

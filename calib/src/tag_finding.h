@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace apriltrack {
 
@@ -18,10 +20,15 @@ struct TagFinding {
   /// stated shape, and with what was found.
   double misfit_before = 0.0, misfit_after = 0.0;
   std::size_t num_views = 0;  ///< That this rests on.
-  double explained = 0.0;     ///< Half the squares, of all views, less a fee for the unknowns; if known.
+  /// Views of the tag at its one place and at its other; empty where there are not two.
+  std::array<std::vector<std::size_t>, 2> views_by_place = {};
+  double explained = 0.0;  ///< Half the squares, of all views, less a fee for the unknowns; if known.
 
   /// Nothing is left to be explained, or nothing can be of what has no fixed place.
-  bool is_complete() const { return kind == Kind::kLoose || misfit_after < 1.6; }
+  bool is_complete() const {
+    const bool is_place = kind == Kind::kMoved || kind == Kind::kTwoPlaces;
+    return kind == Kind::kLoose || misfit_after < 1.6 || (is_place && misfit_after < 0.1 * misfit_before);
+  }
   double gain() const { return (misfit_before - misfit_after) * static_cast<double>(num_views); }
 };
 

@@ -7,6 +7,10 @@
 
 namespace apriltrack {
 
+/// From one place of a tag to the other; farther, and it may as well be two tags. Two that are nearer would
+/// have been seen at once.
+inline constexpr double kOneObject_m = 1.0;
+
 /// A tag that is at one of two places, view by view.
 struct TwoPlaces {
   double cost;  ///< Half the robust sum of squares, with a fee for what it assumes.

@@ -137,6 +137,10 @@ TagFinding to_finding(const Observations& observations, const Suspect& suspect, 
   finding.is_left_out = true;
   finding.num_views = suspect.views.size();
   finding.words = words_of(observations, suspect, trial);
+  const double apart_m = (trial.T_map_first.translation() - trial.T_map_second.translation()).norm();
+  finding.may_be_copies = trial.kind == TagFinding::Kind::kTwoPlaces || apart_m > kOneObject_m;
+  for (std::size_t i = 0; i < trial.is_at_second.size(); ++i)
+    finding.views_by_place[trial.is_at_second[i] ? 1 : 0].push_back(suspect.views[i]);
   if (!is_alone) finding.words = words_of_rival(finding.words);
   return finding;
 }
@@ -170,24 +174,31 @@ bool do_frames_tell(const PartTask& task, const Part& part, const AdjustedPart& 
   return (is_complete || is_in_map) && are_most(sure_given_up, given_up);
 }
 
-std::vector<TagFinding> find_faults_by_trial(const PartTask& task, const Part& part,
-                                             const AdjustedPart& solved, const ParallelFor& parallel) {
+std::vector<std::vector<TagFinding>> find_faults_by_trial(const PartTask& task, const Part& part,
+                                                          const AdjustedPart& solved,
+                                                          const ParallelFor& parallel) {
   const std::vector<Suspect> suspects = find_suspects(task, part, solved);
   std::vector<std::optional<FaultTrial>> trials(suspects.size());
   parallel(suspects.size(),
            [&](std::size_t i) { trials[i] = FaultTrials(task, suspects[i], solved).best(); });
-  double most = 0.0;
-  for (const auto& trial : trials) most = std::max(most, trial ? trial->gain : 0.0);
-  const auto is_as_good = [&](const auto& trial) {
-    return trial && trial->gain > most - std::min(kNoClearLead, kAsGood * most);
-  };
-  const bool is_alone = std::ranges::count_if(trials, is_as_good) == 1;
-  std::vector<TagFinding> findings;
-  for (std::size_t i = 0; i < trials.size(); ++i) {
-    if (is_as_good(trials[i]))
-      findings.push_back(to_finding(task.observations, suspects[i], *trials[i], is_alone));
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < trials.size(); ++i)
+    if (trials[i]) left.push_back(i);
+  std::ranges::stable_sort(left, std::greater<>(), [&](std::size_t i) { return trials[i]->gain; });
+  std::vector<std::vector<TagFinding>> alternatives;
+  while (!left.empty()) {
+    const double most = trials[left.front()]->gain;
+    const auto is_worse = [&](std::size_t i) {
+      return trials[i]->gain <= most - std::min(kNoClearLead, kAsGood * most);
+    };
+    const auto end = std::ranges::find_if(left, is_worse);
+    const bool is_alone = end - left.begin() == 1;
+    std::vector<TagFinding>& findings = alternatives.emplace_back();
+    for (auto i = left.begin(); i != end; ++i)
+      findings.push_back(to_finding(task.observations, suspects[*i], *trials[*i], is_alone));
+    left.erase(left.begin(), end);
   }
-  return findings;
+  return alternatives;
 }
 
 TagFinding moved_or_loose(const PartTask& task, const Part& part, const AdjustedPart& solved,

@@ -13,10 +13,11 @@ bool do_frames_tell(const PartTask& task, const Part& part, const AdjustedPart& 
 /// Faults that tear frames apart: where a frame shows the faulty tag and one other, the fit gives up both,
 /// and either seems at fault. Each tag of which views were given up, or that is not in the map, is held
 /// responsible in turn (but those of which frames of three tags tell), and the map solved anew: with the tag
-/// moved while filming, or of another size. Found is what explains most of what was given up; two tags where
-/// either would do. part: before outliers were removed.
-std::vector<TagFinding> find_faults_by_trial(const PartTask& task, const Part& part,
-                                             const AdjustedPart& solved, const ParallelFor& parallel);
+/// moved while filming, or of another size. Found is what explains most of what was given up, several tags
+/// where any would do; then what explains the next most. part: before outliers were removed.
+std::vector<std::vector<TagFinding>> find_faults_by_trial(const PartTask& task, const Part& part,
+                                                          const AdjustedPart& solved,
+                                                          const ParallelFor& parallel);
 
 /// Of a tag that seems loose by the single frames, some of which may be mirrored: that it moved once, where
 /// that explains its views after all; else as it was found. solved: the map without it.
