@@ -12,6 +12,8 @@
 
 #include "apriltrack/base/error.h"
 #include "part_without.h"
+#include "rival_tags.h"
+#include "tag_fault_words.h"
 #include "tag_moves.h"
 #include "tag_shapes.h"
 #include "tag_suspects.h"
@@ -192,6 +194,52 @@ void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& so
   }
 }
 
+/// Of one that may have changed its place instead of the tag that was found at two.
+TagFinding rival_finding(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                         const TagFinding& finding, int rival, std::set<int> known,
+                         const ParallelFor& parallel) {
+  known.erase(finding.tag);
+  AdjustedPart other = solved;
+  std::optional<TagFinding> result;
+  if (solve_without(task, part, rival, known, other, parallel))
+    result = look_by(task, part, other, rival).finding;
+  if (!result || result->views_by_place[0].empty()) {
+    const auto name = [&](int tag) {
+      return to_string(task.observations.tags[static_cast<std::size_t>(tag)]);
+    };
+    result = TagFinding{.tag = rival,
+                        .kind = finding.kind,
+                        .words = words_of_joint(name(rival), name(finding.tag), finding.may_be_copies)};
+  } else {
+    result->words = words_of_rival(result->words);
+  }
+  result->is_left_out = true;
+  return *result;
+}
+
+/// Of a tag that was found at two places and another that alone joins them neither can be trusted.
+void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
+                      std::vector<TagFinding>& findings, const ParallelFor& parallel) {
+  std::vector<TagFinding> rivals;
+  std::set<int> gone;
+  for (TagFinding& finding : findings) {
+    if (!finding.is_left_out) continue;
+    bool has_rival = false;
+    for (const int tag : rival_tags(task.observations, part, solved.part, finding)) {
+      if (is_held_by_wish(task, tag) || known.contains(tag)) continue;
+      rivals.push_back(rival_finding(task, part, solved, finding, tag, known, parallel));
+      gone.merge(tags_out(solved, tag, known));
+      known.insert(tag);
+      has_rival = true;
+    }
+    if (has_rival) finding.words = words_of_rival(finding.words);
+  }
+  if (rivals.empty()) return;
+  std::ranges::move(rivals, std::back_inserter(findings));
+  if (!solve_without(task, part, gone, solved, parallel))
+    fail_after(findings, no_result("calibrate", kTooLittleLeft));
+}
+
 }  // namespace
 
 void fail_by_held_tag(const std::string& words) {
@@ -232,6 +280,7 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
     if (best->finding.is_left_out) solved = std::move(best->rest);
     findings.push_back(std::move(best->finding));
   }
+  leave_out_rivals(task, part, solved, known, findings, parallel);
   examine_by_all_views(task, part, solved, known, findings, parallel);
   return findings;
 }

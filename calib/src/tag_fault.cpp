@@ -101,6 +101,17 @@ std::string describe(const Hypothesis& one, const std::vector<ProbeView>& probes
   return words_of_loose(name);
 }
 
+std::array<std::vector<std::size_t>, 2> views_by_place(const Hypothesis& one,
+                                                       const std::vector<ProbeView>& probes,
+                                                       const Observations& observations) {
+  std::array<std::vector<std::size_t>, 2> views;
+  for (std::size_t i = 0; one.places && i < probes.size(); ++i) {
+    const auto view = static_cast<std::size_t>(probes[i].view - observations.views.data());
+    views[one.places->is_at_second[i] ? 1 : 0].push_back(view);
+  }
+  return views;
+}
+
 }  // namespace
 
 TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vector<ProbeView>& probes,
@@ -128,7 +139,8 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
                     .is_left_out = best->kind != Kind::kNotFlat,
                     .misfit_before = look.misfit,
                     .misfit_after = best->cost / usual,
-                    .num_views = probes.size()};
+                    .num_views = probes.size(),
+                    .views_by_place = views_by_place(*best, probes, task.observations)};
   } else if (look.misfit > kMisfitOfLoose && is_loose(probes, one)) {
     look.finding = {.tag = tag,
                     .kind = Kind::kLoose,

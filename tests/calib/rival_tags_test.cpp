@@ -1,0 +1,124 @@
+// Two tags that alone join what was filmed before with what was filmed after: either may have changed its
+// place.
+#include "rival_tags.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <initializer_list>
+
+#include "adjusted_world.h"
+#include "calibrating.h"
+
+namespace apriltrack {
+namespace {
+
+using test::calibrate;
+using test::expect_truth;
+using test::SyntheticWorld;
+using test::tag36h11;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr int kSuspect = 0;
+
+/// Which tags each frame shows; those of the suspect are at its first place where the frame is, before
+/// `change`.
+struct SeenTogether {
+  Observations observations;
+  Part part;
+  TagFinding finding;
+
+  SeenTogether(std::initializer_list<std::initializer_list<int>> frames, int change) {
+    finding.tag = kSuspect;
+    int frame = 0;
+    for (const auto& tags : frames) {
+      for (const int tag : tags) {
+        const std::size_t v = observations.views.size();
+        if (tag == kSuspect) finding.views_by_place[frame < change ? 0 : 1].push_back(v);
+        TagView view;
+        view.whitening.setIdentity();
+        view.inward.setZero();
+        view.tag = tag;
+        view.frame = frame;
+        observations.views.push_back(view);
+        part.views.push_back(v);
+        if (std::ranges::find(part.tags, tag) == part.tags.end()) part.tags.push_back(tag);
+      }
+      ++frame;
+    }
+    std::ranges::sort(part.tags);
+  }
+
+  std::vector<int> rivals() const { return rival_tags(observations, part, part, finding); }
+};
+
+TEST(RivalTags, AreThoseThatAloneJoinTheTwoPlaces) {
+  EXPECT_THAT(SeenTogether({{0, 1, 2}, {1, 2, 3}, {0, 3, 4}, {0, 4, 5}}, 2).rivals(), ElementsAre(3));
+}
+
+TEST(RivalTags, AreAllOfAChain) {
+  EXPECT_THAT(SeenTogether({{0, 1}, {1, 2}, {2, 3}, {0, 3}}, 2).rivals(),
+              testing::UnorderedElementsAre(1, 2, 3));
+}
+
+TEST(RivalTags, AreNoneWhereTheyAreJoinedTwice) {
+  EXPECT_THAT(SeenTogether({{0, 1, 2}, {1, 3}, {2, 3, 4}, {0, 3, 4}}, 2).rivals(), IsEmpty());
+  EXPECT_THAT(SeenTogether({{0, 1, 2}, {0, 1, 2}}, 1).rivals(), IsEmpty());
+}
+
+TEST(RivalTags, AreSeenWithTheSuspectAloneAtOneOfItsPlaces) {
+  EXPECT_THAT(SeenTogether({{0, 1, 2}, {1, 2, 3}, {0, 3}}, 2).rivals(), ElementsAre(3));
+}
+
+TEST(RivalTags, AreNoneOfOnePlace) {
+  EXPECT_THAT(SeenTogether({{0, 1}, {0, 1}}, 2).rivals(), IsEmpty());
+}
+
+/// Nine tags in a row, of which 4 is shifted from frame 40 on; before, frames show those up to 5, and then
+/// those from 4 on, but 5 now and then only: the fit gives up that one's views.
+std::vector<FrameDetections> filmed_in_two_halves(const SyntheticWorld& world) {
+  std::vector<FrameDetections> frames =
+      test::filmed_with(world, 4, [](const Eigen::Vector3d& corner, std::size_t i) {
+        return Eigen::Vector3d(corner + Eigen::Vector3d(i < 40 ? 0.0 : 0.3, 0.0, 0.0));
+      });
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    std::erase_if(frames[i].detections, [&](const Detection& one) {
+      return i < 40 ? one.tag.id > 5 : one.tag.id < 4 || (one.tag.id == 5 && i % 5 > 0);
+    });
+  }
+  RandomStream random(63);
+  test::add_edge_noise(frames, 0.1, -0.45, random);
+  return frames;
+}
+
+SyntheticWorld row_of_nine() {
+  SyntheticWorld world;
+  for (int i = 0; i < 9; ++i)
+    test::add_tag(world, 0.2, test::looking_along({0.3 * i, 2.0, 0.15 * (i % 2)}, {0.1 * (i % 3), 1.0, 0.0}));
+  world.rig.cameras.push_back(test::perspective_camera());
+  for (int k = 0; k < 80; ++k)
+    world.T_world_rig.push_back(test::looking_along(
+        {1.2 + 0.8 * std::sin(1.1 * k), -0.4 + 0.2 * std::cos(0.7 * k), 0.5 * std::sin(0.9 * k)},
+        {0.0, 1.0, 0.0}));
+  return world;
+}
+
+// The map with the one and without the other agrees with every view, and is folded where the wrong one stays.
+TEST(RivalTags, AreBothLeftOutOfTheMap) {
+  const SyntheticWorld world = row_of_nine();
+  const CalibrationResult result = calibrate(world, filmed_in_two_halves(world));
+  ASSERT_EQ(result.map.tags.size(), 4u);
+  expect_truth(world, result.map, result.held_tag, 0.003, 0.01);
+  for (const int id : {4, 5}) {
+    EXPECT_EQ(result.map.find(tag36h11(id)), nullptr);
+    EXPECT_THAT(result.warnings, Contains(AllOf(HasSubstr(to_string(tag36h11(id))), HasSubstr("moved"),
+                                                HasSubstr("do not tell which"))));
+  }
+}
+
+}  // namespace
+}  // namespace apriltrack
