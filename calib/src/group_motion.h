@@ -20,7 +20,7 @@ struct GroupMotion {
 /// motion to start from, and the frames' poses where they are not those of `state`. wanted_cost: a fit that
 /// creeps too slowly ever to come below is given up, where it is.
 GroupMotion fit_group_motion(const Observations& observations, const std::vector<std::size_t>& views,
-                             const std::vector<int>& group, const MapState& state, GroupMotion start,
+                             const std::vector<int>& group, const MapState& state, const GroupMotion& start,
                              double wanted_cost = std::numeric_limits<double>::infinity());
 
 }  // namespace apriltrack
