@@ -26,12 +26,12 @@ std::set<int> tags_rejected_often(const Observations& observations, const Part& 
 
 /// Of several views with the map.
 struct Disagreement {
-  double squares = 0.0;
-  std::size_t views = 0, rejected = 0;
+  double squares = 0.0;  ///< Of those that were kept.
+  std::size_t kept = 0, rejected = 0;
 
-  double mean_square() const { return squares / static_cast<double>(std::max<std::size_t>(views, 1)); }
+  double mean_square() const { return kept == 0 ? 0.0 : squares / static_cast<double>(kept); }
   double rejected_share() const {
-    return static_cast<double>(rejected) / static_cast<double>(std::max<std::size_t>(views, 1));
+    return static_cast<double>(rejected) / static_cast<double>(std::max<std::size_t>(kept + rejected, 1));
   }
 };
 
@@ -39,25 +39,28 @@ struct Disagreement {
 
 bool does_disturb(const PartTask& task, const Part& part, const AdjustedPart& solved, int tag) {
   constexpr double kFewRejected = 0.03, kMuchMoreRejected = 2.0, kWorse = 1.3;
+  constexpr std::size_t kEnough = 20;
+  constexpr double kExpected = 8.0;  // of a view's squares, where others are too few to tell what is usual
   if (!std::ranges::binary_search(solved.part.tags, tag)) return true;
   std::set<int> frames_of_tag;
-  for (const std::size_t v : part.views)
+  const Part offered = narrowed_to(task.observations, part, solved.part.tags);
+  for (const std::size_t v : offered.views)
     if (task.observations.views[v].tag == tag) frames_of_tag.insert(task.observations.views[v].frame);
   Disagreement beside, elsewhere;
-  for (const std::size_t v : part.views) {
+  for (const std::size_t v : offered.views) {
     const TagView& view = task.observations.views[v];
-    const bool is_beside = frames_of_tag.contains(view.frame);
-    Disagreement& one = is_beside ? beside : elsewhere;
-    ++one.views;
+    Disagreement& one = frames_of_tag.contains(view.frame) ? beside : elsewhere;
     if (!std::ranges::binary_search(solved.part.views, v)) {
       ++one.rejected;
       continue;
     }
+    ++one.kept;
     bool is_valid = false;
     one.squares += whitened_residual(task.observations, view, solved.state, is_valid).squaredNorm();
   }
+  const double usual = elsewhere.kept < kEnough ? kExpected : elsewhere.mean_square();
   return beside.rejected_share() > std::max(kFewRejected, kMuchMoreRejected * elsewhere.rejected_share()) ||
-         beside.mean_square() > kWorse * elsewhere.mean_square();
+         beside.mean_square() > kWorse * usual;
 }
 
 TagLook look_by(const PartTask& task, const Part& part, const AdjustedPart& solved, int tag) {

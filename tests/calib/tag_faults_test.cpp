@@ -3,6 +3,8 @@
 #include "adjusted_world.h"
 #include "apriltrack/geometry/rotation.h"
 #include "calibrating.h"
+#include "part_without.h"
+#include "tag_suspects.h"
 
 // What is wrong with a tag is named, and the map of the others is right.
 
@@ -197,6 +199,27 @@ TEST(TagFaults, NamesATagThatFlaps) {
   const CalibrationResult result = calibrate(world, frames);
   EXPECT_THAT(result.warnings, complaint("hangs loosely"));
   expect_the_others_right(world, result);
+}
+
+// What others foretell badly is no loose tag where the map with it fits.
+TEST(DoesDisturb, ALooseTagAndNoSoundOne) {
+  const SyntheticWorld world = room();
+  const auto disturbs = [&](double angle_rad, const std::set<int>& left_out) {
+    std::vector<FrameDetections> frames =
+        test::filmed_with(world, kFaulty, [&](const Eigen::Vector3d& corner, std::size_t i) {
+          const double angle = angle_rad * std::sin(0.7 * static_cast<double>(i));
+          return Eigen::Vector3d(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()) * corner);
+        });
+    add_noise(frames);
+    test::AdjustedWorld one(world, frames);
+    const Part all = one.offered;
+    if (!left_out.empty() && !adjust_without(one.task(), one.offered, left_out, one.solved)) return false;
+    return does_disturb(one.task(), all, one.solved, one.index_of(kFaulty));
+  };
+  EXPECT_FALSE(disturbs(0.0, {}));
+  EXPECT_FALSE(disturbs(0.0, {0, 1}));  // views of tags that are left out are no rejected ones
+  EXPECT_TRUE(disturbs(0.3, {}));
+  EXPECT_TRUE(disturbs(0.3, {0, 1}));
 }
 
 }  // namespace
