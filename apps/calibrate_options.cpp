@@ -61,8 +61,9 @@ void add_model_options(CLI::App& command, CalibrateOptions& a) {
                      "YAML file of what is known beside the images: distances, measured coordinates, boards, "
                      "planes, upright tags, floor, gravity; each with its sigma");
   command
-      .add_option("--min-views", a.calibration.min_views,
-                  "Leave out tags seen in fewer frames together with others")
+      .add_option(
+          "--min-views", a.calibration.min_views,
+          "Leave out tags seen in fewer frames together with others; frames taken from one place count once")
       ->check(whole_number(1, 1'000'000'000))
       ->capture_default_str();
   command.add_option("--map-frame", a.calibration.map_frame, "Name of the map's frame")

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "apriltrack/base/degrees.h"
+#include "rejected_stands.h"
 
 namespace apriltrack {
 namespace {
@@ -51,19 +53,8 @@ void warn_of_rejected_tags(const Observations& observations, const PartSolution&
         ": trust their places less; a wrong size, a bend, or a tag that moved may be the cause");
 }
 
-/// A tag that hung elsewhere while the camera stood still was seen once, as counted by places.
-void warn_of_views_at_rest(const Observations& observations, const PartSolution& solution,
-                           Findings& findings) {
-  for (const std::size_t v : solution.rejected_at_rest) {
-    const TagView& view = observations.views[v];
-    const Timestamp when = observations.frames[static_cast<std::size_t>(view.frame)];
-    findings.warnings.push_back(
-        fmt::format("{} is not where the map has it in {} frames of one place, about {:.2f} s after the "
-                    "first frame: it was "
-                    "moved for that long, or something lay on its edges; those frames do not count for it",
-                    to_string(key_of(observations, view.tag)), view.num_frames,
-                    seconds_between(observations.frames.front(), when)));
-  }
+bool is_any_left_out(const PartSolution& solution) {
+  return !solution.culprits.empty() || std::ranges::any_of(solution.findings, &TagFinding::is_left_out);
 }
 
 /// Faults of tags that have a name; and of a culprit whose fault has none.
@@ -165,11 +156,12 @@ void report_quality(const Observations& observations, const PartSolution& soluti
             "may be the cause",
             findings);
   leave_out(observations, solution.lost_tags,
-            solution.culprits.empty() ? "tied to the others by frames that contradict them"
-                                      : "tied to the others by such a tag, or by frames that contradict them",
+            is_any_left_out(solution) ? "tied to the others by such a tag, or by frames that contradict them"
+                                      : "tied to the others by frames that contradict them",
             findings);
   warn_of_rejected_tags(observations, solution, findings);
-  warn_of_views_at_rest(observations, solution, findings);
+  for (std::string& words : words_of_stands(observations, solution.part, solution.rejected_at_rest))
+    findings.warnings.push_back(std::move(words));
   const double rejected =
       1.0 - static_cast<double>(solution.part.views.size()) / static_cast<double>(solution.views_offered);
   if (rejected > kManyOfAllRejected)

@@ -27,7 +27,6 @@ namespace apriltrack {
 namespace {
 
 constexpr double kNonsense_px = 5.0;
-constexpr int kManyAtRest = 5;  // frames
 
 void measure_residuals(const Observations& observations, PartSolution& solution) {
   std::vector<double> sums(observations.tags.size(), 0.0);
@@ -186,8 +185,7 @@ void count_offered_views(const Observations& observations, const Part& part, Par
   for (const auto& [tag, views] : count_views(observations, offered))
     solution.views_offered_by_tag[static_cast<std::size_t>(tag)] = views;
   std::ranges::copy_if(offered.views, std::back_inserter(solution.rejected_at_rest), [&](std::size_t v) {
-    return observations.views[v].num_frames >= kManyAtRest &&
-           !std::ranges::binary_search(solution.part.views, v);
+    return observations.views[v].place >= 0 && !std::ranges::binary_search(solution.part.views, v);
   });
 }
 

@@ -23,11 +23,10 @@ struct PartSolution {
   std::vector<MapConstraint> constraints;     ///< As given, cameras' gravity as that of tags.
   std::optional<ConstrainedMap> constrained;  ///< What constraints made of it; `state` is that already.
   double total_rms_px = 0.0;
-  std::size_t views_offered = 0;          ///< Before outliers were removed.
-  std::vector<int> views_offered_by_tag;  ///< Indexed like observations.tags.
-  /// Rejected views that are the mean of many frames: no chance.
-  std::vector<std::size_t> rejected_at_rest;
-  std::vector<int> culprits;  ///< Left out, for the frames contradict each other with them.
+  std::size_t views_offered = 0;              ///< Before outliers were removed.
+  std::vector<int> views_offered_by_tag;      ///< Indexed like observations.tags.
+  std::vector<std::size_t> rejected_at_rest;  ///< Rejected views from places where the camera stood.
+  std::vector<int> culprits;                  ///< Left out, for the frames contradict each other with them.
   BetterCameras cameras;
   std::vector<TagFinding> findings;
   std::vector<int> undecided;     ///< Left out, for the views leave them two poses, and no fault says why.

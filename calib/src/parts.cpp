@@ -18,17 +18,25 @@ std::map<int, std::set<int>> tags_by_frame(const Observations& observations,
   return tags;
 }
 
+/// Of each frame; -1 where no other was taken from there.
+std::vector<int> places_of_frames(const Observations& observations, const std::vector<std::size_t>& views) {
+  std::vector<int> places(observations.frames.size(), -1);
+  for (const std::size_t v : views)
+    places[static_cast<std::size_t>(observations.views[v].frame)] = observations.views[v].place;
+  return places;
+}
+
 /// Frames in which each tag is seen together with another; those of one place count once.
 std::vector<int> count_joint_frames(const Observations& observations, const std::vector<std::size_t>& views,
                                     const std::map<int, std::set<int>>& frames) {
   std::vector<int> count(observations.tags.size(), 0);
+  const std::vector<int> places = places_of_frames(observations, views);
   std::set<std::pair<int, int>> counted;
-  for (const std::size_t v : views) {
-    const TagView& view = observations.views[v];
-    if (frames.at(view.frame).size() < 2) continue;
-    const int of_its_own = -1 - view.frame;
-    if (counted.emplace(view.tag, view.place < 0 ? of_its_own : view.place).second)
-      ++count[static_cast<std::size_t>(view.tag)];
+  for (const auto& [frame, tags] : frames) {
+    if (tags.size() < 2) continue;
+    const int place = places[static_cast<std::size_t>(frame)];
+    for (const int tag : tags)
+      if (place < 0 || counted.emplace(tag, place).second) ++count[static_cast<std::size_t>(tag)];
   }
   return count;
 }

@@ -30,7 +30,8 @@ std::vector<std::size_t> views_without(const Observations& observations, const P
 struct Connectivity {
   std::vector<Part> parts;     ///< Most tags first; equal ones by their first tag.
   std::vector<int> lone_tags;  ///< Never seen together with another tag.
-  std::vector<int> rare_tags;  ///< Seen together with another, but in fewer than min_views frames.
+  std::vector<int> rare_tags;  ///< Seen together with another, but in fewer than min_views frames; those of
+                               ///< one place count once.
 };
 
 /// views: the views to count (into observations.views), sorted. A frame ties together all its tags.

@@ -14,6 +14,7 @@ namespace apriltrack {
 namespace {
 
 using test::SyntheticWorld;
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -269,7 +270,29 @@ TEST(RestingFrames, ATagThatHungElsewhereDuringAStandIsTold) {
   }
   const CalibrationResult result = test::calibrate(world, frames);
   EXPECT_THAT(result.warnings,
-              Contains(HasSubstr(to_string(tag) + " is not where the map has it in 40 frames")));
+              Contains(AllOf(HasSubstr(to_string(tag)), HasSubstr("in 40 frames of one place"))));
+  EXPECT_THAT(result.warnings, Not(Contains(HasSubstr(to_string(unmoved) + " is not where"))));
+}
+
+// Frames that show nothing else do not tell which of the two was moved.
+TEST(RestingFrames, OfTwoTagsAloneDuringAStandBothAreTold) {
+  const SyntheticWorld world = test::make_room(8, 40, test::equidistant_camera());
+  RandomStream random(117);
+  std::vector<FrameDetections> frames = film(world, {{17}, 40}, random);
+  ASSERT_GE(frames[30].detections.size(), 2u);
+  const TagKey a = frames[30].detections[0].tag, b = frames[30].detections[1].tag;
+  for (std::size_t i = 17; i < 57; ++i) {
+    std::erase_if(frames[i].detections, [&](const Detection& one) { return one.tag != a && one.tag != b; });
+    for (Detection& detection : frames[i].detections) {
+      if (detection.tag != a) continue;
+      for (Eigen::Vector2d& corner : detection.corners_px) corner += Eigen::Vector2d(60.0, 25.0);
+    }
+  }
+  const CalibrationResult result = test::calibrate(world, frames);
+  EXPECT_THAT(result.warnings,
+              Contains(AllOf(HasSubstr(to_string(a)), HasSubstr(to_string(b)),
+                             HasSubstr("do not lie to each other"), HasSubstr("in 40 frames"))));
+  EXPECT_THAT(result.warnings, Not(Contains(HasSubstr("is not where"))));
 }
 
 TEST(RestingFrames, AFilmThatStandsStillMostOfTheTimeIsWarnedOf) {

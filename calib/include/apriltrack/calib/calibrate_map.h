@@ -61,7 +61,8 @@ struct CalibrationOptions {
   /// Frames whose tags' corners differ by less (rms) are of a scene at rest, and count as one view, with
   /// their mean: what errs in them is common to them, and does not average. 0 = every frame counts.
   double same_place_px = 1.0;
-  int min_views = 2;  ///< Tags seen in fewer frames together with others are left out and named.
+  /// Tags seen in fewer frames together with others, those of one place counted once, are left out and named.
+  int min_views = 2;
   int max_iterations = 100;
   int num_threads = 1;  ///< 0 = as many as the machine has cores. The result does not depend on it.
   std::string map_frame = "world";

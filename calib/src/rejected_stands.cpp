@@ -1,0 +1,78 @@
+#include "rejected_stands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace apriltrack {
+namespace {
+
+constexpr int kManyFrames = 5;
+constexpr std::size_t kMostStands = 6;
+
+/// A tag by itself, or several of which any may be elsewhere, at one place.
+using Stand = std::pair<std::set<int>, int>;
+
+struct Misfit {
+  int frames = 0;
+  Timestamp first;
+};
+
+std::map<Stand, Misfit> misfits_of_stands(const Observations& observations, const Part& kept,
+                                          const std::vector<std::size_t>& rejected) {
+  std::set<int> frames_that_fit;
+  for (const std::size_t v : kept.views) frames_that_fit.insert(observations.views[v].frame);
+  std::map<int, std::set<int>> tags_of_frame;  // of those in which nothing fits
+  for (const std::size_t v : rejected) {
+    const TagView& view = observations.views[v];
+    if (!frames_that_fit.contains(view.frame)) tags_of_frame[view.frame].insert(view.tag);
+  }
+  std::map<Stand, Misfit> misfits;
+  std::set<std::pair<Stand, int>> counted;
+  for (const std::size_t v : rejected) {
+    const TagView& view = observations.views[v];
+    const auto tags = tags_of_frame.find(view.frame);
+    const Stand stand{tags == tags_of_frame.end() ? std::set{view.tag} : tags->second, view.place};
+    if (!counted.emplace(stand, view.frame).second) continue;
+    Misfit& misfit =
+        misfits.try_emplace(stand, Misfit{0, observations.frames[static_cast<std::size_t>(view.frame)]})
+            .first->second;
+    misfit.frames += view.num_frames;
+  }
+  return misfits;
+}
+
+std::string words_of(const Observations& observations, const std::set<int>& tags, const Misfit& misfit) {
+  std::vector<TagKey> keys;
+  for (const int tag : tags) keys.push_back(observations.tags[static_cast<std::size_t>(tag)]);
+  const std::string where =
+      fmt::format("in {} frames of one place, about {:.2f} s after the first frame", misfit.frames,
+                  seconds_between(observations.frames.front(), misfit.first));
+  if (keys.size() == 1)
+    return fmt::format(
+        "{} is not where the map has it {}: it was moved for that long, or something lay on its edges; those "
+        "frames do not count for it",
+        to_string(keys.front()), where);
+  return fmt::format(
+      "{} do not lie to each other as the map has them {}: one of them was moved for that long, or something "
+      "lay "
+      "on its edges; those frames do not count",
+      list_tags(keys), where);
+}
+
+}  // namespace
+
+std::vector<std::string> words_of_stands(const Observations& observations, const Part& kept,
+                                         const std::vector<std::size_t>& rejected) {
+  std::vector<std::string> words;
+  for (const auto& [stand, misfit] : misfits_of_stands(observations, kept, rejected)) {
+    if (misfit.frames >= kManyFrames && words.size() < kMostStands)
+      words.push_back(words_of(observations, stand.first, misfit));
+  }
+  return words;
+}
+
+}  // namespace apriltrack
