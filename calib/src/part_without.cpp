@@ -1,6 +1,7 @@
 #include "part_without.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -40,6 +41,13 @@ bool adjust_without(const PartTask& task, const Part& part, const std::set<int>&
   solved.contradictions = contradictions_of(task, rest->part, solved.state);
   solved.held_tag = rest->held_tag;
   return true;
+}
+
+std::set<int> tags_out(const AdjustedPart& solved, int tag, const std::set<int>& known) {
+  std::set<int> out{tag};
+  std::ranges::copy_if(known, std::inserter(out, out.end()),
+                       [&](int one) { return !std::ranges::binary_search(solved.part.tags, one); });
+  return out;
 }
 
 bool solve_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved,

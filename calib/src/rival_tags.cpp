@@ -1,7 +1,10 @@
 #include "rival_tags.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <deque>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -23,6 +26,7 @@ class TagPaths {
   /// The tags of a shortest path, ends included, that avoids one (-1: none); empty where there is none.
   std::vector<int> shortest(const std::set<int>& from, const std::set<int>& to, int avoided) const {
     std::map<int, int> before;
+    std::set<int> frames_seen;
     std::deque<int> next;
     const auto reach = [&](int tag, int previous) {
       if (tag != avoided && before.try_emplace(tag, previous).second) next.push_back(tag);
@@ -31,6 +35,7 @@ class TagPaths {
     for (; !next.empty(); next.pop_front()) {
       if (to.contains(next.front())) return path_to(next.front(), before);
       for (const int frame : frames_of_tag_.at(next.front())) {
+        if (!frames_seen.insert(frame).second) continue;
         for (const int tag : tags_of_frame_.at(frame)) reach(tag, next.front());
       }
     }
@@ -47,11 +52,29 @@ class TagPaths {
   std::map<int, std::set<int>> tags_of_frame_, frames_of_tag_;
 };
 
-/// The others of the map that are seen in the frames of some views of a tag.
-std::set<int> tags_beside(const Observations& observations, const Part& part,
-                          const std::vector<std::size_t>& views, const std::vector<int>& tags_of_map) {
-  std::set<int> frames, tags;
-  for (const std::size_t v : views) frames.insert(observations.views[v].frame);
+/// The frames that show the tag at its one place and at its other. Of views that were not looked at those
+/// count that lie between two of one place.
+std::array<std::set<int>, 2> frames_by_place(const Observations& observations, const Part& part,
+                                             const TagFinding& finding) {
+  std::map<std::size_t, std::size_t> place_of_view;
+  for (const std::size_t place : {0u, 1u})
+    for (const std::size_t v : finding.views_by_place[place]) place_of_view.emplace(v, place);
+  std::array<std::set<int>, 2> frames;
+  for (const std::size_t v : part.views) {
+    if (observations.views[v].tag != finding.tag) continue;
+    const auto after = place_of_view.lower_bound(v);
+    const auto before = after == place_of_view.begin() ? after : std::prev(after);
+    const auto& [seen, place] = after == place_of_view.end() ? *before : *after;
+    if (seen == v || after == place_of_view.end() || before->second == place)
+      frames[place].insert(observations.views[v].frame);
+  }
+  return frames;
+}
+
+/// The others of the map that are seen in some frames.
+std::set<int> tags_beside(const Observations& observations, const Part& part, const std::set<int>& frames,
+                          const std::vector<int>& tags_of_map) {
+  std::set<int> tags;
   for (const std::size_t v : part.views) {
     const TagView& view = observations.views[v];
     if (frames.contains(view.frame) && std::ranges::binary_search(tags_of_map, view.tag))
@@ -64,9 +87,10 @@ std::set<int> tags_beside(const Observations& observations, const Part& part,
 
 std::vector<int> rival_tags(const Observations& observations, const Part& part, const Part& kept,
                             const TagFinding& finding) {
+  if (finding.views_by_place[0].empty() || finding.views_by_place[1].empty()) return {};
   std::vector<int> others = kept.tags;
   std::erase(others, finding.tag);
-  const auto& [at_first, at_second] = finding.views_by_place;
+  const auto [at_first, at_second] = frames_by_place(observations, part, finding);
   const std::set<int> first = tags_beside(observations, part, at_first, others);
   const std::set<int> second = tags_beside(observations, part, at_second, others);
   const TagPaths paths(observations, kept, finding.tag);

@@ -12,8 +12,7 @@
 
 #include "apriltrack/base/error.h"
 #include "part_without.h"
-#include "rival_tags.h"
-#include "tag_fault_words.h"
+#include "rivals.h"
 #include "tag_moves.h"
 #include "tag_shapes.h"
 #include "tag_suspects.h"
@@ -25,21 +24,12 @@ namespace {
 
 constexpr int kMostFaults = 4;
 constexpr std::size_t kMostSuspects = 6;
-constexpr const char* kTooLittleLeft = "what is left does not agree, or is too little";
 
 struct Absence {
   TagFinding finding;  ///< Of the tag that was left out.
   AdjustedPart rest;
   std::size_t num_others = 0;  ///< That still seem at fault.
 };
-
-/// The tags that stay out of the map besides `tag`.
-std::set<int> tags_out(const AdjustedPart& solved, int tag, const std::set<int>& known) {
-  std::set<int> out{tag};
-  std::ranges::copy_if(known, std::inserter(out, out.end()),
-                       [&](int one) { return !std::ranges::binary_search(solved.part.tags, one); });
-  return out;
-}
 
 /// And without those that are `known`, and not in the map.
 bool solve_without(const PartTask& task, const Part& part, int tag, const std::set<int>& known,
@@ -139,16 +129,23 @@ std::vector<int> tags_but(std::vector<int> tags, const std::set<int>& known) {
   return tags;
 }
 
-/// The map without some tags and the culprits, but for those that were accused in the place of one of them.
-/// nullopt where it cannot be; Error(kNoResult) where nothing is left that is decided.
-std::optional<AdjustedPart> adjust_without_faults(const PartTask& task, const Part& part,
-                                                  const AdjustedPart& solved, const std::set<int>& known,
-                                                  const std::vector<TagFinding>& faults,
-                                                  const ParallelFor& parallel) {
-  AdjustedPart rest = solved;
-  std::erase_if(rest.culprits, [&](int culprit) {
+/// Without those culprits of which frames of three tags do not tell: they may have been accused in the place
+/// of another.
+AdjustedPart without_doubtful_culprits(const PartTask& task, const Part& part, AdjustedPart solved,
+                                       const std::set<int>& known) {
+  std::vector<int> culprits = solved.culprits;
+  std::erase_if(culprits, [&](int culprit) {
     return !known.contains(culprit) && !do_frames_tell(task, part, solved, culprit);
   });
+  solved.culprits = std::move(culprits);
+  return solved;
+}
+
+/// `rest` without some tags and its culprits. nullopt where contradictions are left, Error(kNoResult) where
+/// nothing is that agrees and is decided.
+std::optional<AdjustedPart> adjust_without_faults(const PartTask& task, const Part& part, AdjustedPart rest,
+                                                  const std::vector<TagFinding>& faults,
+                                                  const ParallelFor& parallel) {
   std::set<int> gone(rest.culprits.begin(), rest.culprits.end());
   for (const TagFinding& fault : faults) gone.insert(fault.tag);
   if (!solve_without(task, part, gone, rest, parallel))
@@ -169,75 +166,45 @@ bool has_culprit(const AdjustedPart& solved, const std::vector<TagFinding>& faul
   });
 }
 
-/// Before others are held against a map that lacks what they explain: they may have been accused in their
-/// place, and may be why others are undecided. What explains most; or, where that leaves contradictions, a
-/// fault of a culprit, without which there are none.
-void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
-                        std::vector<TagFinding>& findings, const ParallelFor& parallel) {
+/// What explains most; or, where that leaves contradictions, a fault of a culprit, without which there are
+/// none.
+std::optional<std::pair<std::vector<TagFinding>, AdjustedPart>> best_by_trial(const PartTask& task,
+                                                                              const AdjustedPart& solved,
+                                                                              const Part& part,
+                                                                              const std::set<int>& known,
+                                                                              const ParallelFor& parallel) {
   const Part without_known = narrowed_to(task.observations, part, tags_but(part.tags, known));
+  const AdjustedPart start = without_doubtful_culprits(task, part, solved, known);
   bool is_first = true;
   for (std::vector<TagFinding>& faults : find_faults_by_trial(task, without_known, solved, parallel)) {
-    if (!std::exchange(is_first, false) && !has_culprit(solved, faults)) continue;
+    const bool was_first = std::exchange(is_first, false);
+    if (!was_first && !has_culprit(solved, faults)) continue;
     // Of several that would do the one that the user holds is trusted.
     if (faults.size() > 1)
       std::erase_if(faults, [&](const TagFinding& fault) { return is_held_by_wish(task, fault.tag); });
     for (const TagFinding& fault : faults) require_sound_held_tag(task, fault);
-    std::optional<AdjustedPart> rest = adjust_without_faults(task, part, solved, known, faults, parallel);
-    if (!rest) continue;
-    solved = std::move(*rest);
-    for (TagFinding& fault : faults) {
-      known.insert(fault.tag);
-      std::erase(solved.undecided, fault.tag);
-      findings.push_back(std::move(fault));
+    try {
+      if (auto rest = adjust_without_faults(task, part, start, faults, parallel))
+        return std::pair(std::move(faults), std::move(*rest));
+    } catch (const Error&) {
+      if (was_first) throw;  // of the others there is a map without
     }
-    return;
   }
+  return std::nullopt;
 }
 
-/// Of one that may have changed its place instead of the tag that was found at two.
-TagFinding rival_finding(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                         const TagFinding& finding, int rival, std::set<int> known,
-                         const ParallelFor& parallel) {
-  known.erase(finding.tag);
-  AdjustedPart other = solved;
-  std::optional<TagFinding> result;
-  if (solve_without(task, part, rival, known, other, parallel))
-    result = look_by(task, part, other, rival).finding;
-  if (!result || result->views_by_place[0].empty()) {
-    const auto name = [&](int tag) {
-      return to_string(task.observations.tags[static_cast<std::size_t>(tag)]);
-    };
-    result = TagFinding{.tag = rival,
-                        .kind = finding.kind,
-                        .words = words_of_joint(name(rival), name(finding.tag), finding.may_be_copies)};
-  } else {
-    result->words = words_of_rival(result->words);
+/// Before others are held against a map that lacks what they explain: they may have been accused in their
+/// place, and may be why others are undecided.
+void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
+                        std::vector<TagFinding>& findings, const ParallelFor& parallel) {
+  auto best = best_by_trial(task, solved, part, known, parallel);
+  if (!best) return;
+  solved = std::move(best->second);
+  for (TagFinding& fault : best->first) {
+    known.insert(fault.tag);
+    std::erase(solved.undecided, fault.tag);
+    findings.push_back(std::move(fault));
   }
-  result->is_left_out = true;
-  return *result;
-}
-
-/// Of a tag that was found at two places and another that alone joins them neither can be trusted.
-void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
-                      std::vector<TagFinding>& findings, const ParallelFor& parallel) {
-  std::vector<TagFinding> rivals;
-  std::set<int> gone;
-  for (TagFinding& finding : findings) {
-    if (!finding.is_left_out) continue;
-    bool has_rival = false;
-    for (const int tag : rival_tags(task.observations, part, solved.part, finding)) {
-      if (is_held_by_wish(task, tag) || known.contains(tag)) continue;
-      rivals.push_back(rival_finding(task, part, solved, finding, tag, known, parallel));
-      gone.merge(tags_out(solved, tag, known));
-      known.insert(tag);
-      has_rival = true;
-    }
-    if (has_rival) finding.words = words_of_rival(finding.words);
-  }
-  if (rivals.empty()) return;
-  std::ranges::move(rivals, std::back_inserter(findings));
-  if (!solve_without(task, part, gone, solved, parallel))
-    fail_after(findings, no_result("calibrate", kTooLittleLeft));
 }
 
 }  // namespace
@@ -274,14 +241,15 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
     std::unique_ptr<Absence> best = best_absence(task, part, solved, suspects, known, parallel);
     if (!best) break;
     if (best->finding.kind == TagFinding::Kind::kLoose)
-      best->finding = moved_or_loose(task, part, best->rest, std::move(best->finding));
+      best->finding = places_or_loose(task, part, best->rest, std::move(best->finding));
     require_sound_held_tag(task, best->finding);
     known.insert(best->finding.tag);
     if (best->finding.is_left_out) solved = std::move(best->rest);
     findings.push_back(std::move(best->finding));
   }
-  leave_out_rivals(task, part, solved, known, findings, parallel);
+  leave_out_rivals(task, part, solved, known, findings, parallel);  // or the map may be folded
   examine_by_all_views(task, part, solved, known, findings, parallel);
+  leave_out_rivals(task, part, solved, known, findings, parallel);
   return findings;
 }
 

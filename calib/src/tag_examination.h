@@ -8,6 +8,8 @@
 
 namespace apriltrack {
 
+inline constexpr const char* kTooLittleLeft = "what is left does not agree, or is too little";
+
 /// Holds every tag of the part against the others, names what is wrong with it, and takes tags out of
 /// `solved` that would be wrong in the map. part: before outliers were removed. Also of
 /// those that were left out before. Throws Error(kNoResult) where the tag that the user holds would be taken

@@ -83,13 +83,20 @@ std::string words_of_rival(const std::string& words) {
   return words.ends_with(another) ? words : words + another;
 }
 
-std::string words_of_joint(const std::string& name, const std::string& of_two_places, bool may_be_copies) {
+std::string words_of_many_rivals(const std::string& words, const std::string& others) {
   return fmt::format(
-      "{} alone joins the two places at which {} is seen: it may be {} instead. It is left out: film both "
-      "together with other tags",
-      name, of_two_places,
-      may_be_copies ? "its id that hangs twice (a duplicate), or it that was carried from one to the other,"
-                    : "the one that was moved");
+      "{}. Or one of {} hangs twice, or was moved, each of which alone joins its two places: if so, the map "
+      "is "
+      "folded there. Film it at both places together with others",
+      words, others);
+}
+
+std::string words_of_joint(const std::string& name, const std::string& of_two_places) {
+  return fmt::format(
+      "{} alone joins the two places at which {} is seen: it may be what hangs twice (a duplicate), or was "
+      "carried "
+      "to another place, instead. It is left out: film both together with other tags",
+      name, of_two_places);
 }
 
 }  // namespace apriltrack

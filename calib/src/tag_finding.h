@@ -20,7 +20,8 @@ struct TagFinding {
   /// stated shape, and with what was found.
   double misfit_before = 0.0, misfit_after = 0.0;
   std::size_t num_views = 0;  ///< That this rests on.
-  /// Views of the tag at its one place and at its other; empty where there are not two.
+  /// Views of the tag at its one place and at its other, as far as they were looked at; empty where there are
+  /// not two.
   std::array<std::vector<std::size_t>, 2> views_by_place = {};
   double explained = 0.0;  ///< Half the squares, of all views, less a fee for the unknowns; if known.
 

@@ -268,7 +268,10 @@ TagFinding to_finding(const PartTask& task, const AdjustedPart& solved, const Su
     when.push_back(probe);
   }
   const std::string name = to_string(task.observations.tags[static_cast<std::size_t>(move.tag)]);
+  const std::vector<bool> is_at_second = is_at_second_of(move);
   TagFinding finding;
+  for (std::size_t i = 0; i < move.views.size() && !is_loose(one); ++i)
+    finding.views_by_place[is_at_second[i] ? 1 : 0].push_back(move.views[i]);
   finding.tag = move.tag;
   finding.is_left_out = true;
   finding.num_views = move.views.size();

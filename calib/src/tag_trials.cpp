@@ -137,10 +137,10 @@ TagFinding to_finding(const Observations& observations, const Suspect& suspect, 
   finding.is_left_out = true;
   finding.num_views = suspect.views.size();
   finding.words = words_of(observations, suspect, trial);
-  const double apart_m = (trial.T_map_first.translation() - trial.T_map_second.translation()).norm();
-  finding.may_be_copies = trial.kind == TagFinding::Kind::kTwoPlaces || apart_m > kOneObject_m;
-  for (std::size_t i = 0; i < trial.is_at_second.size(); ++i)
-    finding.views_by_place[trial.is_at_second[i] ? 1 : 0].push_back(suspect.views[i]);
+  if (trial.kind != TagFinding::Kind::kLoose) {
+    for (std::size_t i = 0; i < trial.is_at_second.size(); ++i)
+      finding.views_by_place[trial.is_at_second[i] ? 1 : 0].push_back(suspect.views[i]);
+  }
   if (!is_alone) finding.words = words_of_rival(finding.words);
   return finding;
 }
@@ -201,8 +201,8 @@ std::vector<std::vector<TagFinding>> find_faults_by_trial(const PartTask& task, 
   return alternatives;
 }
 
-TagFinding moved_or_loose(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                          TagFinding loose) {
+TagFinding places_or_loose(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                           TagFinding loose) {
   std::vector<int> tags = solved.part.tags;
   const auto at = std::ranges::lower_bound(tags, loose.tag);
   if (at == tags.end() || *at != loose.tag) tags.insert(at, loose.tag);
@@ -211,12 +211,14 @@ TagFinding moved_or_loose(const PartTask& task, const Part& part, const Adjusted
   const Suspect suspect = to_suspect(task.observations, neighbourhoods, loose.tag);
   if (suspect.views.size() < kLeastViews) return loose;
   const auto trial = FaultTrials(task, suspect, solved).best();
-  if (!trial || trial->kind != TagFinding::Kind::kMoved) return loose;
-  TagFinding moved = to_finding(task.observations, suspect, *trial, true);
-  moved.misfit_before = loose.misfit_before;
-  moved.misfit_after = 1.0;  // what is left is as usual, or it were no explanation
-  moved.num_views = loose.num_views;
-  return moved;
+  const bool has_places =
+      trial && (trial->kind == TagFinding::Kind::kMoved || trial->kind == TagFinding::Kind::kTwoPlaces);
+  if (!has_places) return loose;
+  TagFinding places = to_finding(task.observations, suspect, *trial, true);
+  places.misfit_before = loose.misfit_before;
+  places.misfit_after = 1.0;  // what is left is as usual, or it were no explanation
+  places.num_views = loose.num_views;
+  return places;
 }
 
 }  // namespace apriltrack

@@ -19,9 +19,9 @@ std::vector<std::vector<TagFinding>> find_faults_by_trial(const PartTask& task, 
                                                           const AdjustedPart& solved,
                                                           const ParallelFor& parallel);
 
-/// Of a tag that seems loose by the single frames, some of which may be mirrored: that it moved once, where
-/// that explains its views after all; else as it was found. solved: the map without it.
-TagFinding moved_or_loose(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                          TagFinding loose);
+/// Of a tag that seems loose by the single frames, some of which may be mirrored: that it moved once, or
+/// hangs twice, where that explains its views after all; else as it was found. solved: the map without it.
+TagFinding places_or_loose(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                           TagFinding loose);
 
 }  // namespace apriltrack

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 
@@ -72,6 +73,23 @@ TEST(RivalTags, AreNoneWhereTheyAreJoinedTwice) {
 
 TEST(RivalTags, AreSeenWithTheSuspectAloneAtOneOfItsPlaces) {
   EXPECT_THAT(SeenTogether({{0, 1, 2}, {1, 2, 3}, {0, 3}}, 2).rivals(), ElementsAre(3));
+}
+
+// The map gave up the frame that joins them a second time.
+TEST(RivalTags, AreToldByWhatTheMapRestsOn) {
+  SeenTogether one({{0, 1, 2}, {1, 2, 3}, {2, 4}, {0, 3, 4}}, 2);
+  EXPECT_THAT(one.rivals(), IsEmpty());
+  Part kept = one.part;
+  std::erase_if(kept.views, [&](std::size_t v) { return one.observations.views[v].frame == 2; });
+  EXPECT_THAT(rival_tags(one.observations, one.part, kept, one.finding), ElementsAre(3));
+}
+
+// Of many views some are looked at; the others are where those before and after them are.
+TEST(RivalTags, AreNoneWhereViewsThatWereNotLookedAtJoinThem) {
+  SeenTogether one({{0, 1, 2}, {1, 2, 3}, {0, 2}, {0, 1, 2}, {0, 3, 4}, {0, 2}, {0, 3, 4}}, 4);
+  EXPECT_THAT(one.rivals(), IsEmpty());
+  one.finding.views_by_place[1].erase(one.finding.views_by_place[1].begin() + 1);
+  EXPECT_THAT(one.rivals(), IsEmpty());
 }
 
 TEST(RivalTags, AreNoneOfOnePlace) {

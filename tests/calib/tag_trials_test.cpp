@@ -87,7 +87,7 @@ TEST(TagTrials, TellATagThatMovedOnceFromALooseOne) {
     TagFinding loose;
     loose.tag = kIndexOnTrial;
     loose.kind = TagFinding::Kind::kLoose;
-    return moved_or_loose(one.task(), one.offered, one.solved, loose).kind;
+    return places_or_loose(one.task(), one.offered, one.solved, loose).kind;
   };
   const auto turned_by = [](const Eigen::Vector3d& corner, double angle_rad) {
     return Eigen::Vector3d(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitX()) * corner);
