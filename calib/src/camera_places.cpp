@@ -7,6 +7,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "apriltrack/base/disjoint_sets.h"
+
 namespace apriltrack {
 namespace {
 
@@ -64,16 +66,49 @@ class PlaceIndex {
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> places_;
 };
 
-bool is_at(const FirstCorners& place, const Sights& moment, double same_place_px) {
+struct Comparison {
   std::size_t shared = 0, agreeing = 0;
+
+  bool agrees() const {
+    return shared > 0 && static_cast<double>(agreeing) > kAgreeing * static_cast<double>(shared);
+  }
+};
+
+Comparison compare(const FirstCorners& place, const Sights& moment, double same_place_px) {
+  Comparison result;
   for (const TagSight& sight : moment) {
     const auto there = place.find({sight.camera, sight.tag});
     if (there == place.end()) continue;
-    ++shared;
-    if (rms_apart_px(there->second, sight.corners_px) <= same_place_px) ++agreeing;
+    ++result.shared;
+    if (rms_apart_px(there->second, sight.corners_px) <= same_place_px) ++result.agreeing;
   }
-  return 2 * shared > moment.size() &&
-         static_cast<double>(agreeing) > kAgreeing * static_cast<double>(shared);
+  return result;
+}
+
+bool is_at(const FirstCorners& place, const Sights& moment, double same_place_px) {
+  const Comparison one = compare(place, moment, same_place_px);
+  return 2 * one.shared > moment.size() && one.agrees();
+}
+
+Sights sights_of(const FirstCorners& place) {
+  Sights sights;
+  for (const auto& [sight, corners_px] : place) sights.push_back({sight.first, sight.second, corners_px});
+  return sights;
+}
+
+/// Which places are one after all: moments that had no sight in common are joined by what came later.
+DisjointSets joined_places(const std::vector<FirstCorners>& places, const PlaceIndex& index,
+                           double same_place_px) {
+  DisjointSets joined(places.size());
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    const Sights sights = sights_of(places[p]);
+    for (const std::size_t other : index.near(sights)) {
+      const Comparison one = compare(places[other], sights, same_place_px);
+      if (other != p && one.agrees() && 2 * one.shared >= std::min(places[p].size(), places[other].size()))
+        joined.join(other, p);
+    }
+  }
+  return joined;
 }
 
 }  // namespace
@@ -94,6 +129,10 @@ std::vector<std::size_t> find_camera_places(std::span<const std::vector<TagSight
     }
     result.push_back(p);
   }
+  DisjointSets joined = joined_places(places, index, same_place_px);
+  std::map<std::size_t, std::size_t> numbers;
+  for (std::size_t& place : result)
+    place = numbers.try_emplace(joined.find(place), numbers.size()).first->second;
   return result;
 }
 

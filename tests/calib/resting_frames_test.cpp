@@ -253,6 +253,21 @@ TEST(RestingFrames, OfOnePlaceMakeNoMapThoughTagsFlicker) {
               HasSubstr("frames show what another shows"));
 }
 
+// The first frame shares no tag with the next ones; the last show all of them.
+TEST(RestingFrames, OfOnePlaceAreThoseWithoutATagInCommonToo) {
+  const SyntheticWorld world = test::make_room(14, 24, test::equidistant_camera());
+  auto frames = at_rest(world, 60, 0.1);
+  const auto seen = static_cast<std::ptrdiff_t>(frames[0].detections.size());
+  ASSERT_GE(seen, 5);
+  for (std::size_t i = 0; i < 30; ++i) {
+    auto& detections = frames[i].detections;
+    detections.erase(i == 0 ? detections.begin() + 2 : detections.begin(),
+                     i == 0 ? detections.end() : detections.begin() + 2);
+  }
+  EXPECT_THAT(test::error_of(ErrorKind::kNoResult, [&] { test::calibrate(world, frames); }),
+              HasSubstr("frames show what another shows"));
+}
+
 // Forty frames of one stand show the tag 10 cm aside, and single ones from elsewhere show it in place.
 TEST(RestingFrames, ATagThatHungElsewhereDuringAStandIsTold) {
   const SyntheticWorld world = test::make_room(8, 40, test::equidistant_camera());
