@@ -160,6 +160,7 @@ void report_quality(const Observations& observations, const PartSolution& soluti
                                       : "tied to the others by frames that contradict them",
             findings);
   warn_of_rejected_tags(observations, solution, findings);
+  for (const std::string& words : solution.lost_links) findings.warnings.push_back(words);
   for (std::string& words : words_of_stands(observations, solution.part, solution.rejected_at_rest))
     findings.warnings.push_back(std::move(words));
   const double rejected =

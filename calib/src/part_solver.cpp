@@ -17,6 +17,7 @@
 #include "culprit_search.h"
 #include "error_scale.h"
 #include "joint_tag_covariance.h"
+#include "lost_links.h"
 #include "part_adjustment.h"
 #include "reduced_equations.h"
 #include "rig_check.h"
@@ -184,6 +185,7 @@ void count_offered_views(const Observations& observations, const Part& part, Par
   solution.views_offered_by_tag.assign(observations.tags.size(), 0);
   for (const auto& [tag, views] : count_views(observations, offered))
     solution.views_offered_by_tag[static_cast<std::size_t>(tag)] = views;
+  solution.lost_links = words_of_lost_links(observations, offered, solution.part);
   std::ranges::copy_if(offered.views, std::back_inserter(solution.rejected_at_rest), [&](std::size_t v) {
     return observations.views[v].place >= 0 && !std::ranges::binary_search(solution.part.views, v);
   });
