@@ -120,7 +120,7 @@ std::vector<TagFinding> rival_findings(const std::vector<Trial>& trials, const s
     if (!culprits.contains(trial.tag) || !trial.finding) continue;
     findings.push_back(*trial.finding);
     findings.back().words = words_of_rival(findings.back().words);
-    findings.back().is_left_out = true;
+    findings.back().is_left_out = findings.back().is_in_doubt = true;
   }
   return findings;
 }

@@ -14,10 +14,9 @@ namespace {
 /// Which tags are seen together: a graph of tags and frames.
 class TagPaths {
  public:
-  TagPaths(const Observations& observations, const Part& kept, int without) {
-    for (const std::size_t v : kept.views) {
+  TagPaths(const Observations& observations, const Part& ties) {
+    for (const std::size_t v : ties.views) {
       const TagView& view = observations.views[v];
-      if (view.tag == without) continue;
       tags_of_frame_[view.frame].insert(view.tag);
       frames_of_tag_[view.tag].insert(view.frame);
     }
@@ -34,7 +33,9 @@ class TagPaths {
     for (const int tag : from) reach(tag, tag);
     for (; !next.empty(); next.pop_front()) {
       if (to.contains(next.front())) return path_to(next.front(), before);
-      for (const int frame : frames_of_tag_.at(next.front())) {
+      const auto frames = frames_of_tag_.find(next.front());
+      if (frames == frames_of_tag_.end()) continue;
+      for (const int frame : frames->second) {
         if (!frames_seen.insert(frame).second) continue;
         for (const int tag : tags_of_frame_.at(frame)) reach(tag, next.front());
       }
@@ -85,18 +86,23 @@ std::set<int> tags_beside(const Observations& observations, const Part& part, co
 
 }  // namespace
 
-std::vector<int> rival_tags(const Observations& observations, const Part& part, const Part& kept,
+std::vector<int> joints_between(const Observations& observations, const Part& ties, const std::set<int>& from,
+                                const std::set<int>& to) {
+  const TagPaths paths(observations, ties);
+  std::vector<int> joints = paths.shortest(from, to, -1);
+  std::erase_if(joints, [&](int tag) { return !paths.shortest(from, to, tag).empty(); });
+  return joints;
+}
+
+std::vector<int> rival_tags(const Observations& observations, const Part& part, const Part& ties,
                             const TagFinding& finding) {
   if (finding.views_by_place[0].empty() || finding.views_by_place[1].empty()) return {};
-  std::vector<int> others = kept.tags;
-  std::erase(others, finding.tag);
+  Part others = ties;
+  std::erase(others.tags, finding.tag);
+  std::erase_if(others.views, [&](std::size_t v) { return observations.views[v].tag == finding.tag; });
   const auto [at_first, at_second] = frames_by_place(observations, part, finding);
-  const std::set<int> first = tags_beside(observations, part, at_first, others);
-  const std::set<int> second = tags_beside(observations, part, at_second, others);
-  const TagPaths paths(observations, kept, finding.tag);
-  std::vector<int> rivals = paths.shortest(first, second, -1);
-  std::erase_if(rivals, [&](int tag) { return !paths.shortest(first, second, tag).empty(); });
-  return rivals;
+  return joints_between(observations, others, tags_beside(observations, part, at_first, others.tags),
+                        tags_beside(observations, part, at_second, others.tags));
 }
 
 }  // namespace apriltrack

@@ -37,7 +37,7 @@ TagFinding rival_finding(const PartTask& task, const Part& part, const AdjustedP
         words_of_joint(name_in(task.observations, rival), name_in(task.observations, finding.tag));
     result = TagFinding{.tag = rival, .kind = finding.kind, .words = words};
   }
-  result->is_left_out = true;
+  result->is_left_out = result->is_in_doubt = true;
   return *result;
 }
 
@@ -47,19 +47,40 @@ std::vector<TagKey> keys_of(const Observations& observations, const std::vector<
   return keys;
 }
 
-}  // namespace
+/// What holds the map together, and would if those in doubt were in it.
+Part ties_of(const Observations& observations, const Part& part, const Part& kept,
+             const std::vector<TagFinding>& findings) {
+  std::set<int> tags(kept.tags.begin(), kept.tags.end()), doubted;
+  for (const TagFinding& finding : findings)
+    if (finding.is_in_doubt) doubted.insert(finding.tag);
+  tags.insert(doubted.begin(), doubted.end());
+  std::set<int> frames;
+  for (const std::size_t v : part.views)
+    if (doubted.contains(observations.views[v].tag)) frames.insert(observations.views[v].frame);
+  Part ties{{tags.begin(), tags.end()}, {}};
+  std::ranges::copy_if(part.views, std::back_inserter(ties.views), [&](std::size_t v) {
+    const TagView& view = observations.views[v];
+    return std::ranges::binary_search(kept.views, v) ||
+           (frames.contains(view.frame) && tags.contains(view.tag));
+  });
+  return ties;
+}
 
-void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
-                      std::vector<TagFinding>& findings, const ParallelFor& parallel) {
+/// False where there are none.
+bool leave_out_rivals_once(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
+                           std::vector<TagFinding>& findings, const ParallelFor& parallel) {
+  const Part ties = ties_of(task.observations, part, solved.part, findings);
   std::vector<TagFinding> found;
   std::set<int> rivals, gone;
   for (TagFinding& finding : findings) {
     if (!finding.is_left_out) continue;
-    std::vector<int> tags = rival_tags(task.observations, part, solved.part, finding);
-    std::erase_if(tags, [&](int tag) { return is_held_by_wish(task, tag); });
+    std::vector<int> tags = rival_tags(task.observations, part, ties, finding);
     if (tags.empty()) continue;
-    if (tags.size() > kMostRivals) {
-      finding.words = words_of_many_rivals(finding.words, list_tags(keys_of(task.observations, tags)));
+    std::erase_if(tags, [&](int tag) { return !std::ranges::binary_search(solved.part.tags, tag); });
+    const bool is_held = std::ranges::any_of(tags, [&](int tag) { return is_held_by_wish(task, tag); });
+    finding.is_in_doubt = true;
+    if (is_held || tags.size() > kMostRivals) {
+      finding.words = words_of_rivals_in_map(finding.words, keys_of(task.observations, tags));
       continue;
     }
     finding.words = words_of_rival(finding.words);
@@ -69,11 +90,21 @@ void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solv
       gone.merge(tags_out(solved, tag, known));
     }
   }
-  if (found.empty()) return;
+  if (found.empty()) return false;
   known.insert(rivals.begin(), rivals.end());
   std::ranges::move(found, std::back_inserter(findings));
   if (!solve_without(task, part, gone, solved, parallel))
     fail_after(findings, no_result("calibrate", kTooLittleLeft));
+  return true;
+}
+
+}  // namespace
+
+void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
+                      std::vector<TagFinding>& findings, const ParallelFor& parallel) {
+  constexpr int kMostRounds = 3;  // of those that are left another may be the only joint
+  for (int round = 0; round < kMostRounds; ++round)
+    if (!leave_out_rivals_once(task, part, solved, known, findings, parallel)) return;
 }
 
 }  // namespace apriltrack

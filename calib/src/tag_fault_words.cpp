@@ -83,12 +83,13 @@ std::string words_of_rival(const std::string& words) {
   return words.ends_with(another) ? words : words + another;
 }
 
-std::string words_of_many_rivals(const std::string& words, const std::string& others) {
-  return fmt::format(
-      "{}. Or one of {} hangs twice, or was moved, each of which alone joins its two places: if so, the map "
-      "is "
-      "folded there. Film it at both places together with others",
-      words, others);
+std::string words_of_rivals_in_map(const std::string& words, const std::vector<TagKey>& others) {
+  const std::string way_out = ": then the map is folded there. Film them at both places together with others";
+  if (words.ends_with(way_out)) return words;
+  const std::string which = others.size() == 1 ? to_string(others.front()) + ", which"
+                                               : "one of " + list_tags(others) + ", each of which";
+  return fmt::format("{}. Or {} alone joins its two places, hangs twice, or was moved{}", words, which,
+                     way_out);
 }
 
 std::string words_of_joint(const std::string& name, const std::string& of_two_places) {

@@ -18,8 +18,8 @@ std::string words_of_copies(const TwoPlaces& two, const std::string& name);
 std::string words_of_loose(const std::string& name);
 /// What is said of a tag, where another may be at fault in its place; once.
 std::string words_of_rival(const std::string& words);
-/// Where any of many others may be.
-std::string words_of_many_rivals(const std::string& words, const std::string& others);
+/// Where another may be that stays in the map, or one of several.
+std::string words_of_rivals_in_map(const std::string& words, const std::vector<TagKey>& others);
 /// Of the only tag that joins the two places at which another was found.
 std::string words_of_joint(const std::string& name, const std::string& of_two_places);
 

@@ -16,6 +16,7 @@ struct TagFinding {
   bool may_be_copies = false;
   std::string words;
   bool is_left_out = false;
+  bool is_in_doubt = false;  ///< Another may be at fault in its place, and the views do not tell which.
   /// What the views cost, in units of what they would if they erred as expected: with one place and the
   /// stated shape, and with what was found.
   double misfit_before = 0.0, misfit_after = 0.0;

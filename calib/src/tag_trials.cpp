@@ -141,6 +141,7 @@ TagFinding to_finding(const Observations& observations, const Suspect& suspect, 
     for (std::size_t i = 0; i < trial.is_at_second.size(); ++i)
       finding.views_by_place[trial.is_at_second[i] ? 1 : 0].push_back(suspect.views[i]);
   }
+  finding.is_in_doubt = !is_alone;
   if (!is_alone) finding.words = words_of_rival(finding.words);
   return finding;
 }

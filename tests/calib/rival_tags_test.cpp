@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <initializer_list>
 
 #include "adjusted_world.h"
@@ -136,6 +137,66 @@ TEST(RivalTags, AreBothLeftOutOfTheMap) {
     EXPECT_THAT(result.warnings, Contains(AllOf(HasSubstr(to_string(tag36h11(id))), HasSubstr("moved"),
                                                 HasSubstr("do not tell which"))));
   }
+}
+
+/// A corridor of eleven tags, of which each frame shows two neighbours; what hangs at the eighth place has
+/// the id of the fifth. shows: whether a frame is there, by its first tag and how often that was shown
+/// before.
+CalibrationResult map_of_corridor(const std::function<bool(int first, int before)>& shows,
+                                  const CalibrationOptions& options = {}) {
+  constexpr int kTags = 11, kShown = 8;
+  SyntheticWorld world;
+  world.rig.cameras.push_back(test::perspective_camera());
+  for (int i = 0; i < kTags; ++i)
+    test::add_tag(world, 0.2, test::looking_along({0.5 * i, 2.0, 0.1 * (i % 2)}, {0.1 * (i % 3), 1.0, 0.0}));
+  for (int k = 0; k < kShown * (kTags - 1); ++k) {
+    const double x = 0.5 * (k % (kTags - 1)) + 0.25;
+    world.T_world_rig.push_back(test::looking_along(
+        {x + 0.7 * std::sin(1.1 * k), 0.3 * std::cos(0.7 * k), 0.5 * std::sin(0.9 * k)}, {0.0, 1.0, 0.0}));
+  }
+  std::vector<FrameDetections> frames = test::exact_detections(world);
+  test::show_two_neighbours(kTags, frames);
+  RandomStream random(64);
+  test::add_edge_noise(frames, 0.1, -0.45, random);
+  int k = 0;
+  std::erase_if(frames, [&](const FrameDetections&) {
+    const bool is_shown = shows(k % (kTags - 1), k / (kTags - 1));
+    ++k;
+    return !is_shown;
+  });
+  for (FrameDetections& frame : frames) {
+    for (Detection& detection : frame.detections)
+      if (detection.tag.id == 7) detection.tag.id = 4;
+  }
+  const CalibrationResult result = calibrate(world, frames, options);
+  if (result.map.find(tag36h11(4)) == nullptr) expect_truth(world, result.map, result.held_tag, 0.02, 0.05);
+  return result;
+}
+
+// Of the tags between the copies any may be it, and so may the one that stays when they are gone.
+TEST(RivalTags, AreLeftOutOfACorridorWithTheOneThatHangsTwice) {
+  const CalibrationResult result = map_of_corridor([](int, int) { return true; });
+  EXPECT_EQ(result.map.find(tag36h11(4)), nullptr);
+  for (const int id : {4, 5, 6})
+    EXPECT_THAT(result.warnings,
+                Contains(AllOf(HasSubstr(to_string(tag36h11(id))), HasSubstr("hangs twice"))));
+}
+
+TEST(RivalTags, StayWhereTheMapIsHeldByThemAndThatItMayBeFoldedIsTold) {
+  CalibrationOptions options;
+  options.held_tag = tag36h11(4);
+  const CalibrationResult result = map_of_corridor([](int, int) { return true; }, options);
+  EXPECT_NE(result.map.find(tag36h11(4)), nullptr);
+  EXPECT_THAT(result.warnings, Contains(AllOf(HasSubstr("Or tag36h11/4, which alone"), HasSubstr("folded"))));
+}
+
+// One frame of two tags, which contradicts the map, is no proof, but all that there is.
+TEST(LostLinks, AreToldWhereOneTagAloneJoinsTheirEnds) {
+  const CalibrationResult result =
+      map_of_corridor([](int first, int before) { return first != 5 || before == 3; });
+  EXPECT_THAT(result.warnings,
+              Contains(AllOf(HasSubstr("tag36h11/5 and tag36h11/6 are seen together in 1 frame only"),
+                             HasSubstr("by way of tag36h11/4 alone"))));
 }
 
 }  // namespace
