@@ -4,10 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <unordered_map>
 #include <utility>
-
-#include "apriltrack/base/disjoint_sets.h"
 
 namespace apriltrack {
 namespace {
@@ -68,6 +67,7 @@ class PlaceIndex {
 
 struct Comparison {
   std::size_t shared = 0, agreeing = 0;
+  std::set<int> cameras;  ///< Of those that are shared.
 
   bool agrees() const {
     return shared > 0 && static_cast<double>(agreeing) > kAgreeing * static_cast<double>(shared);
@@ -80,6 +80,7 @@ Comparison compare(const FirstCorners& place, const Sights& moment, double same_
     const auto there = place.find({sight.camera, sight.tag});
     if (there == place.end()) continue;
     ++result.shared;
+    result.cameras.insert(sight.camera);
     if (rms_apart_px(there->second, sight.corners_px) <= same_place_px) ++result.agreeing;
   }
   return result;
@@ -96,16 +97,31 @@ Sights sights_of(const FirstCorners& place) {
   return sights;
 }
 
-/// Which places are one after all: moments that had no sight in common are joined by what came later.
-DisjointSets joined_places(const std::vector<FirstCorners>& places, const PlaceIndex& index,
-                           double same_place_px) {
-  DisjointSets joined(places.size());
+std::set<int> cameras_of(const FirstCorners& place) {
+  std::set<int> cameras;
+  for (const auto& [sight, corners_px] : place) cameras.insert(sight.first);
+  return cameras;
+}
+
+/// Of a rig all cameras must have stood still: each that saw anything at either saw something at both.
+bool are_one(const FirstCorners& a, const FirstCorners& b, double same_place_px) {
+  const Comparison one = compare(a, sights_of(b), same_place_px);
+  return one.agrees() && 2 * one.shared >= std::min(a.size(), b.size()) && one.cameras == cameras_of(a) &&
+         one.cameras == cameras_of(b);
+}
+
+/// Of each place the first that it is one with: moments that had no sight in common are joined by what came
+/// later.
+std::vector<std::size_t> join_places(std::vector<FirstCorners> places, const PlaceIndex& index,
+                                     double same_place_px) {
+  std::vector<std::size_t> joined(places.size());
   for (std::size_t p = 0; p < places.size(); ++p) {
-    const Sights sights = sights_of(places[p]);
-    for (const std::size_t other : index.near(sights)) {
-      const Comparison one = compare(places[other], sights, same_place_px);
-      if (other != p && one.agrees() && 2 * one.shared >= std::min(places[p].size(), places[other].size()))
-        joined.join(other, p);
+    joined[p] = p;
+    for (const std::size_t other : index.near(sights_of(places[p]))) {
+      if (other >= p || joined[other] != other || !are_one(places[other], places[p], same_place_px)) continue;
+      joined[p] = other;
+      places[other].insert(places[p].begin(), places[p].end());
+      break;
     }
   }
   return joined;
@@ -129,10 +145,9 @@ std::vector<std::size_t> find_camera_places(std::span<const std::vector<TagSight
     }
     result.push_back(p);
   }
-  DisjointSets joined = joined_places(places, index, same_place_px);
+  const std::vector<std::size_t> joined = join_places(std::move(places), index, same_place_px);
   std::map<std::size_t, std::size_t> numbers;
-  for (std::size_t& place : result)
-    place = numbers.try_emplace(joined.find(place), numbers.size()).first->second;
+  for (std::size_t& place : result) place = numbers.try_emplace(joined[place], numbers.size()).first->second;
   return result;
 }
 
