@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "calibration_words.h"
 #include "rival_tags.h"
 
 namespace apriltrack {
@@ -30,22 +31,16 @@ std::map<Link, int> count_links(const Observations& observations, const Part& pa
   return links;
 }
 
-std::vector<TagKey> keys_of_tags(const Observations& observations, const std::vector<int>& tags) {
-  std::vector<TagKey> keys;
-  for (const int tag : tags) keys.push_back(observations.tags[static_cast<std::size_t>(tag)]);
-  return keys;
-}
-
 std::string words_of_link(const Observations& observations, const Link& link, int frames,
                           const std::vector<int>& joints) {
-  const std::vector<TagKey> ends = keys_of_tags(observations, {link.first, link.second});
+  const std::vector<TagKey> ends = keys_of(observations, {link.first, link.second});
   return fmt::format(
       "{0} and {1} are seen together in {2} {3}, which the map does not fit; it joins them by way of {4} "
       "alone. If {5} "
       "right, one of them hangs twice or was moved, and the map is folded there. Film {0} and {1} together "
       "again",
       to_string(ends[0]), to_string(ends[1]), frames, frames == 1 ? "frame only" : "frames only",
-      list_tags(keys_of_tags(observations, joints)), frames == 1 ? "that is" : "these are");
+      list_tags(keys_of(observations, joints)), frames == 1 ? "that is" : "these are");
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "calibration_words.h"
+
 namespace apriltrack {
 namespace {
 
@@ -46,8 +48,7 @@ std::map<Stand, Misfit> misfits_of_stands(const Observations& observations, cons
 }
 
 std::string words_of(const Observations& observations, const std::set<int>& tags, const Misfit& misfit) {
-  std::vector<TagKey> keys;
-  for (const int tag : tags) keys.push_back(observations.tags[static_cast<std::size_t>(tag)]);
+  const std::vector<TagKey> keys = keys_of(observations, {tags.begin(), tags.end()});
   const std::string where =
       fmt::format("in {} frames of one place, about {:.2f} s after the first frame", misfit.frames,
                   seconds_between(observations.frames.front(), misfit.first));

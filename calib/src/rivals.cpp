@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "calibration_words.h"
 #include "part_without.h"
 #include "rival_tags.h"
 #include "tag_examination.h"
@@ -16,10 +17,6 @@ namespace apriltrack {
 namespace {
 
 constexpr std::size_t kMostRivals = 3;  // that are left out for one tag
-
-std::string name_in(const Observations& observations, int tag) {
-  return to_string(observations.tags[static_cast<std::size_t>(tag)]);
-}
 
 /// Of one that may have changed its place instead of the tag that was found at two.
 TagFinding rival_finding(const PartTask& task, const Part& part, const AdjustedPart& solved,
@@ -33,18 +30,12 @@ TagFinding rival_finding(const PartTask& task, const Part& part, const AdjustedP
   if (result && !result->views_by_place[0].empty()) {
     result->words = words_of_rival(result->words);
   } else {
-    const std::string words =
-        words_of_joint(name_in(task.observations, rival), name_in(task.observations, finding.tag));
+    const std::string words = words_of_joint(to_string(key_of(task.observations, rival)),
+                                             to_string(key_of(task.observations, finding.tag)));
     result = TagFinding{.tag = rival, .kind = finding.kind, .words = words};
   }
   result->is_left_out = result->is_in_doubt = true;
   return *result;
-}
-
-std::vector<TagKey> keys_of(const Observations& observations, const std::vector<int>& tags) {
-  std::vector<TagKey> keys;
-  for (const int tag : tags) keys.push_back(observations.tags[static_cast<std::size_t>(tag)]);
-  return keys;
 }
 
 /// What holds the map together, and would if those in doubt were in it.
