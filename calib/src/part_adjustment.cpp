@@ -24,18 +24,6 @@ constexpr int kMaxRounds = 4;
 constexpr double kGross_px = 1.0;
 constexpr double kGrossPerEdge = 0.1;
 
-std::vector<std::size_t> inliers(const Observations& observations, const std::vector<std::size_t>& views,
-                                 const MapState& state) {
-  std::vector<std::size_t> kept;
-  for (const std::size_t v : views) {
-    bool is_valid = false;
-    const Vector8d whitened = whitened_residual(observations, observations.views[v], state, is_valid);
-    const double rms = std::sqrt(whitened.squaredNorm() / 8.0);
-    if (is_valid && rms <= kMaxViewRms && whitened.cwiseAbs().maxCoeff() <= kMaxComponent) kept.push_back(v);
-  }
-  return kept;
-}
-
 /// Views so far off that no noise, lens or print explains it, against the size that the tag has in the image.
 std::vector<std::size_t> gross_outliers(const Observations& observations,
                                         const std::vector<std::size_t>& views, const MapState& state) {
@@ -96,6 +84,18 @@ Vector8d whitened_residual(const Observations& observations, const TagView& view
   is_valid = residual_of(observations, view, state, &residual);
   if (residual_px != nullptr) *residual_px = residual;
   return whitening(view, state) * residual;
+}
+
+std::vector<std::size_t> inliers(const Observations& observations, const std::vector<std::size_t>& views,
+                                 const MapState& state) {
+  std::vector<std::size_t> kept;
+  for (const std::size_t v : views) {
+    bool is_valid = false;
+    const Vector8d whitened = whitened_residual(observations, observations.views[v], state, is_valid);
+    const double rms = std::sqrt(whitened.squaredNorm() / 8.0);
+    if (is_valid && rms <= kMaxViewRms && whitened.cwiseAbs().maxCoeff() <= kMaxComponent) kept.push_back(v);
+  }
+  return kept;
 }
 
 Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,

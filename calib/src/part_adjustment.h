@@ -53,6 +53,10 @@ Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapSta
 /// All but the one that is held.
 std::vector<int> free_tags(const Part& part, int held_tag);
 
+/// Those that agree with the map, by the noise that it has.
+std::vector<std::size_t> inliers(const Observations& observations, const std::vector<std::size_t>& views,
+                                 const MapState& state);
+
 /// Of a map of the part: what it contradicts.
 Contradictions contradictions_of(const PartTask& task, const Part& part, const MapState& state);
 

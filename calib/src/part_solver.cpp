@@ -21,6 +21,7 @@
 #include "part_adjustment.h"
 #include "reduced_equations.h"
 #include "rig_check.h"
+#include "split_links.h"
 #include "tag_examination.h"
 #include "undecided_tags.h"
 
@@ -179,13 +180,16 @@ void take_adjusted(AdjustedPart solved, PartSolution& solution) {
 }
 
 /// Of the tags that are mapped, before outliers were removed.
-void count_offered_views(const Observations& observations, const Part& part, PartSolution& solution) {
+void count_offered_views(const PartTask& task, const Part& part, PartSolution& solution) {
+  const Observations& observations = task.observations;
   const Part offered = narrowed_to(observations, part, solution.part.tags);
   solution.views_offered = offered.views.size();
   solution.views_offered_by_tag.assign(observations.tags.size(), 0);
   for (const auto& [tag, views] : count_views(observations, offered))
     solution.views_offered_by_tag[static_cast<std::size_t>(tag)] = views;
   solution.lost_links = words_of_lost_links(observations, offered, solution.part);
+  std::ranges::move(words_of_split_links(task, offered, solution.part, solution.state),
+                    std::back_inserter(solution.lost_links));
   std::ranges::copy_if(offered.views, std::back_inserter(solution.rejected_at_rest), [&](std::size_t v) {
     return observations.views[v].place >= 0 && !std::ranges::binary_search(solution.part.views, v);
   });
@@ -230,7 +234,7 @@ PartSolution solve_part(const Observations& observations, const std::vector<RigC
 
   measure_covariances(observations, options, constraints, solution);
   measure_residuals(observations, solution);
-  count_offered_views(observations, part, solution);
+  count_offered_views(by_better, part, solution);
   solution.lost_tags = lost_tags(part, solution);
   require_sense(solution);
   return solution;

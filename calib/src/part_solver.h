@@ -25,7 +25,7 @@ struct PartSolution {
   double total_rms_px = 0.0;
   std::size_t views_offered = 0;              ///< Before outliers were removed.
   std::vector<int> views_offered_by_tag;      ///< Indexed like observations.tags.
-  std::vector<std::string> lost_links;        ///< In words (words_of_lost_links).
+  std::vector<std::string> lost_links;        ///< In words (words_of_lost_links, words_of_split_links).
   std::vector<std::size_t> rejected_at_rest;  ///< Rejected views from places where the camera stood.
   std::vector<int> culprits;                  ///< Left out, for the frames contradict each other with them.
   BetterCameras cameras;

@@ -8,6 +8,9 @@
 #include <cmath>
 #include <functional>
 #include <initializer_list>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "adjusted_world.h"
 #include "calibrating.h"
@@ -139,18 +142,17 @@ TEST(RivalTags, AreBothLeftOutOfTheMap) {
   }
 }
 
-/// A corridor of eleven tags, of which each frame shows two neighbours; what hangs at the eighth place has
-/// the id of the fifth. shows: whether a frame is there, by its first tag and how often that was shown
-/// before.
+/// A corridor of eleven tags, of which each frame shows two neighbours; `copy` has the id 4. shows: whether a
+/// frame is there, by its first tag and how often that was shown before.
 CalibrationResult map_of_corridor(const std::function<bool(int first, int before)>& shows,
-                                  const CalibrationOptions& options = {}) {
+                                  const CalibrationOptions& options = {}, int copy = 7) {
   constexpr int kTags = 11, kShown = 8;
   SyntheticWorld world;
   world.rig.cameras.push_back(test::perspective_camera());
   for (int i = 0; i < kTags; ++i)
-    test::add_tag(world, 0.2, test::looking_along({0.5 * i, 2.0, 0.1 * (i % 2)}, {0.1 * (i % 3), 1.0, 0.0}));
+    test::add_tag(world, 0.2, test::looking_along({0.6 * i, 2.0, 0.1 * (i % 2)}, {0.1 * (i % 3), 1.0, 0.0}));
   for (int k = 0; k < kShown * (kTags - 1); ++k) {
-    const double x = 0.5 * (k % (kTags - 1)) + 0.25;
+    const double x = 0.6 * (k % (kTags - 1)) + 0.3;
     world.T_world_rig.push_back(test::looking_along(
         {x + 0.7 * std::sin(1.1 * k), 0.3 * std::cos(0.7 * k), 0.5 * std::sin(0.9 * k)}, {0.0, 1.0, 0.0}));
   }
@@ -166,7 +168,7 @@ CalibrationResult map_of_corridor(const std::function<bool(int first, int before
   });
   for (FrameDetections& frame : frames) {
     for (Detection& detection : frame.detections)
-      if (detection.tag.id == 7) detection.tag.id = 4;
+      if (detection.tag.id == copy) detection.tag.id = 4;
   }
   const CalibrationResult result = calibrate(world, frames, options);
   if (result.map.find(tag36h11(4)) == nullptr) expect_truth(world, result.map, result.held_tag, 0.02, 0.05);
@@ -197,6 +199,31 @@ TEST(LostLinks, AreToldWhereOneTagAloneJoinsTheirEnds) {
   EXPECT_THAT(result.warnings,
               Contains(AllOf(HasSubstr("tag36h11/5 and tag36h11/6 are seen together in 1 frame only"),
                              HasSubstr("by way of tag36h11/4 alone"))));
+}
+
+/// What is told where 5 is seen with both that have the id 4, with the second in few frames: the map gives
+/// these up.
+std::vector<std::string> told_of_few_frames(const std::set<int>& shown) {
+  const auto shows = [&](int first, int before) { return first != 5 || shown.contains(before); };
+  return map_of_corridor(shows, {}, 6).warnings;
+}
+
+TEST(SplitLinks, AreToldWhereOneTagAloneJoinsOthers) {
+  EXPECT_THAT(told_of_few_frames({3, 5}),
+              Contains(AllOf(HasSubstr("tag36h11/4 and tag36h11/5 are seen together in 10 frames, of which 2 "
+                                       "show tag36h11/4 1.2 m from where"),
+                             HasSubstr("folded"))));
+}
+
+// Nobody carries a tag a metre away and back between two frames.
+TEST(SplitLinks, AreToldOfOneFrameThatShowsItFarAway) {
+  EXPECT_THAT(told_of_few_frames({3}),
+              Contains(AllOf(HasSubstr("in 9 frames, of which 1 shows tag36h11/4"), HasSubstr("folded"))));
+}
+
+TEST(SplitLinks, AreNoneInASoundCorridor) {
+  const CalibrationResult result = map_of_corridor([](int, int) { return true; }, {}, 4);
+  EXPECT_THAT(result.warnings, IsEmpty());
 }
 
 }  // namespace
