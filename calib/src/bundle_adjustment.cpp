@@ -114,6 +114,7 @@ BundleProblem::BundleProblem(const Observations& observations, const std::vector
     problem_.AddResidualBlock(cost, loss, tag_block(view->tag),
                               frames_.blocks[frames_.index.at(view->frame)].data());
   }
+  is_robust_ = loss != nullptr;
   for (const int tag : tags) {
     if (std::find(free_tags.begin(), free_tags.end(), tag) == free_tags.end())
       problem_.SetParameterBlockConstant(tag_block(tag));
@@ -122,7 +123,8 @@ BundleProblem::BundleProblem(const Observations& observations, const std::vector
 
 ceres::Solver::Options BundleProblem::solver_options() {
   ceres::Solver::Options options;
-  options.function_tolerance = 1e-10;
+  // A robust fit is where outliers are chosen, and where the next one starts.
+  options.function_tolerance = is_robust_ ? kNegligibleDecrease / problem_.NumResiduals() : 1e-10;
   options.gradient_tolerance = 1e-12;
   options.parameter_tolerance = 1e-10;
   options.num_threads = 1;  // Ceres adds up in the order in which threads finish: results would differ

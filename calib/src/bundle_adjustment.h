@@ -61,6 +61,7 @@ class BundleProblem {
   static Blocks make_blocks(const std::set<int>& keys, const std::vector<Pose>& poses);
   void add_blocks(Blocks& blocks, ceres::Manifold* manifold);
 
+  bool is_robust_ = false;
   ceres::Problem problem_;
   Blocks tags_;
   Blocks frames_;

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -380,12 +381,14 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
                                 const TagSizes& sizes, const CalibrationOptions& options,
                                 const LogSink& log) {
   options.check();
+  const auto begin = std::chrono::steady_clock::now();
   Findings findings;
   try {
     CalibrationResult result = calibrated(frames, rig, sizes, options, findings, log);
     result.warnings = std::move(findings.warnings);
     result.left_out = std::move(findings.left_out);
     std::sort(result.left_out.begin(), result.left_out.end());
+    result.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;
   } catch (const Error& error) {  // what was found before may be why
     for (const std::string& warning : findings.warnings) {

@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxFrames = 40, kLeastFrames = 6;
 constexpr std::size_t kMaxViews = 160;
+constexpr std::size_t kFewFrames = 8;   // which may show already that a pose is no match
 constexpr std::size_t kMaxAnchors = 2;  // on either side of a hinge
 // Of half the robust sum of squares. What turns must be likelier by more than rounding; what stays is sure
 // only if it is likelier than the other pose by e^10.
@@ -29,6 +30,7 @@ constexpr double kDecidedSpread_rad = 35.0 * kRadPerDeg;
 /// Where a group of tags meets the others: the frames that show both, and their views.
 struct Hinge {
   std::vector<std::size_t> views;
+  std::vector<std::size_t> few_views;       ///< Of few of the frames.
   std::vector<int> anchors, other_anchors;  ///< Tags of the group, and others, seen most often there.
 };
 
@@ -89,11 +91,16 @@ Hinge find_hinge(const Observations& observations, const ViewIndex& index, const
       std::clamp(kMaxViews / std::max<std::size_t>(1, index.views_per_frame()), kLeastFrames, kMaxFrames);
   Hinge hinge;
   std::map<int, int> counts, other_counts;
-  for (const std::size_t frame : spread_selection(index.joint_frames(group), num_frames)) {
+  const std::vector<std::size_t> frames = spread_selection(index.joint_frames(group), num_frames);
+  for (const std::size_t frame : frames) {
     for (const std::size_t v : index.of_frame(frame)) {
       hinge.views.push_back(v);
       ++(index.is_of(group, v) ? counts : other_counts)[observations.views[v].tag];
     }
+  }
+  for (const std::size_t frame : spread_selection(frames, kFewFrames)) {
+    const auto views = index.of_frame(frame);
+    hinge.few_views.insert(hinge.few_views.end(), views.begin(), views.end());
   }
   hinge.anchors = most_seen(counts);
   hinge.other_anchors = most_seen(other_counts);
@@ -165,10 +172,19 @@ Alternatives alternatives(const Observations& observations, const ViewIndex& ind
   Alternatives result;
   if (starts.empty()) return result;
   result.now = fit_group_motion(observations, hinge.views, group, state, {});
+  const double most = result.now.cost + kDecisive;
+  const bool are_few = 2 * hinge.few_views.size() <= hinge.views.size();
+  const auto is_another = [&](const GroupMotion& other) {
+    return rotation_angle_rad(other.motion.rotation(), result.now.motion.rotation()) >= kSamePose_rad;
+  };
   for (const GroupMotion& start : starts) {
-    GroupMotion other =
-        fit_group_motion(observations, hinge.views, group, state, start, result.now.cost + kDecisive);
-    if (rotation_angle_rad(other.motion.rotation(), result.now.motion.rotation()) < kSamePose_rad) continue;
+    // No view costs less than nothing: what a part of them costs, all cost at least.
+    if (are_few) {
+      const GroupMotion by_few = fit_group_motion(observations, hinge.few_views, group, state, start, most);
+      if (by_few.cost > most || !is_another(by_few)) continue;
+    }
+    GroupMotion other = fit_group_motion(observations, hinge.views, group, state, start, most);
+    if (!is_another(other)) continue;
     if (!result.best_other || other.cost < result.best_other->cost) result.best_other = std::move(other);
   }
   return result;

@@ -8,7 +8,6 @@
 #include <span>
 
 #include "apriltrack/camera/pixel_jacobian.h"
-#include "apriltrack/geometry/planar_pnp.h"
 #include "cauchy_loss.h"
 #include "corner_views.h"
 #include "tag_links.h"
@@ -62,9 +61,14 @@ double cost_of(const ProbeView& view, const Pose& T_map_tag, const TagShape& sha
   return CauchyLoss{loss_scale}.cost(residual.squaredNorm());
 }
 
-double total_cost(const std::vector<ProbeView>& views, const TagFit& fit, double loss_scale) {
+/// Where it is more than `most`, some number that is.
+double total_cost(const std::vector<ProbeView>& views, const TagFit& fit, double loss_scale,
+                  double most = HUGE_VAL) {
   double sum = 0.0;
-  for (const ProbeView& view : views) sum += cost_of(view, fit.T_map_tag, fit.shape, loss_scale);
+  for (const ProbeView& view : views) {
+    sum += cost_of(view, fit.T_map_tag, fit.shape, loss_scale);
+    if (sum > most) return sum;
+  }
   return sum;
 }
 
@@ -141,12 +145,10 @@ TagFit best_proposal(const std::vector<ProbeView>& views, double size_m) {
   best.shape.size_m = size_m;
   best.cost = HUGE_VAL;
   for (const ProbeView* probe : proposers) {
-    const auto rays = corner_rays(probe->camera->model, probe->view->corners_px);
-    if (!rays) continue;
-    for (const PlanarPose& pose : solve_planar_pnp(*rays, size_m)) {
+    for (const Pose& T_map_tag : probe->T_map_tag) {
       TagFit trial = best;
-      trial.T_map_tag = probe->T_map_rig * probe->camera->T_camera_rig.inverse() * pose.T_camera_tag;
-      trial.cost = total_cost(views, trial, kProbeLoss);
+      trial.T_map_tag = T_map_tag;
+      trial.cost = total_cost(views, trial, kProbeLoss, best.cost);
       if (trial.cost < best.cost) best = std::move(trial);
     }
   }
@@ -290,7 +292,8 @@ std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const
                     frame->second.T_map_rig,
                     task.observations.frames[static_cast<std::size_t>(view.frame)],
                     Matrix8d::Identity(),
-                    frame->second.views};
+                    frame->second.views,
+                    {}};
     const auto& candidates = task.candidates[v].candidates;
     Vector8d residual_px;
     Matrix8x6d by_rig;
@@ -304,7 +307,8 @@ std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const
     const Matrix8d covariance =
         Matrix8d::Identity() + by_frame * frame->second.information.ldlt().solve(by_frame.transpose());
     probe.whitening = covariance.llt().matrixL().solve(W);
-    if (probe.whitening.allFinite()) probes.push_back(probe);
+    for (const auto& candidate : candidates) probe.T_map_tag.push_back(probe.T_map_rig * candidate.T_rig_tag);
+    if (probe.whitening.allFinite()) probes.push_back(std::move(probe));
   }
   return probes;
 }
@@ -331,6 +335,7 @@ TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom f
 TagFit fit_tag_anew(const std::vector<ProbeView>& views, double size_m) {
   const TagFit start = best_proposal(views, size_m);
   const TagFit direct = fit_tag(views, start, ShapeFreedom::kNone);
+  if (direct.cost < usual_probe_cost() * static_cast<double>(views.size())) return direct;
   // Few views, some of them at an angle to the others: the pose that pleases most of them may be a trap.
   TagFit coarse = descended(views, start, ShapeFreedom::kNone, kCoarseLoss);
   const TagFit indirect = fit_tag(views, std::move(coarse), ShapeFreedom::kNone);

@@ -24,6 +24,7 @@ struct ProbeView {
   /// included.
   Matrix8d whitening = Matrix8d::Identity();
   std::vector<std::size_t> others = {};  ///< Views of its frame, on which the pose rests.
+  std::vector<Pose> T_map_tag = {};      ///< Where the tag may be by this view, if it has its stated size.
 };
 
 /// Of the views of `tag` (outliers, too) in frames that show another tag of the solved part, up to

@@ -99,6 +99,7 @@ struct CalibrationResult {
   // Of `map`:
   double residual_rms_px = 0.0;  ///< Per axis, of the observations used.
   int frames_used = 0;
+  double solve_s = 0.0;           ///< Wall-clock time, from corners to this.
   int frames_at_rest = 0;         ///< Beside these, of all parts: in the mean of another one.
   int observations_used = 0;      ///< Tags in images.
   int observations_rejected = 0;  ///< Outliers.
