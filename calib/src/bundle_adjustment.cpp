@@ -35,16 +35,16 @@ class ViewCost : public ceres::SizedCostFunction<8, 7, 7> {
                        wants_rig ? &by_rig : nullptr, wants_tag ? &by_tag : nullptr))
       return false;  // the solver shortens its step
     Eigen::Map<Vector8d> whitened(residuals);
-    whitened = whitening_ * residual_px;
-    if (wants_tag) write_jacobian(whitening_ * by_tag, blocks[0], jacobians[0]);
-    if (wants_rig) write_jacobian(whitening_ * by_rig, blocks[1], jacobians[1]);
+    whitened = whitening_.lazyProduct(residual_px);
+    if (wants_tag) write_jacobian(whitening_.lazyProduct(by_tag), blocks[0], jacobians[0]);
+    if (wants_rig) write_jacobian(whitening_.lazyProduct(by_rig), blocks[1], jacobians[1]);
     return true;
   }
 
  private:
   static void write_jacobian(const Matrix8x6d& by_tangent, const double* block, double* jacobian) {
     Eigen::Map<Eigen::Matrix<double, 8, 7, Eigen::RowMajor>> by_ambient(jacobian);
-    by_ambient = by_tangent * tangent_from_ambient(block);
+    by_ambient = by_tangent.lazyProduct(tangent_from_ambient(block));
   }
 
   const RigCamera& camera_;

@@ -15,8 +15,8 @@ std::vector<LinearView> corner_views(const Observations& observations, const std
     if (!residual_of(observations, view, state, &residual_px, &by_rig, &by_tag)) continue;
     const Vector8d weights = noise_weights(view, state);
     const Matrix8d W = weights.asDiagonal() * view.whitening;
-    linear.push_back({view.tag, view.frame, view.camera, W * residual_px, W * by_rig, W * by_tag,
-                      Matrix8d(weights.asDiagonal())});
+    linear.push_back({view.tag, view.frame, view.camera, W.lazyProduct(residual_px), W.lazyProduct(by_rig),
+                      W.lazyProduct(by_tag), Matrix8d(weights.asDiagonal())});
   }
   return linear;
 }

@@ -76,7 +76,9 @@ class FrameSearch {
     for (int i = 0; i < 6 && open.singularValues()[i] > kOpen; ++i) {
       const Vector6d direction = open.matrixU().col(i);
       const double turn = direction.tail<3>().norm();
-      if (turn > kOpen && excess(fit, direction * (kOtherTurn_rad / turn)) > kOneSigma) return true;
+      if (turn < kOpen) continue;
+      for (const double turn_rad : {kOtherTurn_rad, kMostFrameTurn_rad})  // heights may differ little
+        if (excess(fit, direction * (turn_rad / turn)) > kOneSigma) return true;
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> turns(covariance.bottomRightCorner<3, 3>());
     for (int i = 0; i < 3; ++i) {

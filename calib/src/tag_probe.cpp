@@ -38,7 +38,8 @@ bool probe_residual(const ProbeView& probe, const Pose& T_map_tag, const TagShap
   for (int i = 0; i < kNumCorners; ++i) {
     const Eigen::Vector3d& corner = corners[static_cast<std::size_t>(i)];
     Eigen::Matrix<double, 2, 3> by_point;
-    const auto pixel = probe.camera->model.project(T_camera_tag * corner, &by_point);
+    const auto pixel = probe.camera->model.project(R * corner + T_camera_tag.translation(),
+                                                   jacobian == nullptr ? nullptr : &by_point);
     if (!pixel) return false;
     residual_px.segment<2>(2 * i) = *pixel - probe.view->corners_px[static_cast<std::size_t>(i)];
     if (jacobian == nullptr) continue;
@@ -244,7 +245,7 @@ std::map<int, FrameByOthers> frames_by_others(const PartTask& task, const Part& 
       of_frame.information.setZero();
       Vector6d gradient = Vector6d::Zero();
       for (const LinearView& view : corner_views(task.observations, views, state)) {
-        of_frame.information += view.by_rig.transpose() * view.by_rig;
+        of_frame.information += view.by_rig.transpose().lazyProduct(view.by_rig);
         gradient += view.by_rig.transpose() * view.residual;
       }
       const Vector6d change = -of_frame.information.ldlt().solve(gradient);

@@ -13,10 +13,10 @@ bool view_residual(const RigCamera& camera, double size_m, const TagView& view, 
   const bool has_derivatives = by_rig != nullptr || by_tag != nullptr;
   for (int i = 0; i < kNumCorners; ++i) {
     const auto corner = static_cast<std::size_t>(i);
-    const Eigen::Vector3d point_rig = T_rig_tag * corners_tag[corner];
+    const Eigen::Vector3d point_rig = R_rig_tag * corners_tag[corner] + T_rig_tag.translation();
     Eigen::Matrix<double, 2, 3> by_point;
-    const auto pixel =
-        camera.model.project(camera.T_camera_rig * point_rig, has_derivatives ? &by_point : nullptr);
+    const auto pixel = camera.model.project(R_camera_rig * point_rig + camera.T_camera_rig.translation(),
+                                            has_derivatives ? &by_point : nullptr);
     if (!pixel) return false;
     residual_px->segment<2>(2 * i) = *pixel - view.corners_px[corner];
     if (!has_derivatives) continue;
