@@ -1,6 +1,7 @@
 #include "part_solver.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -195,6 +196,17 @@ void count_offered_views(const PartTask& task, const Part& part, PartSolution& s
   });
 }
 
+/// Where the map may be folded, or a tag at another's fault is in it, constraints may contradict it for that.
+[[noreturn]] void fail_with_doubts(const PartSolution& solution, const ConstraintError& error) {
+  std::vector<std::string> doubts = solution.lost_links;
+  for (const TagFinding& finding : solution.findings)
+    if (finding.is_in_doubt) doubts.push_back(finding.words);
+  if (doubts.empty()) throw error;
+  throw ConstraintError(fmt::format("{}. Of the map itself this is in doubt, and may be why: {}",
+                                    error.cause(), fmt::join(doubts, ". ")),
+                        error.audits());
+}
+
 /// Those of the part that are not mapped, and were left out for no reason of their own.
 std::vector<int> lost_tags(const Part& part, const PartSolution& solution) {
   std::set<int> explained(solution.undecided.begin(), solution.undecided.end());
@@ -232,9 +244,13 @@ PartSolution solve_part(const Observations& observations, const std::vector<RigC
     improve_cameras_again(task, part, solved, solution.cameras);
   take_adjusted(std::move(solved), solution);
 
-  measure_covariances(observations, options, constraints, solution);
-  measure_residuals(observations, solution);
   count_offered_views(by_better, part, solution);
+  try {
+    measure_covariances(observations, options, constraints, solution);
+  } catch (const ConstraintError& error) {
+    fail_with_doubts(solution, error);
+  }
+  measure_residuals(observations, solution);
   solution.lost_tags = lost_tags(part, solution);
   require_sense(solution);
   return solution;

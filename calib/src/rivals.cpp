@@ -98,4 +98,11 @@ void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solv
     if (!leave_out_rivals_once(task, part, solved, known, findings, parallel)) return;
 }
 
+std::string words_with_rivals(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                              const TagFinding& finding) {
+  const std::vector<int> rivals = rival_tags(task.observations, part, solved.part, finding);
+  return rivals.empty() ? finding.words
+                        : words_of_rivals_instead(finding.words, keys_of(task.observations, rivals));
+}
+
 }  // namespace apriltrack

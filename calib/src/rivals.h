@@ -1,6 +1,7 @@
 #pragma once
 
 #include <set>
+#include <string>
 #include <vector>
 
 #include "part_adjustment.h"
@@ -14,5 +15,9 @@ namespace apriltrack {
 /// Error(kNoResult) where too little is left.
 void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
                       std::vector<TagFinding>& findings, const ParallelFor& parallel);
+
+/// What the finding says, and of the tags that may be at fault in its place.
+std::string words_with_rivals(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                              const TagFinding& finding);
 
 }  // namespace apriltrack

@@ -23,6 +23,12 @@ std::string words_of_two(const TwoPlaces& two, const std::string& when, const st
       name, when, how_far(two));
 }
 
+/// As the subject of what may be said of any.
+std::string one_of(const std::vector<TagKey>& tags) {
+  return tags.size() == 1 ? to_string(tags.front()) + ", which"
+                          : "one of " + list_tags(tags) + ", each of which";
+}
+
 }  // namespace
 
 std::string words_of_size(const TagFit& scaled, const std::string& name) {
@@ -86,10 +92,14 @@ std::string words_of_rival(const std::string& words) {
 std::string words_of_rivals_in_map(const std::string& words, const std::vector<TagKey>& others) {
   const std::string way_out = ": then the map is folded there. Film them at both places together with others";
   if (words.ends_with(way_out)) return words;
-  const std::string which = others.size() == 1 ? to_string(others.front()) + ", which"
-                                               : "one of " + list_tags(others) + ", each of which";
-  return fmt::format("{}. Or {} alone joins its two places, hangs twice, or was moved{}", words, which,
-                     way_out);
+  return fmt::format("{}. Or {} alone joins its two places, hangs twice, or was moved{}", words,
+                     one_of(others), way_out);
+}
+
+std::string words_of_rivals_instead(const std::string& words, const std::vector<TagKey>& others) {
+  return fmt::format(
+      "{}. Or {} alone joins its two places, hangs twice, or was moved, instead: the views do not tell which",
+      words, one_of(others));
 }
 
 std::string words_of_joint(const std::string& name, const std::string& of_two_places) {

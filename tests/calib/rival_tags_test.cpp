@@ -19,6 +19,7 @@ namespace apriltrack {
 namespace {
 
 using test::calibrate;
+using test::error_of;
 using test::expect_truth;
 using test::SyntheticWorld;
 using test::tag36h11;
@@ -192,6 +193,13 @@ TEST(RivalTags, StayWhereTheMapIsHeldByThemAndThatItMayBeFoldedIsTold) {
   EXPECT_THAT(result.warnings, Contains(AllOf(HasSubstr("Or tag36h11/4, which alone"), HasSubstr("folded"))));
 }
 
+TEST(RivalTags, AreToldWhereTheTagThatHoldsTheMapIsRefused) {
+  const auto all = [](int, int) { return true; };
+  EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { map_of_corridor(all, {.held_tag = tag36h11(5)}, 6); }),
+              AllOf(HasSubstr("tag36h11/5 is seen at two places"),
+                    HasSubstr("Or tag36h11/4, which alone joins"), HasSubstr("do not tell which")));
+}
+
 // One frame of two tags, which contradicts the map, is no proof, but all that there is.
 TEST(LostLinks, AreToldWhereOneTagAloneJoinsTheirEnds) {
   const CalibrationResult result =
@@ -219,6 +227,14 @@ TEST(SplitLinks, AreToldWhereOneTagAloneJoinsOthers) {
 TEST(SplitLinks, AreToldOfOneFrameThatShowsItFarAway) {
   EXPECT_THAT(told_of_few_frames({3}),
               Contains(AllOf(HasSubstr("in 9 frames, of which 1 shows tag36h11/4"), HasSubstr("folded"))));
+}
+
+TEST(SplitLinks, AreToldWithConstraintsThatTheFoldedMapBreaks) {
+  const auto shows = [](int first, int before) { return first != 5 || before == 3; };
+  const MapConstraint ends{.what = DistanceConstraint{{"", 0}, {"", 10}, 6.0, 0.01}};
+  EXPECT_THAT(error_of(ErrorKind::kNoResult, [&] { map_of_corridor(shows, {.constraints = {ends}}, 6); }),
+              AllOf(HasSubstr("distance 0-10"), HasSubstr("may be why: tag36h11/4 and tag36h11/5"),
+                    HasSubstr("folded")));
 }
 
 TEST(SplitLinks, AreNoneInASoundCorridor) {
