@@ -24,6 +24,7 @@ constexpr double kMisfitOfTwo = 1.2;
 constexpr double kMisfitOfMoved = 2.5;           // lens errors look like small moves
 constexpr std::size_t kLeastViewsElsewhere = 3;  // views: however many the place explains
 constexpr double kMisfitOfLoose = 2.0;           // something is always left
+constexpr double kMostLeftOfPlaces = 0.3;        // of what is beyond the usual, or it may as well be loose
 
 struct Hypothesis {
   Kind kind;
@@ -131,7 +132,11 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
            (it.cost < kMostLeft * usual ||
             (is_shape && one.cost - it.cost > kNearlyAll * (one.cost - usual)));
   };
-  if (best != hypotheses.end() && is_explanation(*best)) {
+  const auto may_be_loose = [&](const Hypothesis& it) {
+    return it.places && it.cost - usual > kMostLeftOfPlaces * (one.cost - usual) &&
+           look.misfit > kMisfitOfLoose && is_loose(probes, one);
+  };
+  if (best != hypotheses.end() && is_explanation(*best) && !may_be_loose(*best)) {
     look.finding = {.tag = tag,
                     .kind = best->kind,
                     .may_be_copies = best->may_be_copies,

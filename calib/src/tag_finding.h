@@ -26,10 +26,12 @@ struct TagFinding {
   std::array<std::vector<std::size_t>, 2> views_by_place = {};
   double explained = 0.0;  ///< Half the squares, of all views, less a fee for the unknowns; if known.
 
-  /// Nothing is left to be explained, or nothing can be of what has no fixed place.
+  /// Nothing is left to be explained, or hardly anything of much; or nothing can be of what has no fixed
+  /// place.
   bool is_complete() const {
-    const bool is_place = kind == Kind::kMoved || kind == Kind::kTwoPlaces;
-    return kind == Kind::kLoose || misfit_after < 1.6 || (is_place && misfit_after < 0.1 * misfit_before);
+    const double most_left = kind == Kind::kSize ? 0.15 : 0.1;
+    return kind == Kind::kLoose || misfit_after < 1.6 ||
+           (kind != Kind::kNotFlat && misfit_after < most_left * misfit_before);
   }
   double gain() const { return (misfit_before - misfit_after) * static_cast<double>(num_views); }
 };
