@@ -73,7 +73,7 @@ void require_held_tag_that_fits(const PartTask& task, const Part& part, const Co
   const auto rest = adjust_without_culprit(any, part, contradictions, held_tag, parallel, log);
   if (!rest || rest->culprits != std::vector{held_tag}) return;
   const auto finding = look_at(any, *rest, probe_views(any, part, *rest, held_tag), held_tag).finding;
-  fail_by_held_tag(finding ? words_with_rivals(any, part, *rest, *finding)
+  fail_by_held_tag(finding ? words_with_rivals(any, part, *rest, {}, *finding)
                            : fmt::format("The views of {} contradict those of all others",
                                          to_string(*task.options.held_tag)));
 }

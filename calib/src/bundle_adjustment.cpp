@@ -6,6 +6,7 @@
 #include <ceres/solver.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "view_residual.h"
 
@@ -63,6 +64,23 @@ class StopCallback : public ceres::IterationCallback {
 
  private:
   const ShouldStop& should_stop_;
+};
+
+/// A robust fit is where outliers are chosen, and where the next one starts: it ends where a step gains less
+/// than counts, unless it creeps, and may gain as much by each of many more.
+class EnoughCallback : public ceres::IterationCallback {
+ public:
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
+    constexpr double kFast = 0.5;  // of the step before
+    if (!step.step_is_successful || step.iteration == 0) return ceres::SOLVER_CONTINUE;
+    const double before = std::exchange(decrease_, step.cost_change);
+    return step.cost_change < kNegligibleDecrease && step.cost_change < kFast * before
+               ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+               : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  double decrease_ = 0.0;
 };
 
 bool can_be_projected(const Observations& observations, const TagView& view, const MapState& state) {
@@ -123,8 +141,7 @@ BundleProblem::BundleProblem(const Observations& observations, const std::vector
 
 ceres::Solver::Options BundleProblem::solver_options() {
   ceres::Solver::Options options;
-  // A robust fit is where outliers are chosen, and where the next one starts.
-  options.function_tolerance = is_robust_ ? kNegligibleDecrease / problem_.NumResiduals() : 1e-10;
+  options.function_tolerance = 1e-10;
   options.gradient_tolerance = 1e-12;
   options.parameter_tolerance = 1e-10;
   options.num_threads = 1;  // Ceres adds up in the order in which threads finish: results would differ
@@ -142,8 +159,10 @@ ceres::Solver::Options BundleProblem::solver_options() {
 AdjustmentSummary BundleProblem::solve(int max_iterations, const ShouldStop& should_stop) {
   if (tags_.blocks.empty()) return {false, false, 0.0, "no view can be projected"};
   StopCallback stop(should_stop);
+  EnoughCallback enough;
   ceres::Solver::Options options = solver_options();
   options.callbacks.push_back(&stop);
+  if (is_robust_) options.callbacks.push_back(&enough);
   options.max_num_iterations = std::min(max_iterations, kPlainIterations);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);
@@ -155,8 +174,9 @@ AdjustmentSummary BundleProblem::solve(int max_iterations, const ShouldStop& sho
     ceres::Solve(options, &problem_, &summary);
   }
   if (summary.termination_type == ceres::USER_FAILURE) throw Stopped();
-  return {summary.IsSolutionUsable(), summary.termination_type == ceres::CONVERGENCE, summary.final_cost,
-          summary.message};
+  const bool has_converged =
+      summary.termination_type == ceres::CONVERGENCE || summary.termination_type == ceres::USER_SUCCESS;
+  return {summary.IsSolutionUsable(), has_converged, summary.final_cost, summary.message};
 }
 
 void BundleProblem::write_back(MapState& state) const {

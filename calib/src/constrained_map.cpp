@@ -183,7 +183,7 @@ std::string gauge_in_words(const ConstrainedFit& fit, const std::vector<BoundCon
 
 /// count: of all constraints that were weighed.
 std::string contradictions_in_words(const ConstraintJudgement& judgement, std::size_t count,
-                                    const std::string& hint) {
+                                    const std::string& hint, const std::vector<std::string>& doubts) {
   const std::string many = judgement.num_contradicting
                                ? fmt::format("{} of {} contradict: is the unit metres (and rad)? ",
                                              *judgement.num_contradicting, count)
@@ -191,8 +191,10 @@ std::string contradictions_in_words(const ConstraintJudgement& judgement, std::s
   return fmt::format(
       "constraints contradict the images or each other: {}{}. {}{}Correct them, or take them out of the "
       "file; "
-      "no map was made",
-      many, join_first(judgement.contradictions, "; ", 5), hint, hint.empty() ? "" : " ");
+      "no map was made{}{}",
+      many, join_first(judgement.contradictions, "; ", 5), hint, hint.empty() ? "" : " ",
+      doubts.empty() ? "" : ". Of the map itself this is in doubt, and may be why: ",
+      fmt::join(doubts, ". "));
 }
 
 /// A matrix of their number squared is inverted.
@@ -321,7 +323,8 @@ ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const I
   const auto fail = [&](const std::string& why) {
     throw ConstraintError(why, in_given_order(std::move(judgement.audits), bound, std::move(unused)));
   };
-  if (!judgement.contradictions.empty()) fail(contradictions_in_words(judgement, bound.size(), hint));
+  if (!judgement.contradictions.empty())
+    fail(contradictions_in_words(judgement, bound.size(), hint, map.doubts));
   if (frame.is_ambiguous)
     fail(
         "two map frames that are turned against each other agree with the constraints equally well (heights "

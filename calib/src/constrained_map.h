@@ -15,8 +15,9 @@ struct ImageMap {
   std::vector<TagKey> keys;  ///< Of all tags, by number.
   std::vector<int> tags;     ///< Those of the map.
   int held_tag = 0;
-  std::vector<Pose> T_held_tag;       ///< By number.
-  std::vector<Matrix6d> covariances;  ///< Of `tags`, relative to the held tag.
+  std::vector<Pose> T_held_tag;          ///< By number.
+  std::vector<Matrix6d> covariances;     ///< Of `tags`, relative to the held tag.
+  std::vector<std::string> doubts = {};  ///< In words: of what it may be folded at, and break constraints.
 };
 
 /// What constraints change of the covariance of all tags together. Six rows for each of ImageMap::tags;

@@ -22,6 +22,7 @@ constexpr CauchyLoss kFrameLoss{3.0};       // sigmas
 constexpr double kSame = 1e-3;              // of the cost
 constexpr double kAboutAsGood = 4.5;        // of the cost, half a sum of squares: three sigmas
 constexpr double kOtherTurn_rad = 0.1;
+constexpr double kFarTurn_rad = 0.5;    // shows a tilt that heights which differ little tell to second order
 constexpr double kSameTurn_rad = 1e-3;  // where two starts end that seek one minimum
 constexpr double kThreeSigmas2 = 9.0;
 constexpr double kOneSigma = 0.5;  // of the cost
@@ -77,7 +78,7 @@ class FrameSearch {
       const Vector6d direction = open.matrixU().col(i);
       const double turn = direction.tail<3>().norm();
       if (turn < kOpen) continue;
-      for (const double turn_rad : {kOtherTurn_rad, kMostFrameTurn_rad})  // heights may differ little
+      for (const double turn_rad : {kOtherTurn_rad, kFarTurn_rad})
         if (excess(fit, direction * (turn_rad / turn)) > kOneSigma) return true;
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> turns(covariance.bottomRightCorner<3, 3>());

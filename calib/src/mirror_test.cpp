@@ -165,8 +165,14 @@ struct Alternatives {
   std::optional<GroupMotion> best_other;  ///< Another pose that the fit stays in.
 };
 
+/// What a hypothesis is worth is asked of few frames first. No view costs less than nothing: a fit to some
+/// that costs more than all of them may leaves no hope, unless it is a worse minimum than the one that all
+/// would have led to. That by few it falls back into the present pose is less sure, and saves time where a
+/// turn that is missed is asked for again.
+enum class Fallback { kIsEnough, kIsAskedOfAll };
+
 Alternatives alternatives(const Observations& observations, const ViewIndex& index,
-                          const std::vector<int>& group, const MapState& state) {
+                          const std::vector<int>& group, const MapState& state, Fallback fallback) {
   const Hinge hinge = find_hinge(observations, index, group);
   const std::vector<GroupMotion> starts = hypotheses(observations, state, hinge);
   Alternatives result;
@@ -178,10 +184,9 @@ Alternatives alternatives(const Observations& observations, const ViewIndex& ind
     return rotation_angle_rad(other.motion.rotation(), result.now.motion.rotation()) >= kSamePose_rad;
   };
   for (const GroupMotion& start : starts) {
-    // No view costs less than nothing: what a part of them costs, all cost at least.
     if (are_few) {
       const GroupMotion by_few = fit_group_motion(observations, hinge.few_views, group, state, start, most);
-      if (by_few.cost > most || !is_another(by_few)) continue;
+      if (by_few.cost > most || (fallback == Fallback::kIsEnough && !is_another(by_few))) continue;
     }
     GroupMotion other = fit_group_motion(observations, hinge.views, group, state, start, most);
     if (!is_another(other)) continue;
@@ -192,10 +197,10 @@ Alternatives alternatives(const Observations& observations, const ViewIndex& ind
 
 std::vector<Alternatives> all_alternatives(const Observations& observations, const ViewIndex& index,
                                            const std::vector<std::vector<int>>& groups, const MapState& state,
-                                           const ParallelFor& parallel) {
+                                           Fallback fallback, const ParallelFor& parallel) {
   std::vector<Alternatives> poses(groups.size());
   parallel(groups.size(),
-           [&](std::size_t i) { poses[i] = alternatives(observations, index, groups[i], state); });
+           [&](std::size_t i) { poses[i] = alternatives(observations, index, groups[i], state, fallback); });
   return poses;
 }
 
@@ -238,11 +243,13 @@ bool turn_mirrored_groups(const Observations& observations, const Part& part, in
                           const ParallelFor& parallel) {
   const std::vector<std::vector<int>> groups = hinged_groups(observations, part);
   const ViewIndex index(observations, part);
-  std::vector<Alternatives> poses = all_alternatives(observations, index, groups, state, parallel);
+  std::vector<Alternatives> poses =
+      all_alternatives(observations, index, groups, state, Fallback::kIsEnough, parallel);
   bool has_turned = false;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (has_turned)
-      poses[i] = alternatives(observations, index, groups[i], state);  // they were of another map
+      poses[i] = alternatives(observations, index, groups[i], state,
+                              Fallback::kIsEnough);  // they were of another map
     const auto& [now, best_other] = poses[i];
     if (!best_other || !(best_other->cost < now.cost - kBetter)) continue;
     take_over(observations, part, groups[i], *best_other, state);
@@ -256,7 +263,8 @@ std::vector<std::vector<int>> undecided_groups(const Observations& observations,
                                                const MapState& state, const ParallelFor& parallel) {
   const std::vector<std::vector<int>> groups = hinged_groups(observations, part);
   const ViewIndex index(observations, part);
-  const std::vector<Alternatives> poses = all_alternatives(observations, index, groups, state, parallel);
+  const std::vector<Alternatives> poses =
+      all_alternatives(observations, index, groups, state, Fallback::kIsAskedOfAll, parallel);
   std::vector<std::vector<int>> undecided;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (poses[i].best_other && poses[i].best_other->cost < poses[i].now.cost + kDecisive)

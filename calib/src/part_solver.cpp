@@ -1,7 +1,6 @@
 #include "part_solver.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -94,6 +93,9 @@ void keep_to_constraints(const Observations& observations, const CovarianceOpera
   const Pose T_held_map = map.T_held_tag[static_cast<std::size_t>(solution.held_tag)].inverse();
   for (Pose& pose : map.T_held_tag) pose = T_held_map * pose;
   for (const TagCovariance& tag : solution.covariances) map.covariances.push_back(tag.by_noise + tag.by_bias);
+  map.doubts = solution.lost_links;
+  for (const TagFinding& finding : solution.findings)
+    if (finding.may_fold_map) map.doubts.push_back(finding.words);
   solution.constrained = constrain_map(solution.constraints, map, joint);
   keep_to(solution.constrained->change, solution.joint);
   solution.state.T_map_tag = solution.constrained->T_map_tag;
@@ -181,30 +183,25 @@ void take_adjusted(AdjustedPart solved, PartSolution& solution) {
 }
 
 /// Of the tags that are mapped, before outliers were removed.
-void count_offered_views(const PartTask& task, const Part& part, PartSolution& solution) {
-  const Observations& observations = task.observations;
+void count_offered_views(const Observations& observations, const Part& part, PartSolution& solution) {
   const Part offered = narrowed_to(observations, part, solution.part.tags);
   solution.views_offered = offered.views.size();
   solution.views_offered_by_tag.assign(observations.tags.size(), 0);
   for (const auto& [tag, views] : count_views(observations, offered))
     solution.views_offered_by_tag[static_cast<std::size_t>(tag)] = views;
-  solution.lost_links = words_of_lost_links(observations, offered, solution.part);
-  std::ranges::move(words_of_split_links(task, offered, solution.part, solution.state),
-                    std::back_inserter(solution.lost_links));
   std::ranges::copy_if(offered.views, std::back_inserter(solution.rejected_at_rest), [&](std::size_t v) {
     return observations.views[v].place >= 0 && !std::ranges::binary_search(solution.part.views, v);
   });
 }
 
-/// Where the map may be folded, or a tag at another's fault is in it, constraints may contradict it for that.
-[[noreturn]] void fail_with_doubts(const PartSolution& solution, const ConstraintError& error) {
-  std::vector<std::string> doubts = solution.lost_links;
-  for (const TagFinding& finding : solution.findings)
-    if (finding.is_in_doubt) doubts.push_back(finding.words);
-  if (doubts.empty()) throw error;
-  throw ConstraintError(fmt::format("{}. Of the map itself this is in doubt, and may be why: {}",
-                                    error.cause(), fmt::join(doubts, ". ")),
-                        error.audits());
+/// At which it may be folded.
+std::vector<std::string> words_of_links(const PartTask& task, const Part& part,
+                                        const PartSolution& solution) {
+  const Part offered = narrowed_to(task.observations, part, solution.part.tags);
+  std::vector<std::string> words = words_of_lost_links(task.observations, offered, solution.part);
+  std::ranges::move(words_of_split_links(task, offered, solution.part, solution.state),
+                    std::back_inserter(words));
+  return words;
 }
 
 /// Those of the part that are not mapped, and were left out for no reason of their own.
@@ -244,12 +241,9 @@ PartSolution solve_part(const Observations& observations, const std::vector<RigC
     improve_cameras_again(task, part, solved, solution.cameras);
   take_adjusted(std::move(solved), solution);
 
-  count_offered_views(by_better, part, solution);
-  try {
-    measure_covariances(observations, options, constraints, solution);
-  } catch (const ConstraintError& error) {
-    fail_with_doubts(solution, error);
-  }
+  count_offered_views(observations, part, solution);
+  solution.lost_links = words_of_links(by_better, part, solution);
+  measure_covariances(observations, options, constraints, solution);
   measure_residuals(observations, solution);
   solution.lost_tags = lost_tags(part, solution);
   require_sense(solution);

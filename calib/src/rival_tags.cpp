@@ -3,55 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <deque>
 #include <iterator>
 #include <map>
 #include <set>
 
+#include "tag_paths.h"
+
 namespace apriltrack {
 namespace {
-
-/// Which tags are seen together: a graph of tags and frames.
-class TagPaths {
- public:
-  TagPaths(const Observations& observations, const Part& ties) {
-    for (const std::size_t v : ties.views) {
-      const TagView& view = observations.views[v];
-      tags_of_frame_[view.frame].insert(view.tag);
-      frames_of_tag_[view.tag].insert(view.frame);
-    }
-  }
-
-  /// The tags of a shortest path, ends included, that avoids one (-1: none); empty where there is none.
-  std::vector<int> shortest(const std::set<int>& from, const std::set<int>& to, int avoided) const {
-    std::map<int, int> before;
-    std::set<int> frames_seen;
-    std::deque<int> next;
-    const auto reach = [&](int tag, int previous) {
-      if (tag != avoided && before.try_emplace(tag, previous).second) next.push_back(tag);
-    };
-    for (const int tag : from) reach(tag, tag);
-    for (; !next.empty(); next.pop_front()) {
-      if (to.contains(next.front())) return path_to(next.front(), before);
-      const auto frames = frames_of_tag_.find(next.front());
-      if (frames == frames_of_tag_.end()) continue;
-      for (const int frame : frames->second) {
-        if (!frames_seen.insert(frame).second) continue;
-        for (const int tag : tags_of_frame_.at(frame)) reach(tag, next.front());
-      }
-    }
-    return {};
-  }
-
- private:
-  static std::vector<int> path_to(int tag, const std::map<int, int>& before) {
-    std::vector<int> path{tag};
-    for (; before.at(tag) != tag; tag = path.back()) path.push_back(before.at(tag));
-    return path;
-  }
-
-  std::map<int, std::set<int>> tags_of_frame_, frames_of_tag_;
-};
 
 /// The frames that show the tag at its one place and at its other. Of views that were not looked at those
 /// count that lie between two of one place.

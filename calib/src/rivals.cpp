@@ -72,6 +72,7 @@ bool leave_out_rivals_once(const PartTask& task, const Part& part, AdjustedPart&
     finding.is_in_doubt = true;
     if (is_held || tags.size() > kMostRivals) {
       finding.words = words_of_rivals_in_map(finding.words, keys_of(task.observations, tags));
+      finding.may_fold_map = true;
       continue;
     }
     finding.words = words_of_rival(finding.words);
@@ -99,8 +100,9 @@ void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solv
 }
 
 std::string words_with_rivals(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                              const TagFinding& finding) {
-  const std::vector<int> rivals = rival_tags(task.observations, part, solved.part, finding);
+                              const std::vector<TagFinding>& known, const TagFinding& finding) {
+  const Part ties = ties_of(task.observations, part, solved.part, known);
+  const std::vector<int> rivals = rival_tags(task.observations, part, ties, finding);
   return rivals.empty() ? finding.words
                         : words_of_rivals_instead(finding.words, keys_of(task.observations, rivals));
 }

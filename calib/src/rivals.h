@@ -16,8 +16,8 @@ namespace apriltrack {
 void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
                       std::vector<TagFinding>& findings, const ParallelFor& parallel);
 
-/// What the finding says, and of the tags that may be at fault in its place.
+/// What the finding says, and of the tags that may be at fault in its place. known: what was found before.
 std::string words_with_rivals(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                              const TagFinding& finding);
+                              const std::vector<TagFinding>& known, const TagFinding& finding);
 
 }  // namespace apriltrack

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -11,87 +13,122 @@
 
 #include "apriltrack/base/error.h"
 #include "calibration_words.h"
+#include "frame_views.h"
+#include "tag_fault_words.h"
+#include "tag_paths.h"
 #include "tag_places.h"
 
 namespace apriltrack {
 namespace {
 
-/// By frame, then by tag.
-using ViewsByFrame = std::map<int, std::map<int, std::size_t>>;
+constexpr std::size_t kMostTold = 6, kMostAsked = 60;
+// Of half the robust sum of squares, of a frame: by how much it must cost more where the map has the tag,
+// whatever the frame's pose.
+constexpr double kPlainlyElsewhere = 20.0;
+
+/// A tag, and one that frames show with it while the map gives up how they see it.
+struct SplitLink {
+  int tag = 0, beside = 0;
+  std::map<int, std::vector<std::size_t>> views_of_frame;  ///< Of both, in those frames; sorted.
+  std::size_t num_frames = 0;                              ///< That show both.
+
+  Part part() const {
+    Part part{{std::min(tag, beside), std::max(tag, beside)}, {}};
+    for (const auto& [frame, views] : views_of_frame)
+      part.views.insert(part.views.end(), views.begin(), views.end());
+    return part;
+  }
+};
+
+/// Views of a part by frame, and in it by tag: of several cameras, more than one.
+using ViewsByFrame = std::map<int, std::map<int, std::vector<std::size_t>>>;
 
 ViewsByFrame by_frame(const Observations& observations, const Part& part) {
   ViewsByFrame frames;
   for (const std::size_t v : part.views)
-    frames[observations.views[v].frame].emplace(observations.views[v].tag, v);
+    frames[observations.views[v].frame][observations.views[v].tag].push_back(v);
   return frames;
 }
 
-/// Without it, what is seen beside it falls apart.
-bool does_join_alone(const Observations& observations, const Part& kept, int tag) {
-  const Connectivity rest = find_parts(observations, views_without(observations, kept, {tag}), 1);
-  return rest.parts.size() + rest.lone_tags.size() > 1;
-}
+/// In how many frames two tags are seen together.
+class JointFrames {
+ public:
+  explicit JointFrames(const ViewsByFrame& frames) {
+    for (const auto& [frame, tags] : frames)
+      for (const auto& [tag, views] : tags) of_tag_[tag].push_back(frame);
+  }
 
-/// A tag, and one that frames show with it at another place than the map does.
-struct SplitLink {
-  int tag = 0, beside = 0;
-  std::vector<std::size_t> views;  ///< Of both, in those frames; sorted.
-  std::size_t num_frames = 0;      ///< That show both.
+  std::size_t count(int a, int b) const {
+    std::vector<int> both;
+    std::ranges::set_intersection(of_tag_.at(a), of_tag_.at(b), std::back_inserter(both));
+    return both.size();
+  }
 
-  Part part() const { return {{std::min(tag, beside), std::max(tag, beside)}, views}; }
+ private:
+  std::map<int, std::vector<int>> of_tag_;  ///< Sorted.
 };
 
-/// Of tags with which some frames fit, and others do not.
-std::vector<SplitLink> links_of(const ViewsByFrame& frames, const Part& kept, int tag) {
-  std::map<int, SplitLink> links;
-  const auto is_kept = [&](std::size_t v) { return std::ranges::binary_search(kept.views, v); };
-  for (const auto& [frame, views] : frames) {
-    const auto own = views.find(tag);
-    if (own == views.end()) continue;
-    for (const auto& [beside, v] : views) {
-      if (beside == tag) continue;
-      SplitLink& link = links.try_emplace(beside, SplitLink{tag, beside, {}, 0}).first->second;
-      ++link.num_frames;
-      if (is_kept(own->second)) continue;
-      link.views.insert(link.views.end(), {own->second, v});
+/// Of all pairs of tags that some frames show, in part of which the map keeps no view of the first. Most such
+/// frames first.
+std::vector<SplitLink> lost_in_part(const Observations& observations, const Part& offered, const Part& kept) {
+  const ViewsByFrame frames = by_frame(observations, offered);
+  std::map<std::pair<int, int>, SplitLink> links;
+  for (const auto& [frame, tags] : frames) {
+    for (const auto& [tag, own] : tags) {
+      if (std::ranges::any_of(own, [&](std::size_t v) { return std::ranges::binary_search(kept.views, v); }))
+        continue;
+      for (const auto& [beside, others] : tags) {
+        if (beside == tag) continue;
+        SplitLink& link = links.try_emplace({tag, beside}, SplitLink{tag, beside, {}, 0}).first->second;
+        std::ranges::merge(own, others, std::back_inserter(link.views_of_frame[frame]));
+      }
     }
   }
+  const JointFrames joint(frames);
   std::vector<SplitLink> split;
-  for (auto& [beside, link] : links) {
-    std::ranges::sort(link.views);
-    const std::size_t lost = link.views.size() / 2;
-    if (lost > 0 && lost < link.num_frames) split.push_back(std::move(link));
+  for (auto& [tags, link] : links) {
+    link.num_frames = joint.count(link.tag, link.beside);
+    if (link.views_of_frame.size() < link.num_frames) split.push_back(std::move(link));
   }
+  std::ranges::stable_sort(split, std::greater<>(),
+                           [](const auto& one) { return one.views_of_frame.size(); });
   return split;
 }
 
 struct OtherPlace {
-  std::size_t num_frames = 0;  ///< That agree in it.
+  std::size_t num_frames = 0;  ///< That agree in it, and not with the map.
   Pose change;                 ///< From where the map has the tag.
 };
 
-/// nullopt where the frames do not agree in one, by the noise that the map has. Of a single frame it is told
-/// where the tag cannot have been nudged for a moment: two hang there.
+Pose seen_from(const SplitLink& link, const MapState& state) {
+  return state.T_map_tag[static_cast<std::size_t>(link.beside)].inverse() *
+         state.T_map_tag[static_cast<std::size_t>(link.tag)];
+}
+
+/// Of a frame that shows both, wherever it is.
+double least_cost(const PartTask& task, const std::vector<std::size_t>& views, MapState state) {
+  FrameViews frame(task, views, state);
+  return std::min(frame.settle(), frame.best_of_proposals().first);
+}
+
+/// nullopt where the frames do not agree in one, by the noise that the map has, or hardly less with the map.
+/// Of a single frame it is told where the tag cannot have been nudged for a moment: two hang there.
 std::optional<OtherPlace> place_by(const PartTask& task, const SplitLink& link, const MapState& state) {
-  CalibrationOptions options = task.options;
-  options.held_tag.reset();
-  options.min_views = 1;
-  Observations by_cameras = task.observations;
-  by_cameras.cameras = state.cameras;
   AdjustedPart alike;
   try {
-    alike =
-        adjust_part({by_cameras, task.candidates, options}, link.part(), link.beside, on_one_thread(task));
-    alike.state.noise = {state.noise.sum, state.noise.difference, {}};
-    alike.part.views = inliers(task.observations, alike.part.views, alike.state);
+    alike = adjust_part(task, link.part(), link.beside, on_one_thread(task));
   } catch (const Error&) {
     return std::nullopt;
   }
-  const auto of = [&](int tag, const MapState& map) { return map.T_map_tag[static_cast<std::size_t>(tag)]; };
-  const auto seen_from = [&](const MapState& map) {
-    return of(link.beside, map).inverse() * of(link.tag, map);
-  };
-  const OtherPlace place{alike.part.views.size() / 2, seen_from(state).inverse() * seen_from(alike.state)};
+  MapState in_map = state;
+  in_map.noise = alike.state.noise = {state.noise.sum, state.noise.difference, {}};
+  const std::vector<std::size_t> fitting = inliers(task.observations, alike.part.views, alike.state);
+  OtherPlace place{0, seen_from(link, state).inverse() * seen_from(link, alike.state)};
+  for (const auto& [frame, views] : link.views_of_frame) {
+    if (!std::ranges::includes(fitting, views)) continue;
+    if (least_cost(task, views, in_map) > least_cost(task, views, alike.state) + kPlainlyElsewhere)
+      ++place.num_frames;
+  }
   const double size_m = task.observations.sizes_m[static_cast<std::size_t>(link.tag)];
   const double least_m = place.num_frames > 1 ? least_shift_m(place.change, size_m) : kOneObject_m;
   const bool is_other = place.num_frames > 0 && place.change.translation().norm() > least_m;
@@ -99,34 +136,46 @@ std::optional<OtherPlace> place_by(const PartTask& task, const SplitLink& link, 
 }
 
 std::string words_of(const Observations& observations, const SplitLink& link, const OtherPlace& place) {
-  const std::string name = to_string(key_of(observations, link.tag));
-  const std::string beside = to_string(key_of(observations, link.beside));
   return fmt::format(
-      "{0} and {1} are seen together in {2} frames, of which {3} {0} {4:.2g} m from where the map has it. "
-      "{0} "
-      "alone joins other tags to the map: if it hangs twice (a duplicate) or was moved, the map may be "
-      "folded "
-      "there. Look for a second {0}, and film it together with more of the others",
-      name, beside, link.num_frames,
-      place.num_frames == 1 ? "1 shows" : fmt::format("{} show", place.num_frames),
-      place.change.translation().norm());
+      "{0} and {1} are seen together in {2} frames, of which {3} {0} {4} from where the map has it. {0} "
+      "alone "
+      "joins other tags to the map: if it hangs twice (a duplicate) or was moved, the map may be folded "
+      "there. "
+      "Look for a second {0}, and film it together with more of the others",
+      to_string(key_of(observations, link.tag)), to_string(key_of(observations, link.beside)),
+      link.num_frames, place.num_frames == 1 ? "1 shows" : fmt::format("{} show", place.num_frames),
+      shift_and_turn(place.change));
 }
 
 }  // namespace
 
 std::vector<std::string> words_of_split_links(const PartTask& task, const Part& offered, const Part& kept,
                                               const MapState& state) {
-  const ViewsByFrame frames = by_frame(task.observations, offered);
+  const std::vector<SplitLink> links = lost_in_part(task.observations, offered, kept);
+  if (links.empty()) return {};
+  Observations by_cameras = task.observations;
+  by_cameras.cameras = state.cameras;
+  CalibrationOptions options = task.options;
+  options.held_tag.reset();
+  options.min_views = 1;
+  const PartTask of_links{by_cameras, task.candidates, options};
+  const TagPaths paths(task.observations, kept);
+  std::map<int, bool> are_joints;
+  const auto joins_alone = [&](int tag) {
+    const auto [known, is_new] = are_joints.try_emplace(tag, false);
+    if (is_new) known->second = paths.does_join_alone(tag);
+    return known->second;
+  };
+  std::set<int> told;
   std::vector<std::string> words;
-  for (const int tag : kept.tags) {
-    const std::vector<SplitLink> links = links_of(frames, kept, tag);
-    if (links.empty() || !does_join_alone(task.observations, kept, tag)) continue;
-    for (const SplitLink& link : links) {
-      const std::optional<OtherPlace> place = place_by(task, link, state);
-      if (!place) continue;
-      words.push_back(words_of(task.observations, link, *place));
-      break;
-    }
+  std::size_t asked = 0;
+  for (const SplitLink& link : links) {
+    if (told.contains(link.tag) || !joins_alone(link.tag)) continue;
+    if (words.size() == kMostTold || ++asked > kMostAsked) break;
+    const auto place = place_by(of_links, link, state);
+    if (!place) continue;
+    told.insert(link.tag);
+    words.push_back(words_of(task.observations, link, *place));
   }
   return words;
 }

@@ -84,9 +84,9 @@ std::optional<TagFinding> look_at_left_out(const PartTask& task, const Part& par
 
 /// A map cannot be held by a tag that must not be in it.
 void require_sound_held_tag(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                            const TagFinding& finding) {
+                            const std::vector<TagFinding>& known, const TagFinding& finding) {
   if (!finding.is_left_out || !is_held_by_wish(task, finding.tag)) return;
-  fail_by_held_tag(words_with_rivals(task, part, solved, finding));
+  fail_by_held_tag(words_with_rivals(task, part, solved, known, finding));
 }
 
 /// What no frame tells by itself: a wrong size may pass for a move, and a move for a bend.
@@ -110,7 +110,7 @@ void examine_by_all_views(const PartTask& task, const Part& part, AdjustedPart& 
   for (int round = 0; round < kMostFaults; ++round) {
     auto finding = find_hidden_fault(task, sound, parallel);
     if (!finding) return;
-    require_sound_held_tag(task, part, solved, *finding);
+    require_sound_held_tag(task, part, solved, findings, *finding);
     const int tag = finding->tag;
     if (finding->is_left_out && !solve_without(task, part, tag, known, solved, parallel))
       fail_after({*finding}, no_result("calibrate", kTooLittleLeft));
@@ -183,7 +183,7 @@ std::optional<std::pair<std::vector<TagFinding>, AdjustedPart>> best_by_trial(co
     // Of several that would do the one that the user holds is trusted.
     if (faults.size() > 1)
       std::erase_if(faults, [&](const TagFinding& fault) { return is_held_by_wish(task, fault.tag); });
-    for (const TagFinding& fault : faults) require_sound_held_tag(task, part, solved, fault);
+    for (const TagFinding& fault : faults) require_sound_held_tag(task, part, solved, solved.rivals, fault);
     try {
       if (auto rest = adjust_without_faults(task, part, start, faults, parallel))
         return std::pair(std::move(faults), std::move(*rest));
@@ -243,7 +243,7 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
     if (!best) break;
     if (best->finding.kind == TagFinding::Kind::kLoose)
       best->finding = places_or_loose(task, part, best->rest, std::move(best->finding));
-    require_sound_held_tag(task, part, best->rest, best->finding);
+    require_sound_held_tag(task, part, best->rest, findings, best->finding);
     known.insert(best->finding.tag);
     if (best->finding.is_left_out) solved = std::move(best->rest);
     findings.push_back(std::move(best->finding));

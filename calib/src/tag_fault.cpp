@@ -132,11 +132,12 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
            (it.cost < kMostLeft * usual ||
             (is_shape && one.cost - it.cost > kNearlyAll * (one.cost - usual)));
   };
-  const auto may_be_loose = [&](const Hypothesis& it) {
-    return it.places && it.cost - usual > kMostLeftOfPlaces * (one.cost - usual) &&
-           look.misfit > kMisfitOfLoose && is_loose(probes, one);
-  };
-  if (best != hypotheses.end() && is_explanation(*best) && !may_be_loose(*best)) {
+  const bool is_explained = best != hypotheses.end() && is_explanation(*best);
+  const bool leaves_much =
+      is_explained && best->places && best->cost - usual > kMostLeftOfPlaces * (one.cost - usual);
+  const bool is_without_place =
+      (!is_explained || leaves_much) && look.misfit > kMisfitOfLoose && is_loose(probes, one);
+  if (is_explained && !is_without_place) {
     look.finding = {.tag = tag,
                     .kind = best->kind,
                     .may_be_copies = best->may_be_copies,
@@ -146,7 +147,7 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
                     .misfit_after = best->cost / usual,
                     .num_views = probes.size(),
                     .views_by_place = views_by_place(*best, probes, task.observations)};
-  } else if (look.misfit > kMisfitOfLoose && is_loose(probes, one)) {
+  } else if (is_without_place) {
     look.finding = {.tag = tag,
                     .kind = Kind::kLoose,
                     .words = words_of_loose(name),
@@ -154,6 +155,8 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
                     .misfit_before = look.misfit,
                     .misfit_after = kMisfitOfLoose,
                     .num_views = probes.size()};
+    // It may have two places after all, and others may be at fault for it.
+    if (is_explained) look.finding->views_by_place = views_by_place(*best, probes, task.observations);
   }
   if (!look.finding) return look;
   const std::vector<ProbeView> witnesses = without_pliant_frames(task, solved, probes, one);

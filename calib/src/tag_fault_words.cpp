@@ -10,17 +10,11 @@
 namespace apriltrack {
 namespace {
 
-std::string how_far(const TwoPlaces& two) {
-  const Pose change = two.change();
-  return fmt::format("{:.3g} m and {:.1f} degrees", change.translation().norm(),
-                     rotation_angle_rad(change.rotation(), Eigen::Quaterniond::Identity()) * kDegPerRad);
-}
-
 std::string words_of_two(const TwoPlaces& two, const std::string& when, const std::string& name) {
   return fmt::format(
       "{} is seen at two places, {}, {} apart: its id hangs twice (a duplicate), or it was carried from one "
       "to the other. It is left out: cover one, or give it another id",
-      name, when, how_far(two));
+      name, when, shift_and_turn(two.change()));
 }
 
 /// As the subject of what may be said of any.
@@ -30,6 +24,11 @@ std::string one_of(const std::vector<TagKey>& tags) {
 }
 
 }  // namespace
+
+std::string shift_and_turn(const Pose& change) {
+  return fmt::format("{:.3g} m and {:.1f} degrees", change.translation().norm(),
+                     rotation_angle_rad(change.rotation(), Eigen::Quaterniond::Identity()) * kDegPerRad);
+}
 
 std::string words_of_size(const TagFit& scaled, const std::string& name) {
   const double scale = std::exp(scaled.shape.log_scale);
@@ -70,7 +69,8 @@ std::string words_of_move(const TwoPlaces& two, const std::vector<ProbeView>& pr
   return fmt::format(
       "{} was moved by {} while filming, between {:.2f} and {:.2f} s after the first frame. It is left out: "
       "film again, with all tags fixed",
-      name, how_far(two), seconds_between(begin, before.timestamp), seconds_between(begin, after.timestamp));
+      name, shift_and_turn(two.change()), seconds_between(begin, before.timestamp),
+      seconds_between(begin, after.timestamp));
 }
 
 std::string words_of_copies(const TwoPlaces& two, const std::string& name) {
@@ -98,7 +98,8 @@ std::string words_of_rivals_in_map(const std::string& words, const std::vector<T
 
 std::string words_of_rivals_instead(const std::string& words, const std::vector<TagKey>& others) {
   return fmt::format(
-      "{}. Or {} alone joins its two places, hangs twice, or was moved, instead: the views do not tell which",
+      "{}. Or {} alone joins its two places, hangs twice, or was moved, instead: the views do "
+      "not tell which; hold neither",
       words, one_of(others));
 }
 

@@ -7,6 +7,9 @@
 
 namespace apriltrack {
 
+/// "0.09 m and 3.0 degrees".
+std::string shift_and_turn(const Pose& change);
+
 // What is wrong with the tag `name`, by how much, and what to do.
 
 std::string words_of_size(const TagFit& scaled, const std::string& name);

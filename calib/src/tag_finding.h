@@ -16,7 +16,8 @@ struct TagFinding {
   bool may_be_copies = false;
   std::string words;
   bool is_left_out = false;
-  bool is_in_doubt = false;  ///< Another may be at fault in its place, and the views do not tell which.
+  bool is_in_doubt = false;   ///< Another may be at fault in its place, and the views do not tell which.
+  bool may_fold_map = false;  ///< The other is in it.
   /// What the views cost, in units of what they would if they erred as expected: with one place and the
   /// stated shape, and with what was found.
   double misfit_before = 0.0, misfit_after = 0.0;

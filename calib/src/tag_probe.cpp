@@ -8,6 +8,7 @@
 #include <span>
 
 #include "apriltrack/camera/pixel_jacobian.h"
+#include "camera_parameters.h"
 #include "cauchy_loss.h"
 #include "corner_views.h"
 #include "tag_links.h"
@@ -146,7 +147,7 @@ TagFit best_proposal(const std::vector<ProbeView>& views, double size_m) {
   best.shape.size_m = size_m;
   best.cost = HUGE_VAL;
   for (const ProbeView* probe : proposers) {
-    for (const Pose& T_map_tag : probe->T_map_tag) {
+    for (const Pose& T_map_tag : probe->T_map_tag_proposed) {
       TagFit trial = best;
       trial.T_map_tag = T_map_tag;
       trial.cost = total_cost(views, trial, kProbeLoss, best.cost);
@@ -257,6 +258,16 @@ std::map<int, FrameByOthers> frames_by_others(const PartTask& task, const Part& 
   return result;
 }
 
+/// Where views may be by the lenses that the map was solved with; empty where these are the task's, whose
+/// candidates serve.
+std::vector<ViewCandidates> candidates_by_other_lens(const PartTask& task, const AdjustedPart& solved,
+                                                     const std::vector<std::size_t>& views) {
+  if (!have_other_lenses(solved.state.cameras, task.observations.cameras)) return {};
+  Observations by_cameras = task.observations;
+  by_cameras.cameras = solved.state.cameras;
+  return solve_views(by_cameras, views, parallel_for(1));
+}
+
 }  // namespace
 
 Eigen::Matrix<double, 8, 3> residual_by_shape(const ProbeView& probe, const Pose& T_map_tag, double size_m) {
@@ -282,6 +293,7 @@ std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const
                                    int tag) {
   const std::vector<std::size_t> probed = views_to_probe(task.observations, part, tag);
   const auto others = frames_by_others(task, part, solved, tag, probed);
+  const std::vector<ViewCandidates> own_candidates = candidates_by_other_lens(task, solved, probed);
   std::vector<ProbeView> probes;
   for (const std::size_t v : probed) {
     const TagView& view = task.observations.views[v];
@@ -295,7 +307,7 @@ std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const
                     Matrix8d::Identity(),
                     frame->second.views,
                     {}};
-    const auto& candidates = task.candidates[v].candidates;
+    const auto& candidates = (own_candidates.empty() ? task.candidates : own_candidates)[v].candidates;
     Vector8d residual_px;
     Matrix8x6d by_rig;
     if (candidates.empty() ||
@@ -308,7 +320,8 @@ std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const
     const Matrix8d covariance =
         Matrix8d::Identity() + by_frame * frame->second.information.ldlt().solve(by_frame.transpose());
     probe.whitening = covariance.llt().matrixL().solve(W);
-    for (const auto& candidate : candidates) probe.T_map_tag.push_back(probe.T_map_rig * candidate.T_rig_tag);
+    for (const auto& candidate : candidates)
+      probe.T_map_tag_proposed.push_back(probe.T_map_rig * candidate.T_rig_tag);
     if (probe.whitening.allFinite()) probes.push_back(std::move(probe));
   }
   return probes;

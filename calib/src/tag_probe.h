@@ -23,8 +23,8 @@ struct ProbeView {
   /// Turns reprojection errors (px) into independent numbers of unit variance, the frame's own error
   /// included.
   Matrix8d whitening = Matrix8d::Identity();
-  std::vector<std::size_t> others = {};  ///< Views of its frame, on which the pose rests.
-  std::vector<Pose> T_map_tag = {};      ///< Where the tag may be by this view, if it has its stated size.
+  std::vector<std::size_t> others = {};       ///< Views of its frame, on which the pose rests.
+  std::vector<Pose> T_map_tag_proposed = {};  ///< Where the tag may be by this view, at its stated size.
 };
 
 /// Of the views of `tag` (outliers, too) in frames that show another tag of the solved part, up to
@@ -60,7 +60,7 @@ struct TagFit {
 
 /// Robustly; from `start`.
 TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom freedom);
-/// From the best of the poses that the largest views propose.
+/// From the best of the poses that the largest views propose. size_m: as stated.
 TagFit fit_tag_anew(const std::vector<ProbeView>& views, double size_m);
 /// The whitened residual's derivatives by a tag's scale, aspect and twist, where it is as stated; zero where
 /// the tag cannot be projected.

@@ -12,7 +12,9 @@ namespace apriltrack {
 namespace {
 
 // Smallest ratio of the second smallest singular value to the largest at which the null space is taken for a
-// line: well above rounding (1e-16), well below what a real view gives (1e-3 for a tag seen at 85 degrees).
+// line; of four points, the least determinant of three of them and the least share of each in the fourth
+// (normalised): well above rounding (1e-16), well below what a real view gives (1e-3 for a tag seen at 85
+// degrees).
 constexpr double kMinSingularRatio = 1e-9;
 
 /// The similarity that moves the points' mean to 0 and their mean distance from it to sqrt(2).
