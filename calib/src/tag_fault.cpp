@@ -54,14 +54,27 @@ double mean_edge_of(const std::vector<ProbeView>& probes) {
   return sum / static_cast<double>(probes.size());
 }
 
+/// Of a print of which one side alone is off, the one that explains more: as many unknowns as a size has.
+TagFit fit_of_one_side(const std::vector<ProbeView>& probes, const TagFit& one) {
+  TagFit width = fit_tag(probes, one, ShapeFreedom::kWidth);
+  TagFit height = fit_tag(probes, one, ShapeFreedom::kHeight);
+  TagFit& likelier = width.cost < height.cost ? width : height;
+  likelier.is_aspect_clear = true;
+  return likelier;
+}
+
 std::vector<Hypothesis> hypotheses_about(const std::vector<ProbeView>& probes, const TagFit& one,
                                          double misfit, double kept_px) {
   const double kept = kept_px / mean_edge_of(probes);  // as a share of the size
   const double size_m = one.shape.size_m;
   std::vector<Hypothesis> result;
   const TagFit scaled = fit_tag(probes, one, ShapeFreedom::kSize);
-  if (is_clear(scaled.shape.log_scale, scaled.scale_sigma, kept, kClearScale, misfit))
-    result.push_back({Kind::kSize, scaled.cost, scaled, {}});
+  if (is_clear(scaled.shape.log_scale, scaled.scale_sigma, kept, kClearScale, misfit)) {
+    TagFit side = fit_of_one_side(probes, one);
+    const bool is_one_side = side.cost < scaled.cost - kLikelierSide;
+    result.push_back(is_one_side ? Hypothesis{Kind::kNotFlat, side.cost, std::move(side), {}}
+                                 : Hypothesis{Kind::kSize, scaled.cost, scaled, {}});
+  }
   TagFit bent = fit_tag(probes, one, ShapeFreedom::kBend);
   bent.is_aspect_clear = is_clear(bent.shape.aspect, bent.aspect_sigma, kept, kClearBend, misfit);
   bent.is_twist_clear =

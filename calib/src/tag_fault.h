@@ -10,6 +10,8 @@ namespace apriltrack {
 
 // Another shape is clear by so many standard deviations, and so much of the tag's size.
 inline constexpr double kClearSigmas = 4.5, kClearScale = 0.012, kClearBend = 0.006;
+// Of half the squares, by which one side alone must explain more than the size: e^3 times as likely.
+inline constexpr double kLikelierSide = 3.0;
 
 struct TagLook {
   /// What the views of one place with the stated shape cost, in units of what they would if they erred as

@@ -45,6 +45,8 @@ struct TagShape {
 enum class ShapeFreedom {
   kNone,
   kSize,
+  kWidth,  ///< Of one side alone: a print that curls about the other is shorter along it.
+  kHeight,
   kBend  ///< Size, aspect and twist: a curled print is shorter along one side.
 };
 

@@ -28,15 +28,21 @@ bool exceeds(double value, double sigma, double least) {
 struct ShapeEstimate {
   int tag = 0;
   TagFit scaled, bent;
-  double gain_of_size = 0.0, gain_of_bend = 0.0;  ///< Half the squares they explain, in units of the noise.
+  /// Half the squares they explain, in units of the noise; of a side: that it alone is off.
+  double gain_of_size = 0.0, gain_of_side = 0.0, gain_of_bend = 0.0;
   double sigmas = 0.0, sigmas_beyond_size = 0.0;  ///< Of all three numbers together, and of two.
 
   bool is_size_clear() const { return exceeds(scaled.shape.log_scale, scaled.scale_sigma, kClearScale); }
   bool is_bend_clear() const { return bent.is_aspect_clear || bent.is_twist_clear; }
   bool is_clear() const { return is_size_clear() || is_bend_clear(); }
+  /// As many unknowns, and a better explanation.
+  bool is_one_side() const {
+    return is_size_clear() && bent.aspect_sigma > 0.0 && gain_of_side > gain_of_size + kLikelierSide;
+  }
   /// Unknowns that a bend has beside the size must pay for themselves.
   bool is_bend_likelier() const {
-    return is_bend_clear() && (!is_size_clear() || gain_of_bend - 2.0 * kFeeOfUnknown > gain_of_size);
+    return is_one_side() ||
+           (is_bend_clear() && (!is_size_clear() || gain_of_bend - 2.0 * kFeeOfUnknown > gain_of_size));
   }
   double gain() const { return is_bend_likelier() ? gain_of_bend : gain_of_size; }
 };
@@ -77,6 +83,13 @@ ShapeEstimate estimate_shape(const ParameterInformation& of_shape, const ErrorSc
   scaled.log_scale = -gradient[0] / information(0, 0);
   result.scaled.scale_sigma = std::sqrt(spread(0, 0)) / information(0, 0);
   result.gain_of_size = -0.5 * gradient[0] * scaled.log_scale / scale.noise_variance;
+  for (const double aspect : {2.0, -2.0}) {  // by the scale: of the width, of the height
+    const Eigen::Vector3d side(1.0, aspect, 0.0);
+    const double along = gradient.dot(side), squares = side.dot(information * side);
+    if (squares > 0.0)
+      result.gain_of_side =
+          std::max(result.gain_of_side, 0.5 * along * along / squares / scale.noise_variance);
+  }
 
   const Eigen::FullPivLU<Eigen::Matrix3d> factor(information);
   if (!factor.isInvertible()) return result;
@@ -180,6 +193,7 @@ void compare_with_others(std::vector<ShapeEstimate>& shapes) {
     bent.is_aspect_clear = exceeds(bent.shape.aspect, bent.aspect_sigma, kClearBend);
     bent.is_twist_clear = exceeds(bent.shape.twist, bent.twist_sigma, kClearBend);
     judge_together(one);
+    bent.is_aspect_clear = bent.is_aspect_clear || one.is_one_side();
   }
 }
 

@@ -152,6 +152,12 @@ TEST(CameraRefinement, FindsHowFarEdgesLieInside) {
   const CameraCorrection* offset = correction(result, "edge offset");
   ASSERT_NE(offset, nullptr);
   EXPECT_NEAR(offset->value, kInward_px, 5.0 * offset->sigma);
+  const auto told = testing::Contains(testing::HasSubstr("more than is usual (--edge-offset-sigma"));
+  EXPECT_THAT(result.warnings, testing::Not(told));
+  const CalibrationResult surprised =
+      calibrate(filmed.stated, filmed.frames,
+                {.edge_offset_sigma_px = 0.3 * kInward_px, .intrinsics = Intrinsics::kKeep});
+  EXPECT_THAT(surprised.warnings, told);
   const auto error = [&](const TagMap& map) {
     double squares = 0.0;
     for (const MapTag& tag : map.tags)
