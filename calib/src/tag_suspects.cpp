@@ -28,6 +28,7 @@ std::set<int> tags_rejected_often(const Observations& observations, const Part& 
 struct Disagreement {
   double squares = 0.0;  ///< Of those that were kept.
   std::size_t kept = 0, rejected = 0;
+  std::set<int> frames_of_rejected;
 
   double mean_square() const { return kept == 0 ? 0.0 : squares / static_cast<double>(kept); }
   double rejected_share() const {
@@ -40,6 +41,7 @@ struct Disagreement {
 bool does_disturb(const PartTask& task, const Part& part, const AdjustedPart& solved, int tag) {
   constexpr double kFewRejected = 0.03, kMuchMoreRejected = 2.0, kWorse = 1.3;
   constexpr std::size_t kEnough = 20;
+  constexpr std::size_t kLeastFrames = 3;  // a corner that is off, or covered, is soon over
   constexpr double kExpected = 8.0;  // of a view's squares, where others are too few to tell what is usual
   if (!std::ranges::binary_search(solved.part.tags, tag)) return true;
   std::set<int> frames_of_tag;
@@ -52,6 +54,7 @@ bool does_disturb(const PartTask& task, const Part& part, const AdjustedPart& so
     Disagreement& one = frames_of_tag.contains(view.frame) ? beside : elsewhere;
     if (!std::ranges::binary_search(solved.part.views, v)) {
       ++one.rejected;
+      one.frames_of_rejected.insert(view.frame);
       continue;
     }
     ++one.kept;
@@ -59,7 +62,8 @@ bool does_disturb(const PartTask& task, const Part& part, const AdjustedPart& so
     one.squares += whitened_residual(task.observations, view, solved.state, is_valid).squaredNorm();
   }
   const double usual = elsewhere.kept < kEnough ? kExpected : elsewhere.mean_square();
-  return beside.rejected_share() > std::max(kFewRejected, kMuchMoreRejected * elsewhere.rejected_share()) ||
+  const double usual_share = std::max(kFewRejected, kMuchMoreRejected * elsewhere.rejected_share());
+  return (beside.frames_of_rejected.size() >= kLeastFrames && beside.rejected_share() > usual_share) ||
          beside.mean_square() > kWorse * usual;
 }
 

@@ -222,5 +222,23 @@ TEST(DoesDisturb, ALooseTagAndNoSoundOne) {
   EXPECT_TRUE(disturbs(0.3, {0, 1}));
 }
 
+// Of a short film one view is a large share.
+TEST(DoesDisturb, NoTagOfWhichACornerIsOffOnce) {
+  const SyntheticWorld world = test::make_room(12, 14, test::perspective_camera());
+  const auto disturbs = [&](int num_views) {
+    std::vector<FrameDetections> frames = test::exact_detections(world);
+    add_noise(frames);
+    for (FrameDetections& frame : frames) {
+      for (Detection& detection : frame.detections)
+        if (detection.tag.id == kFaulty && num_views-- > 0) detection.corners_px[1].y() += 8.0;
+    }
+    test::AdjustedWorld one(world, frames);
+    EXPECT_LT(one.solved.part.views.size(), one.offered.views.size());
+    return does_disturb(one.task(), one.offered, one.solved, one.index_of(kFaulty));
+  };
+  EXPECT_FALSE(disturbs(1));
+  EXPECT_TRUE(disturbs(4));
+}
+
 }  // namespace
 }  // namespace apriltrack
