@@ -189,23 +189,6 @@ std::vector<RigPose> rig_poses(const Observations& observations, const PartSolut
   return poses;
 }
 
-/// Views of small tags, far off and from the front, may be explained as well by edges that lie aside as by
-/// tags that lie nearer: the scale follows.
-void warn_of_edges(const CalibrationOptions& options, const CalibrationResult& result, Findings& findings) {
-  constexpr double kUsual = 2.5;  // of the expected sizes: one camera in 80 is beyond
-  for (const CameraCorrection& one : result.corrections) {
-    if (one.parameter != "edge offset" || !(std::abs(one.value) > kUsual * options.edge_offset_sigma_px))
-      continue;
-    findings.warnings.push_back(
-        fmt::format("{}: edges are found {:.2f} px aside of where the detector has them (edge offset, sigma "
-                    "{:.2f}), more than is usual "
-                    "(--edge-offset-sigma {:.3g}): if that is wrong, so is the scale of the map. Film from "
-                    "nearer and from further "
-                    "aside, give a measured distance (--constraints), or refuse it (--edge-offset-sigma 0)",
-                    one.camera, one.value, one.sigma, options.edge_offset_sigma_px));
-  }
-}
-
 /// The cameras as the part was solved with them, and what was corrected.
 void take_cameras(const Observations& observations, const CameraRig& rig, const PartSolution& solution,
                   const CalibrationOptions& options, CalibrationResult& result, Findings& findings) {
@@ -224,7 +207,7 @@ void take_cameras(const Observations& observations, const CameraRig& rig, const 
   for (const EstimatedParameter& one : solution.cameras.refined.estimates)
     parameters.push_back(one.parameter);
   result.rig = with_corrections(rig, solution.state.cameras, parameters);
-  warn_of_edges(options, result, findings);
+  warn_of_edges(result.corrections, options, findings);
   if (is_offset_alone) return;
   findings.warnings.push_back(corrections_in_words(solution.cameras.refined, result.corrections));
 }

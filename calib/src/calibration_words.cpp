@@ -197,6 +197,22 @@ void report_resting_frames(const RestingFrames& resting, std::size_t moments_bef
     log(LogLevel::kInfo, words);
 }
 
+void warn_of_edges(const std::vector<CameraCorrection>& corrections, const CalibrationOptions& options,
+                   Findings& findings) {
+  constexpr double kUsual = 2.5;  // of the expected sizes: one camera in 80 is beyond
+  for (const CameraCorrection& one : corrections) {
+    if (one.parameter != "edge offset" || !(std::abs(one.value) > kUsual * options.edge_offset_sigma_px))
+      continue;
+    findings.warnings.push_back(fmt::format(
+        "{}: edges are found {:.2f} px aside of where the detector has them (edge offset, sigma {:.2f}), "
+        "more "
+        "than is usual (--edge-offset-sigma {:.3g}): if that is wrong, so is the scale of the map. Film from "
+        "nearer and from further aside, give a measured distance (--constraints), or refuse it "
+        "(--edge-offset-sigma 0)",
+        one.camera, one.value, one.sigma, options.edge_offset_sigma_px));
+  }
+}
+
 std::string corrections_in_words(const CameraRefinement& cameras,
                                  const std::vector<CameraCorrection>& corrections) {
   std::string words;

@@ -28,6 +28,11 @@ void report_other_parts(const Observations& observations, const std::vector<Part
 void report_resting_frames(const RestingFrames& resting, std::size_t moments_before, Findings& findings,
                            const LogSink& log);
 
+/// Where edge offsets are larger than expected: views of small tags, far off and from the front, may be
+/// explained as well by edges that lie aside as by tags that lie nearer, and the scale follows.
+void warn_of_edges(const std::vector<CameraCorrection>& corrections, const CalibrationOptions& options,
+                   Findings& findings);
+
 std::string corrections_in_words(const CameraRefinement& cameras,
                                  const std::vector<CameraCorrection>& corrections);
 
