@@ -43,8 +43,8 @@ bool adjust_without(const PartTask& task, const Part& part, const std::set<int>&
   return true;
 }
 
-std::set<int> tags_out(const AdjustedPart& solved, int tag, const std::set<int>& known) {
-  std::set<int> out{tag};
+std::set<int> tags_out(const AdjustedPart& solved, const std::set<int>& tags, const std::set<int>& known) {
+  std::set<int> out = tags;
   std::ranges::copy_if(known, std::inserter(out, out.end()),
                        [&](int one) { return !std::ranges::binary_search(solved.part.tags, one); });
   return out;

@@ -26,8 +26,8 @@ std::optional<HeldPart> part_without(const PartTask& task, const Part& part, con
 /// Error(kNoResult) where that does not settle: `solved` is as it was then.
 bool adjust_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved);
 
-/// `tag`, and those of `known` that are not in the map.
-std::set<int> tags_out(const AdjustedPart& solved, int tag, const std::set<int>& known);
+/// `tags`, and those of `known` that are not in the map.
+std::set<int> tags_out(const AdjustedPart& solved, const std::set<int>& tags, const std::set<int>& known);
 
 /// The map without some tags, from the start, for with them it may have been folded; by the cameras of
 /// `solved`, which may have been refined. Without the tag that the user holds another one is held. False

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "tag_paths.h"
 
@@ -45,16 +46,20 @@ std::set<int> tags_beside(const Observations& observations, const Part& part, co
 
 }  // namespace
 
-std::vector<int> joints_between(const Observations& observations, const Part& ties, const std::set<int>& from,
-                                const std::set<int>& to) {
+std::vector<std::set<int>> joints_between(const Observations& observations, const Part& ties,
+                                          const std::set<int>& from, const std::set<int>& to) {
   const TagPaths paths(observations, ties);
-  std::vector<int> joints = paths.shortest(from, to, -1);
-  std::erase_if(joints, [&](int tag) { return !paths.shortest(from, to, tag).empty(); });
+  std::vector<std::set<int>> joints;
+  for (const int tag : paths.shortest(from, to, {})) {
+    std::set<int> joint = paths.joint_at(tag, from, to);
+    if (!joint.empty() && std::ranges::find(joints, joint) == joints.end())
+      joints.push_back(std::move(joint));
+  }
   return joints;
 }
 
-std::vector<int> rival_tags(const Observations& observations, const Part& part, const Part& ties,
-                            const TagFinding& finding) {
+std::vector<std::set<int>> rival_tags(const Observations& observations, const Part& part, const Part& ties,
+                                      const TagFinding& finding) {
   if (finding.views_by_place[0].empty() || finding.views_by_place[1].empty()) return {};
   Part others = ties;
   std::erase(others.tags, finding.tag);

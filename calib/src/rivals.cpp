@@ -18,24 +18,44 @@ namespace {
 
 constexpr std::size_t kMostRivals = 3;  // that are left out for one tag
 
-/// Of one that may have changed its place instead of the tag that was found at two.
-TagFinding rival_finding(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                         const TagFinding& finding, int rival, std::set<int> known,
-                         const ParallelFor& parallel) {
+/// A tag, or a board of them, that may have changed its place instead of one that was found at two.
+using Rival = std::set<int>;
+
+std::vector<TagKey> keys_of_rival(const Observations& observations, const Rival& rival) {
+  return keys_of(observations, {rival.begin(), rival.end()});
+}
+
+std::vector<std::vector<TagKey>> keys_of_rivals(const Observations& observations,
+                                                const std::vector<Rival>& rivals) {
+  std::vector<std::vector<TagKey>> keys;
+  for (const Rival& rival : rivals) keys.push_back(keys_of_rival(observations, rival));
+  return keys;
+}
+
+/// Of each tag of a rival.
+std::vector<TagFinding> findings_of(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                                    const TagFinding& finding, const Rival& rival, std::set<int> known,
+                                    const ParallelFor& parallel) {
   known.erase(finding.tag);
   AdjustedPart other = solved;
-  std::optional<TagFinding> result;
-  if (solve_without(task, part, tags_out(solved, rival, known), other, parallel))
-    result = look_by(task, part, other, rival).finding;
-  if (result && !result->views_by_place[0].empty()) {
-    result->words = words_of_rival(result->words);
-  } else {
-    const std::string words = words_of_joint(to_string(key_of(task.observations, rival)),
-                                             to_string(key_of(task.observations, finding.tag)));
-    result = TagFinding{.tag = rival, .kind = finding.kind, .words = words};
+  const bool is_solved = solve_without(task, part, tags_out(solved, rival, known), other, parallel);
+  std::vector<TagFinding> findings;
+  for (const int tag : rival) {
+    std::optional<TagFinding> found;
+    if (is_solved) found = look_by(task, part, other, tag).finding;
+    if (found && !found->views_by_place[0].empty()) {
+      found->words = words_of_rival(found->words);
+    } else {
+      found = TagFinding{.tag = tag,
+                         .kind = finding.kind,
+                         .words = words_of_joint(to_string(key_of(task.observations, tag)),
+                                                 keys_of_rival(task.observations, rival),
+                                                 to_string(key_of(task.observations, finding.tag)))};
+    }
+    found->is_left_out = found->is_in_doubt = true;
+    findings.push_back(std::move(*found));
   }
-  result->is_left_out = result->is_in_doubt = true;
-  return *result;
+  return findings;
 }
 
 /// What holds the map together, and would if those in doubt were in it.
@@ -61,29 +81,35 @@ Part ties_of(const Observations& observations, const Part& part, const Part& kep
 bool leave_out_rivals_once(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
                            std::vector<TagFinding>& findings, const ParallelFor& parallel) {
   const Part ties = ties_of(task.observations, part, solved.part, findings);
+  const auto is_held = [&](const Rival& rival) {
+    return std::ranges::any_of(rival, [&](int tag) { return is_held_by_wish(task, tag); });
+  };
   std::vector<TagFinding> found;
-  std::set<int> rivals, gone;
+  std::set<int> left_out, gone;
   for (TagFinding& finding : findings) {
     if (!finding.is_left_out) continue;
-    std::vector<int> tags = rival_tags(task.observations, part, ties, finding);
-    if (tags.empty()) continue;
-    std::erase_if(tags, [&](int tag) { return !std::ranges::binary_search(solved.part.tags, tag); });
-    const bool is_held = std::ranges::any_of(tags, [&](int tag) { return is_held_by_wish(task, tag); });
+    std::vector<Rival> rivals = rival_tags(task.observations, part, ties, finding);
+    if (rivals.empty()) continue;
+    for (Rival& rival : rivals)
+      std::erase_if(rival, [&](int tag) { return !std::ranges::binary_search(solved.part.tags, tag); });
+    std::erase_if(rivals, &Rival::empty);
     finding.is_in_doubt = true;
-    if (is_held || tags.size() > kMostRivals) {
-      finding.words = words_of_rivals_in_map(finding.words, keys_of(task.observations, tags));
+    if (rivals.size() > kMostRivals || std::ranges::any_of(rivals, is_held)) {
+      finding.words = words_of_rivals_in_map(finding.words, keys_of_rivals(task.observations, rivals));
       finding.may_fold_map = true;
       continue;
     }
     finding.words = words_of_rival(finding.words);
-    for (const int tag : tags) {
-      if (!rivals.insert(tag).second) continue;
-      found.push_back(rival_finding(task, part, solved, finding, tag, known, parallel));
-      gone.merge(tags_out(solved, tag, known));
+    for (const Rival& rival : rivals) {
+      if (std::ranges::includes(left_out, rival)) continue;
+      left_out.insert(rival.begin(), rival.end());
+      std::ranges::move(findings_of(task, part, solved, finding, rival, known, parallel),
+                        std::back_inserter(found));
+      gone.merge(tags_out(solved, rival, known));
     }
   }
   if (found.empty()) return false;
-  known.insert(rivals.begin(), rivals.end());
+  known.insert(left_out.begin(), left_out.end());
   std::ranges::move(found, std::back_inserter(findings));
   if (!solve_without(task, part, gone, solved, parallel))
     fail_after(findings, no_result("calibrate", kTooLittleLeft));
@@ -102,9 +128,9 @@ void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solv
 std::string words_with_rivals(const PartTask& task, const Part& part, const AdjustedPart& solved,
                               const std::vector<TagFinding>& known, const TagFinding& finding) {
   const Part ties = ties_of(task.observations, part, solved.part, known);
-  const std::vector<int> rivals = rival_tags(task.observations, part, ties, finding);
+  const std::vector<Rival> rivals = rival_tags(task.observations, part, ties, finding);
   return rivals.empty() ? finding.words
-                        : words_of_rivals_instead(finding.words, keys_of(task.observations, rivals));
+                        : words_of_rivals_instead(finding.words, keys_of_rivals(task.observations, rivals));
 }
 
 }  // namespace apriltrack

@@ -50,44 +50,32 @@ ViewsByFrame by_frame(const Observations& observations, const Part& part) {
   return frames;
 }
 
-/// In how many frames two tags are seen together.
-class JointFrames {
- public:
-  explicit JointFrames(const ViewsByFrame& frames) {
-    for (const auto& [frame, tags] : frames)
-      for (const auto& [tag, views] : tags) of_tag_[tag].push_back(frame);
-  }
-
-  std::size_t count(int a, int b) const {
-    std::vector<int> both;
-    std::ranges::set_intersection(of_tag_.at(a), of_tag_.at(b), std::back_inserter(both));
-    return both.size();
-  }
-
- private:
-  std::map<int, std::vector<int>> of_tag_;  ///< Sorted.
-};
-
-/// Of all pairs of tags that some frames show, in part of which the map keeps no view of the first. Most such
-/// frames first.
+/// Of all pairs of tags that some frames show, in part of which the map keeps no view of one. Each is told
+/// of either, for the other may be what hangs twice. Most such frames first.
 std::vector<SplitLink> lost_in_part(const Observations& observations, const Part& offered, const Part& kept) {
   const ViewsByFrame frames = by_frame(observations, offered);
   std::map<std::pair<int, int>, SplitLink> links;
+  const auto add = [&](int tag, int beside, int frame, const std::vector<std::size_t>& views) {
+    links.try_emplace({tag, beside}, SplitLink{tag, beside, {}, 0}).first->second.views_of_frame[frame] =
+        views;
+  };
   for (const auto& [frame, tags] : frames) {
     for (const auto& [tag, own] : tags) {
       if (std::ranges::any_of(own, [&](std::size_t v) { return std::ranges::binary_search(kept.views, v); }))
         continue;
       for (const auto& [beside, others] : tags) {
         if (beside == tag) continue;
-        SplitLink& link = links.try_emplace({tag, beside}, SplitLink{tag, beside, {}, 0}).first->second;
-        std::ranges::merge(own, others, std::back_inserter(link.views_of_frame[frame]));
+        std::vector<std::size_t> views;
+        std::ranges::merge(own, others, std::back_inserter(views));
+        add(tag, beside, frame, views);
+        add(beside, tag, frame, views);
       }
     }
   }
-  const JointFrames joint(frames);
+  const TagPaths seen(observations, offered);
   std::vector<SplitLink> split;
   for (auto& [tags, link] : links) {
-    link.num_frames = joint.count(link.tag, link.beside);
+    link.num_frames = seen.num_joint_frames(link.tag, link.beside);
     if (link.views_of_frame.size() < link.num_frames) split.push_back(std::move(link));
   }
   std::ranges::stable_sort(split, std::greater<>(),
@@ -135,16 +123,20 @@ std::optional<OtherPlace> place_by(const PartTask& task, const SplitLink& link, 
   return is_other ? std::optional(place) : std::nullopt;
 }
 
-std::string words_of(const Observations& observations, const SplitLink& link, const OtherPlace& place) {
+std::string words_of(const Observations& observations, const SplitLink& link, const std::set<int>& joint,
+                     const OtherPlace& place) {
+  const std::string tag = to_string(key_of(observations, link.tag));
+  const std::string board = list_tags(keys_of(observations, {joint.begin(), joint.end()}));
   return fmt::format(
-      "{0} and {1} are seen together in {2} frames, of which {3} {0} {4} from where the map has it. {0} "
+      "{0} and {1} are seen together in {2} frames, of which {3} {0} {4} from where the map has it. {5} "
       "alone "
-      "joins other tags to the map: if it hangs twice (a duplicate) or was moved, the map may be folded "
-      "there. "
-      "Look for a second {0}, and film it together with more of the others",
-      to_string(key_of(observations, link.tag)), to_string(key_of(observations, link.beside)),
-      link.num_frames, place.num_frames == 1 ? "1 shows" : fmt::format("{} show", place.num_frames),
-      shift_and_turn(place.change));
+      "{6} other tags to the map: if {7} twice (a duplicate) or {8} moved, the map may be folded there. Look "
+      "for a second {5}, and film {9} together with more of the others",
+      tag, to_string(key_of(observations, link.beside)), link.num_frames,
+      place.num_frames == 1 ? "1 shows" : fmt::format("{} show", place.num_frames),
+      shift_and_turn(place.change), board, joint.size() == 1 ? "joins" : "join",
+      joint.size() == 1 ? "it hangs" : "they hang", joint.size() == 1 ? "was" : "were",
+      joint.size() == 1 ? "it" : "them");
 }
 
 }  // namespace
@@ -160,22 +152,23 @@ std::vector<std::string> words_of_split_links(const PartTask& task, const Part& 
   options.min_views = 1;
   const PartTask of_links{by_cameras, task.candidates, options};
   const TagPaths paths(task.observations, kept);
-  std::map<int, bool> are_joints;
-  const auto joins_alone = [&](int tag) {
-    const auto [known, is_new] = are_joints.try_emplace(tag, false);
-    if (is_new) known->second = paths.does_join_alone(tag);
+  std::map<int, std::set<int>> known_joints;
+  const auto joint_at = [&](int tag) -> const std::set<int>& {
+    const auto [known, is_new] = known_joints.try_emplace(tag);
+    if (is_new) known->second = paths.joint_at(tag);
     return known->second;
   };
   std::set<int> told;
   std::vector<std::string> words;
   std::size_t asked = 0;
   for (const SplitLink& link : links) {
-    if (told.contains(link.tag) || !joins_alone(link.tag)) continue;
+    const std::set<int>& joint = joint_at(link.tag);
+    if (told.contains(link.tag) || joint.empty() || joint.contains(link.beside)) continue;
     if (words.size() == kMostTold || ++asked > kMostAsked) break;
     const auto place = place_by(of_links, link, state);
     if (!place) continue;
-    told.insert(link.tag);
-    words.push_back(words_of(task.observations, link, *place));
+    told.insert(joint.begin(), joint.end());
+    words.push_back(words_of(task.observations, link, joint, *place));
   }
   return words;
 }

@@ -34,7 +34,7 @@ struct Absence {
 /// And without those that are `known`, and not in the map.
 bool solve_without(const PartTask& task, const Part& part, int tag, const std::set<int>& known,
                    AdjustedPart& solved, const ParallelFor& parallel) {
-  return solve_without(task, part, tags_out(solved, tag, known), solved, parallel);
+  return solve_without(task, part, tags_out(solved, {tag}, known), solved, parallel);
 }
 
 /// Null where nothing is wrong with the tag by the map without it, nor by the one with it: without a tag that

@@ -1,6 +1,7 @@
 #include "tag_fault_words.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,9 +19,12 @@ std::string words_of_two(const TwoPlaces& two, const std::string& when, const st
 }
 
 /// As the subject of what may be said of any.
-std::string one_of(const std::vector<TagKey>& tags) {
-  return tags.size() == 1 ? to_string(tags.front()) + ", which"
-                          : "one of " + list_tags(tags) + ", each of which";
+std::string one_of(const std::vector<std::vector<TagKey>>& joints) {
+  std::vector<std::string> names;
+  for (const std::vector<TagKey>& tags : joints)
+    names.push_back((tags.size() == 1 ? "" : "the board of ") + list_tags(tags));
+  return joints.size() == 1 ? names.front() + ", which"
+                            : fmt::format("one of {}, each of which", fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -89,26 +93,27 @@ std::string words_of_rival(const std::string& words) {
   return words.ends_with(another) ? words : words + another;
 }
 
-std::string words_of_rivals_in_map(const std::string& words, const std::vector<TagKey>& others) {
+std::string words_of_rivals_in_map(const std::string& words, const std::vector<std::vector<TagKey>>& others) {
   const std::string way_out = ": then the map is folded there. Film them at both places together with others";
   if (words.ends_with(way_out)) return words;
   return fmt::format("{}. Or {} alone joins its two places, hangs twice, or was moved{}", words,
                      one_of(others), way_out);
 }
 
-std::string words_of_rivals_instead(const std::string& words, const std::vector<TagKey>& others) {
+std::string words_of_rivals_instead(const std::string& words,
+                                    const std::vector<std::vector<TagKey>>& others) {
   return fmt::format(
       "{}. Or {} alone joins its two places, hangs twice, or was moved, instead: the views do "
       "not tell which; hold neither",
       words, one_of(others));
 }
 
-std::string words_of_joint(const std::string& name, const std::string& of_two_places) {
+std::string words_of_joint(const std::string& name, const std::vector<TagKey>& board,
+                           const std::string& of_two_places) {
   return fmt::format(
-      "{} alone joins the two places at which {} is seen: it may be what hangs twice (a duplicate), or was "
-      "carried "
-      "to another place, instead. It is left out: film both together with other tags",
-      name, of_two_places);
+      "{}{} alone joins the two places at which {} is seen: it may be what hangs twice (a duplicate), or was "
+      "carried to another place, instead. It is left out: film both together with other tags",
+      name, board.size() == 1 ? "" : fmt::format(" (of the board of {})", list_tags(board)), of_two_places);
 }
 
 }  // namespace apriltrack

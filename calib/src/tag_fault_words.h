@@ -21,11 +21,12 @@ std::string words_of_copies(const TwoPlaces& two, const std::string& name);
 std::string words_of_loose(const std::string& name);
 /// What is said of a tag, where another may be at fault in its place; once.
 std::string words_of_rival(const std::string& words);
-/// Where another may be that stays in the map, or one of several.
-std::string words_of_rivals_in_map(const std::string& words, const std::vector<TagKey>& others);
+/// Where another may be that stays in the map, or one of several: tags, or boards of them.
+std::string words_of_rivals_in_map(const std::string& words, const std::vector<std::vector<TagKey>>& others);
 /// Where another may be, or one of several, and there is no map.
-std::string words_of_rivals_instead(const std::string& words, const std::vector<TagKey>& others);
-/// Of the only tag that joins the two places at which another was found.
-std::string words_of_joint(const std::string& name, const std::string& of_two_places);
+std::string words_of_rivals_instead(const std::string& words, const std::vector<std::vector<TagKey>>& others);
+/// Of the only tag that joins the two places at which another was found, or one of the board that does.
+std::string words_of_joint(const std::string& name, const std::vector<TagKey>& board,
+                           const std::string& of_two_places);
 
 }  // namespace apriltrack

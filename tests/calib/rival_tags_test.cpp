@@ -29,6 +29,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using ::testing::UnorderedElementsAre;
 
 constexpr int kSuspect = 0;
 
@@ -60,16 +61,28 @@ struct SeenTogether {
     std::ranges::sort(part.tags);
   }
 
-  std::vector<int> rivals() const { return rival_tags(observations, part, part, finding); }
+  std::vector<std::set<int>> rivals() const { return rival_tags(observations, part, part, finding); }
 };
 
 TEST(RivalTags, AreThoseThatAloneJoinTheTwoPlaces) {
-  EXPECT_THAT(SeenTogether({{0, 1, 2}, {1, 2, 3}, {0, 3, 4}, {0, 4, 5}}, 2).rivals(), ElementsAre(3));
+  EXPECT_THAT(SeenTogether({{0, 1, 2}, {1, 2, 3}, {0, 3, 4}, {0, 4, 5}}, 2).rivals(),
+              ElementsAre(std::set{3}));
 }
 
 TEST(RivalTags, AreAllOfAChain) {
   EXPECT_THAT(SeenTogether({{0, 1}, {1, 2}, {2, 3}, {0, 3}}, 2).rivals(),
-              testing::UnorderedElementsAre(1, 2, 3));
+              UnorderedElementsAre(std::set{1}, std::set{2}, std::set{3}));
+}
+
+// Two tags on one board are carried, and hang twice, together.
+TEST(RivalTags, AreBoardsThatAloneJoinTheTwoPlaces) {
+  EXPECT_THAT(SeenTogether({{0, 1, 3, 4}, {1, 3, 4}, {0, 3, 4, 5}, {0, 3, 4}}, 2).rivals(),
+              ElementsAre(std::set{3, 4}));
+  EXPECT_THAT(SeenTogether({{0, 3, 4}, {1, 3, 4}, {0, 3, 4, 5}}, 2).rivals(), ElementsAre(std::set{3, 4}));
+}
+
+TEST(RivalTags, AreNoBoardWhereOneIsSeenAloneAsWell) {
+  EXPECT_THAT(SeenTogether({{0, 1, 3, 4}, {1, 3}, {1, 4}, {0, 3, 4, 5}}, 3).rivals(), IsEmpty());
 }
 
 TEST(RivalTags, AreNoneWhereTheyAreJoinedTwice) {
@@ -78,7 +91,7 @@ TEST(RivalTags, AreNoneWhereTheyAreJoinedTwice) {
 }
 
 TEST(RivalTags, AreSeenWithTheSuspectAloneAtOneOfItsPlaces) {
-  EXPECT_THAT(SeenTogether({{0, 1, 2}, {1, 2, 3}, {0, 3}}, 2).rivals(), ElementsAre(3));
+  EXPECT_THAT(SeenTogether({{0, 1, 2}, {1, 2, 3}, {0, 3}}, 2).rivals(), ElementsAre(std::set{3}));
 }
 
 // The map gave up the frame that joins them a second time.
@@ -87,7 +100,7 @@ TEST(RivalTags, AreToldByWhatTheMapRestsOn) {
   EXPECT_THAT(one.rivals(), IsEmpty());
   Part kept = one.part;
   std::erase_if(kept.views, [&](std::size_t v) { return one.observations.views[v].frame == 2; });
-  EXPECT_THAT(rival_tags(one.observations, one.part, kept, one.finding), ElementsAre(3));
+  EXPECT_THAT(rival_tags(one.observations, one.part, kept, one.finding), ElementsAre(std::set{3}));
 }
 
 // Of many views some are looked at; the others are where those before and after them are.
@@ -270,6 +283,57 @@ TEST(SplitLinks, AreNoneInASoundCorridor) {
       }
     }
   }
+}
+
+/// A corridor of eight boards of two tags, of which each frame shows two neighbours; the board at the place
+/// of the fifth is a copy of the third, and is seen with the fourth in few frames.
+CalibrationResult map_of_boards(int frames_with_copy) {
+  constexpr int kBoards = 8, kShown = 8;
+  SyntheticWorld world;
+  world.rig.cameras.push_back(test::perspective_camera());
+  for (int i = 0; i < kBoards; ++i) {
+    const Pose T_world_board = test::looking_along({0.9 * i, 2.0, 0.1 * (i % 2)}, {0.1 * (i % 3), 1.0, 0.0});
+    test::add_tag(world, 0.15, T_world_board);
+    test::add_tag(world, 0.15, T_world_board * Pose(Eigen::Quaterniond::Identity(), {0.2, 0.0, 0.0}));
+  }
+  std::vector<int> first_of_frame;
+  for (int k = 0; k < kShown * (kBoards - 1); ++k) {
+    const int first = k % (kBoards - 1);
+    if (first == 3 && k / (kBoards - 1) >= frames_with_copy) continue;
+    first_of_frame.push_back(first);
+    world.T_world_rig.push_back(test::looking_along(
+        {0.9 * first + 0.5 + 0.7 * std::sin(1.1 * k), 0.1 * std::cos(0.7 * k), 0.5 * std::sin(0.9 * k)},
+        {0.0, 1.0, 0.0}));
+  }
+  std::vector<FrameDetections> frames = test::exact_detections(world);
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    std::erase_if(frames[f].detections, [&](const Detection& one) {
+      return one.tag.id / 2 < first_of_frame[f] || one.tag.id / 2 > first_of_frame[f] + 1;
+    });
+    for (Detection& one : frames[f].detections)
+      if (one.tag.id == 8 || one.tag.id == 9) one.tag.id -= 4;
+  }
+  RandomStream random(65);
+  test::add_edge_noise(frames, 0.1, -0.45, random);
+  const CalibrationResult result = calibrate(world, frames);
+  if (result.map.find(tag36h11(4)) == nullptr) expect_truth(world, result.map, result.held_tag, 0.02, 0.05);
+  return result;
+}
+
+// Each tag of a board joins no two others alone; the board does.
+TEST(RivalTags, AreBoardsThatHangTwice) {
+  const CalibrationResult result = map_of_boards(3);
+  for (const int id : {4, 5, 6, 7}) {
+    EXPECT_EQ(result.map.find(tag36h11(id)), nullptr) << id;
+    EXPECT_THAT(result.warnings,
+                Contains(AllOf(HasSubstr(to_string(tag36h11(id))), HasSubstr("hangs twice"))));
+  }
+}
+
+TEST(SplitLinks, AreToldOfABoardThatAloneJoinsOthers) {
+  EXPECT_THAT(
+      map_of_boards(1).warnings,
+      Contains(AllOf(HasSubstr("tag36h11/4, tag36h11/5 alone join other tags"), HasSubstr("folded"))));
 }
 
 }  // namespace
