@@ -6,6 +6,7 @@
 
 #include "apriltrack/base/check.h"
 #include "cauchy_loss.h"
+#include "spread_selection.h"
 #include "tag_links.h"
 
 namespace apriltrack {

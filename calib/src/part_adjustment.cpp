@@ -154,9 +154,9 @@ AdjustedPart adjust_part(const PartTask& task, const Part& offered, int held_tag
   for (int round = 0; round < kMaxRounds; ++round) {
     // First by all views; then by those that fit, whose noise is known, and tells poses apart that outliers
     // hid.
-    if (!turn_mirrored_groups(observations, part, held_tag, result.state, parallel)) {
+    if (!turn_mirrored_groups(task, part, held_tag, result.state, parallel)) {
       result.part = adjust_cleanly(task, part, held_tag, result.state);
-      if (!turn_mirrored_groups(observations, part, held_tag, result.state, parallel)) break;
+      if (!turn_mirrored_groups(task, part, held_tag, result.state, parallel)) break;
     }
     adjust_robustly(observations, part, held_tag, options, result.state);
     result.part = {};

@@ -7,6 +7,7 @@
 
 #include "apriltrack/base/disjoint_sets.h"
 #include "apriltrack/geometry/rotation.h"
+#include "spread_selection.h"
 
 namespace apriltrack {
 namespace {
@@ -91,11 +92,7 @@ double support_of(const RelativeCandidate& center, const std::vector<RelativeCan
 std::optional<TagLink> dominant_mode(const Observations& observations, std::pair<int, int> tags,
                                      const std::vector<JointView>& joint_views,
                                      const std::vector<ViewCandidates>& candidates) {
-  std::vector<std::size_t> indices(joint_views.size());
-  for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = i;
-  std::vector<JointView> selected;
-  for (const std::size_t i : spread_selection(indices, kMaxFramesPerPair)) selected.push_back(joint_views[i]);
-
+  const std::vector<JointView> selected = spread_selection(joint_views, kMaxFramesPerPair);
   const auto all = relative_candidates(observations, selected, candidates);
   std::optional<TagLink> best;
   for (const RelativeCandidate& center : all) {
@@ -106,13 +103,6 @@ std::optional<TagLink> dominant_mode(const Observations& observations, std::pair
 }
 
 }  // namespace
-
-std::vector<std::size_t> spread_selection(const std::vector<std::size_t>& items, std::size_t limit) {
-  if (items.size() <= limit) return items;
-  std::vector<std::size_t> selected;
-  for (std::size_t i = 0; i < limit; ++i) selected.push_back(items[i * (items.size() - 1) / (limit - 1)]);
-  return selected;
-}
 
 std::vector<TagLink> find_links(const Observations& observations, const Part& part,
                                 const std::vector<ViewCandidates>& candidates, const ParallelFor& parallel) {

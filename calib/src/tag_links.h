@@ -25,7 +25,4 @@ std::vector<TagLink> find_links(const Observations& observations, const Part& pa
 /// observations.tags, nullopt for tags that the tree does not reach.
 std::vector<std::optional<Pose>> poses_along_tree(std::size_t num_tags, int root, std::vector<TagLink> links);
 
-/// At most `limit` of `items`, evenly spread.
-std::vector<std::size_t> spread_selection(const std::vector<std::size_t>& items, std::size_t limit);
-
 }  // namespace apriltrack

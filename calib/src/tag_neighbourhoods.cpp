@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "part_adjustment.h"
-#include "tag_links.h"
+#include "spread_selection.h"
 
 namespace apriltrack {
 namespace {

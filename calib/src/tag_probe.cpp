@@ -11,7 +11,7 @@
 #include "camera_parameters.h"
 #include "cauchy_loss.h"
 #include "corner_views.h"
-#include "tag_links.h"
+#include "spread_selection.h"
 
 namespace apriltrack {
 namespace {

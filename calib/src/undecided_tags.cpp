@@ -25,8 +25,7 @@ int views_of(const std::map<int, int>& views, const std::vector<int>& tags) {
 /// Of two sides of a joint that is open, the one with fewer views goes; where the user holds a tag of the
 /// part, the side that has fewer tags.
 std::set<int> tags_to_go(const PartTask& task, const AdjustedPart& solved, const ParallelFor& parallel) {
-  const std::vector<std::vector<int>> groups =
-      undecided_groups(task.observations, solved.part, solved.state, parallel);
+  const std::vector<std::vector<int>> groups = undecided_groups(task, solved.part, solved.state, parallel);
   const std::map<int, int> views = count_views(task.observations, solved.part);
   std::set<int> undecided;
   for (const std::vector<int>& group : groups) undecided.insert(group.begin(), group.end());

@@ -71,14 +71,14 @@ TEST(MirrorTest, TurnsATagBack) {
   move_tags(mirroring(one, 2), {2}, one.solved.state);
   ASSERT_GT(rotation_angle_rad(one.solved.state.T_map_tag[2].rotation(), truth.T_map_tag[2].rotation()),
             5.0 * kRadPerDeg);
-  EXPECT_TRUE(turn_mirrored_groups(one.observations, one.solved.part, 0, one.solved.state, parallel_for(1)));
+  EXPECT_TRUE(turn_mirrored_groups(one.task(), one.solved.part, 0, one.solved.state, parallel_for(1)));
   expect_tags(one.solved.state, truth);
 }
 
 TEST(MirrorTest, LeavesWhatIsRightAsItIs) {
   AdjustedWorld one = chain_from_the_front();
   const MapState truth = one.solved.state;
-  EXPECT_FALSE(turn_mirrored_groups(one.observations, one.solved.part, 0, one.solved.state, parallel_for(1)));
+  EXPECT_FALSE(turn_mirrored_groups(one.task(), one.solved.part, 0, one.solved.state, parallel_for(1)));
   for (std::size_t i = 0; i < kTagsOfChain; ++i)
     EXPECT_EQ(one.solved.state.T_map_tag[i].matrix(), truth.T_map_tag[i].matrix());
 }
