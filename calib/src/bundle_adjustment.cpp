@@ -66,8 +66,8 @@ class StopCallback : public ceres::IterationCallback {
   const ShouldStop& should_stop_;
 };
 
-/// A robust fit is where outliers are chosen, and where the next one starts: it ends where a step gains less
-/// than counts, unless it creeps, and may gain as much by each of many more.
+/// A fit that another one follows, as a robust one, by which outliers are chosen, ends where a step gains
+/// less than counts, unless it creeps, and may gain as much by each of many more.
 class EnoughCallback : public ceres::IterationCallback {
  public:
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
@@ -91,7 +91,8 @@ bool can_be_projected(const Observations& observations, const TagView& view, con
 }  // namespace
 
 AdjustmentOptions adjustment_options(const CalibrationOptions& options, double loss_scale) {
-  return {loss_scale, options.max_iterations, options.should_stop};
+  return {
+      .loss_scale = loss_scale, .max_iterations = options.max_iterations, .should_stop = options.should_stop};
 }
 
 BundleProblem::Blocks BundleProblem::make_blocks(const std::set<int>& keys, const std::vector<Pose>& poses) {
@@ -132,7 +133,6 @@ BundleProblem::BundleProblem(const Observations& observations, const std::vector
     problem_.AddResidualBlock(cost, loss, tag_block(view->tag),
                               frames_.blocks[frames_.index.at(view->frame)].data());
   }
-  is_robust_ = loss != nullptr;
   for (const int tag : tags) {
     if (std::find(free_tags.begin(), free_tags.end(), tag) == free_tags.end())
       problem_.SetParameterBlockConstant(tag_block(tag));
@@ -156,18 +156,18 @@ ceres::Solver::Options BundleProblem::solver_options() {
   return options;
 }
 
-AdjustmentSummary BundleProblem::solve(int max_iterations, const ShouldStop& should_stop) {
+AdjustmentSummary BundleProblem::solve(const AdjustmentOptions& how) {
   if (tags_.blocks.empty()) return {false, false, 0.0, "no view can be projected"};
-  StopCallback stop(should_stop);
+  StopCallback stop(how.should_stop);
   EnoughCallback enough;
   ceres::Solver::Options options = solver_options();
   options.callbacks.push_back(&stop);
-  if (is_robust_) options.callbacks.push_back(&enough);
-  options.max_num_iterations = std::min(max_iterations, kPlainIterations);
+  if (how.ends_early || how.loss_scale > 0.0) options.callbacks.push_back(&enough);
+  options.max_num_iterations = std::min(how.max_iterations, kPlainIterations);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);
-  if (summary.termination_type == ceres::NO_CONVERGENCE && max_iterations > kPlainIterations) {
-    options.max_num_iterations = max_iterations - kPlainIterations;
+  if (summary.termination_type == ceres::NO_CONVERGENCE && how.max_iterations > kPlainIterations) {
+    options.max_num_iterations = how.max_iterations - kPlainIterations;
     options.use_inner_iterations = true;
     options.function_tolerance =
         std::max(options.function_tolerance, kNegligibleDecrease / problem_.NumResiduals());
@@ -190,7 +190,7 @@ AdjustmentSummary adjust(const Observations& observations, const std::vector<std
                          const std::vector<int>& free_tags, const AdjustmentOptions& options,
                          MapState& state) {
   BundleProblem problem(observations, views, free_tags, state, options.loss_scale);
-  const AdjustmentSummary summary = problem.solve(options.max_iterations, options.should_stop);
+  const AdjustmentSummary summary = problem.solve(options);
   if (summary.is_usable) problem.write_back(state);
   return summary;
 }

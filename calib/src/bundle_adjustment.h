@@ -20,6 +20,8 @@ struct AdjustmentOptions {
   /// squares.
   double loss_scale = 0.0;
   int max_iterations = 100;
+  /// Ends where a step gains less than counts, unless it creeps; a robust fit always does.
+  bool ends_early = false;
   ShouldStop should_stop = {};  ///< Asked after each iteration.
 };
 
@@ -43,7 +45,7 @@ class BundleProblem {
                 const std::vector<int>& free_tags, const MapState& state, double loss_scale);
 
   /// Throws Stopped.
-  AdjustmentSummary solve(int max_iterations, const ShouldStop& should_stop);
+  AdjustmentSummary solve(const AdjustmentOptions& how);
   void write_back(MapState& state) const;
 
   ceres::Problem& problem() { return problem_; }
@@ -61,7 +63,6 @@ class BundleProblem {
   static Blocks make_blocks(const std::set<int>& keys, const std::vector<Pose>& poses);
   void add_blocks(Blocks& blocks, ceres::Manifold* manifold);
 
-  bool is_robust_ = false;
   ceres::Problem problem_;
   Blocks tags_;
   Blocks frames_;

@@ -291,7 +291,7 @@ void take_statistics(const Observations& observations, const PartSolution& solut
 
 /// What all parts are solved with.
 struct PartsTask {
-  const Observations& observations;
+  Observations& observations;
   const std::vector<RigCamera>& start;
   const std::vector<ViewCandidates>& candidates;
   const CalibrationOptions& options;
@@ -365,8 +365,8 @@ CalibrationResult calibrated(std::span<const FrameDetections> frames, const Came
   take_statistics(observations, main, options, result);
   result.rig_poses = rig_poses(observations, main);
   if (options.cross_validate) result.cross_validation = cross_validate(observations, main, options);
-  const auto refined = parts.size() > 1 ? refined_for_parts(observations, main, options) : std::nullopt;
-  const Observations& of_parts = refined ? refined->observations : observations;
+  auto refined = parts.size() > 1 ? refined_for_parts(observations, main, options) : std::nullopt;
+  Observations& of_parts = refined ? refined->observations : observations;
   for (std::size_t i = 1; i < parts.size(); ++i) {
     if (refined) candidates = solve_views(of_parts, parts[i].views, parallel);
     add_part({of_parts, refined ? of_parts.cameras : start, candidates, refined ? refined->options : options,

@@ -154,12 +154,18 @@ class Fit {
   int step_number_ = 0;
 };
 
+/// For what is compared as a whole.
+AdjustmentOptions nearly_settled(const PartTask& task) {
+  AdjustmentOptions how = adjustment_options(task.options);
+  how.ends_early = true;
+  return how;
+}
+
 /// Squared disagreement of each group of frames, their poses fitted to the map as it is; nullopt where these
 /// do not settle.
 std::optional<std::map<int, double>> disagreements(const PartTask& task,
                                                    const std::vector<std::size_t>& views, MapState state) {
-  const AdjustmentSummary summary =
-      adjust(task.observations, views, {}, adjustment_options(task.options), state);
+  const AdjustmentSummary summary = adjust(task.observations, views, {}, nearly_settled(task), state);
   if (!summary.is_usable || !summary.has_converged) return std::nullopt;
   std::map<int, double> of_frames;
   for (const std::size_t v : views) {
@@ -235,9 +241,8 @@ std::optional<std::string> hold_out(const PartTask& task, const std::vector<Came
   });
   if (others.tags.size() < 2 || views.held_out.empty()) return "too few frames to hold some out";
   MapState before = solved.state;
-  const AdjustmentSummary summary =
-      adjust(task.observations, others.views, free_tags(others, solved.held_tag),
-             adjustment_options(task.options), before);
+  const AdjustmentSummary summary = adjust(task.observations, others.views,
+                                           free_tags(others, solved.held_tag), nearly_settled(task), before);
   if (!summary.is_usable || !summary.has_converged)
     return "the map without the held-out frames does not settle";
   MapState after = before;

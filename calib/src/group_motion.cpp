@@ -67,18 +67,15 @@ class GroupFit {
   }
 
   GroupMotion run(const GroupMotion& start, double wanted_cost) const {
-    Motion best{start.motion, {}, 0.0};
-    for (const int frame : frames_) {
-      const auto given = start.T_map_rig.find(frame);
-      best.T_map_rig.push_back(
-          given != start.T_map_rig.end() ? given->second : state_.T_map_rig[static_cast<std::size_t>(frame)]);
-    }
+    Motion best = from(start);
     descend(best, wanted_cost);
     GroupMotion result{best.motion, {}, best.cost};
     for (std::size_t i = 0; i < frames_.size(); ++i)
       result.T_map_rig.emplace_hint(result.T_map_rig.end(), frames_[i], best.T_map_rig[i]);
     return result;
   }
+
+  double cost_at(const GroupMotion& start) const { return cost(from(start)); }
 
  private:
   struct View {
@@ -88,6 +85,16 @@ class GroupFit {
     bool moves;
     Eigen::Matrix<double, 6, 6> tag_by_motion;  ///< About the group's middle.
   };
+
+  Motion from(const GroupMotion& start) const {
+    Motion motion{start.motion, {}, 0.0};
+    for (const int frame : frames_) {
+      const auto given = start.T_map_rig.find(frame);
+      motion.T_map_rig.push_back(
+          given != start.T_map_rig.end() ? given->second : state_.T_map_rig[static_cast<std::size_t>(frame)]);
+    }
+    return motion;
+  }
 
   void descend(Motion& best, double wanted_cost) const {
     best.cost = cost(best);
@@ -195,6 +202,11 @@ GroupMotion fit_group_motion(const Observations& observations, const std::vector
                              const std::vector<int>& group, const MapState& state, const GroupMotion& start,
                              double wanted_cost) {
   return GroupFit(observations, views, group, state).run(start, wanted_cost);
+}
+
+double cost_of_group(const Observations& observations, const std::vector<std::size_t>& views,
+                     const std::vector<int>& group, const MapState& state) {
+  return GroupFit(observations, views, group, state).cost_at({});
 }
 
 }  // namespace apriltrack

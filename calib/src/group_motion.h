@@ -23,4 +23,8 @@ GroupMotion fit_group_motion(const Observations& observations, const std::vector
                              const std::vector<int>& group, const MapState& state, const GroupMotion& start,
                              double wanted_cost = std::numeric_limits<double>::infinity());
 
+/// What the views cost where the state has the group and the frames.
+double cost_of_group(const Observations& observations, const std::vector<std::size_t>& views,
+                     const std::vector<int>& group, const MapState& state);
+
 }  // namespace apriltrack

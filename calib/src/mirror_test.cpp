@@ -32,6 +32,17 @@ struct Alternatives {
 /// turn that is missed is asked for again.
 enum class Fallback { kIsEnough, kIsAskedOfAll };
 
+bool are_apart(const GroupMotion& a, const GroupMotion& b) {
+  return rotation_angle_rad(a.motion.rotation(), b.motion.rotation()) >= kSamePose_rad;
+}
+
+/// By few frames. most: that it may cost.
+bool is_hopeless(const Observations& observations, const Hinge& hinge, const std::vector<int>& group,
+                 const MapState& state, const GroupMotion& start, double most, Fallback fallback) {
+  const GroupMotion by_few = fit_group_motion(observations, hinge.few_views, group, state, start, most);
+  return by_few.cost > most || (fallback == Fallback::kIsEnough && !are_apart(by_few, {}));
+}
+
 Alternatives alternatives(const PartTask& task, const ViewIndex& index, const std::vector<int>& group,
                           const MapState& state, Fallback fallback) {
   const Observations& observations = task.observations;
@@ -40,19 +51,18 @@ Alternatives alternatives(const PartTask& task, const ViewIndex& index, const st
   Alternatives result;
   if (starts.empty()) return result;
   std::ranges::move(proposed_starts(observations, task.candidates, state, hinge), std::back_inserter(starts));
+  if (2 * hinge.few_views.size() <= hinge.views.size()) {
+    const double most = cost_of_group(observations, hinge.views, group, state) + kDecisive;
+    std::erase_if(starts, [&](const GroupMotion& start) {
+      return is_hopeless(observations, hinge, group, state, start, most, fallback);
+    });
+  }
+  if (starts.empty()) return result;
   result.now = fit_group_motion(observations, hinge.views, group, state, {});
-  const double most = result.now.cost + kDecisive;
-  const bool are_few = 2 * hinge.few_views.size() <= hinge.views.size();
-  const auto is_another = [&](const GroupMotion& other) {
-    return rotation_angle_rad(other.motion.rotation(), result.now.motion.rotation()) >= kSamePose_rad;
-  };
   for (const GroupMotion& start : starts) {
-    if (are_few) {
-      const GroupMotion by_few = fit_group_motion(observations, hinge.few_views, group, state, start, most);
-      if (by_few.cost > most || (fallback == Fallback::kIsEnough && !is_another(by_few))) continue;
-    }
-    GroupMotion other = fit_group_motion(observations, hinge.views, group, state, start, most);
-    if (!is_another(other)) continue;
+    GroupMotion other =
+        fit_group_motion(observations, hinge.views, group, state, start, result.now.cost + kDecisive);
+    if (!are_apart(other, result.now)) continue;
     if (!result.best_other || other.cost < result.best_other->cost) result.best_other = std::move(other);
   }
   return result;

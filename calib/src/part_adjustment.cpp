@@ -122,8 +122,8 @@ Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapSta
     if (!summary.is_usable || !summary.has_converged)
       throw no_result("calibrate",
                       fmt::format("the adjustment of {} tags did not converge ({}); more views of each tag, "
-                                  "from more sides, usually help",
-                                  kept.tags.size(), summary.message));
+                                  "from more sides, usually help; else {}",
+                                  kept.tags.size(), summary.message, kWhatToCheck));
   }
   return kept;
 }

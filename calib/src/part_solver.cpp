@@ -11,6 +11,7 @@
 #include "agreeing_part.h"
 #include "apriltrack/base/error.h"
 #include "block_scatter.h"
+#include "bundle_adjustment.h"
 #include "camera_gravity.h"
 #include "contradicted_tags.h"
 #include "corner_views.h"
@@ -19,6 +20,7 @@
 #include "joint_tag_covariance.h"
 #include "lost_links.h"
 #include "part_adjustment.h"
+#include "predicted_edges.h"
 #include "reduced_equations.h"
 #include "rig_check.h"
 #include "split_links.h"
@@ -155,6 +157,15 @@ AdjustedPart adjusted_from(const std::vector<RigCamera>& start, const PartTask& 
   }
 }
 
+/// Where the part was adjusted, with weights by what was found there.
+void weigh_by_map(const PartTask& task, AdjustedPart& solved, Observations& observations) {
+  const EdgeNoise noise{task.options.corner_sigma_px, task.options.edge_end_correlation};
+  take_edges_from_map(solved.part.views, solved.state, noise, observations);
+  AdjustmentOptions how = adjustment_options(task.options);
+  how.ends_early = true;
+  adjust(observations, solved.part.views, free_tags(solved.part, solved.held_tag), how, solved.state);
+}
+
 /// Looks at each tag for faults, and leaves out what cannot be trusted. Whether that is any.
 bool leave_out_faulty(const PartTask& task, const Part& part, AdjustedPart& solved,
                       const ParallelFor& parallel, PartSolution& solution) {
@@ -227,12 +238,13 @@ void require_sense(const PartSolution& solution) {
 
 }  // namespace
 
-PartSolution solve_part(const Observations& observations, const std::vector<RigCamera>& start,
-                        const Part& part, int held_tag, const std::vector<ViewCandidates>& candidates,
+PartSolution solve_part(Observations& observations, const std::vector<RigCamera>& start, const Part& part,
+                        int held_tag, const std::vector<ViewCandidates>& candidates,
                         const CalibrationOptions& options, const std::vector<MapConstraint>& constraints,
                         const ParallelFor& parallel, const LogSink& log) {
   const PartTask task{observations, candidates, options};
   AdjustedPart solved = adjusted_from(start, task, part, held_tag, parallel, log);
+  weigh_by_map(task, solved, observations);
   PartSolution solution;
   solution.cameras = improve_cameras(task, part, parallel, log, solved);
   const std::vector<ViewCandidates>& by_cameras = solution.cameras.candidates;

@@ -9,6 +9,7 @@ namespace {
 
 // Of the frames that show either of two tags: those that show both, where the two may be on one board.
 constexpr double kAlwaysTogether = 0.8;
+constexpr std::size_t kLeastTogether = 3;  // frames: fewer show two tags together by chance
 
 std::vector<int> path_to(int tag, const std::map<int, int>& before) {
   std::vector<int> path{tag};
@@ -52,7 +53,8 @@ std::set<int> TagPaths::board_of(int tag) const {
   for (const int other : beside(tag)) {
     const std::size_t both = num_joint_frames(tag, other);
     const std::size_t either = frames_of_tag_.at(tag).size() + frames_of_tag_.at(other).size() - both;
-    if (static_cast<double>(both) >= kAlwaysTogether * static_cast<double>(either)) board.insert(other);
+    if (both >= kLeastTogether && static_cast<double>(both) >= kAlwaysTogether * static_cast<double>(either))
+      board.insert(other);
   }
   return board;
 }

@@ -5,7 +5,10 @@
 
 #include "adjusted_world.h"
 #include "apriltrack/base/degrees.h"
+#include "apriltrack/base/error.h"
 #include "apriltrack/geometry/rotation.h"
+#include "calibrating.h"
+#include "hinge_starts.h"
 #include "part_without.h"
 #include "support/pose_matchers.h"
 #include "undecided_tags.h"
@@ -114,6 +117,45 @@ TEST(UndecidedTags, BringNoTagBackThatWasLeftOutBefore) {
   leave_out_undecided(one.task(), one.offered, one.solved, parallel_for(1));
   EXPECT_THAT(one.solved.undecided, ElementsAre(1));
   EXPECT_THAT(one.solved.part.tags, ElementsAre(0, 2));
+}
+
+/// The worst error of a chain of eight tags, 22 px wide, filmed from afar in frames of two, in units of what
+/// the map states; of tags that are mapped.
+double worst_of_far_chain(std::uint64_t seed) {
+  constexpr int kTags = 8;
+  RandomStream random(seed);
+  SyntheticWorld world;
+  for (int i = 0; i < kTags; ++i)
+    test::add_tag(world, 0.12,
+                  test::looking_along({0.27 * i, 3.3 + 0.1 * random.normal(), 0.06 * random.normal()},
+                                      {0.15 * random.normal(), 1.0, 0.15 * random.normal()}));
+  world.rig.cameras.push_back(test::perspective_camera());
+  for (int k = 0; k < 8 * (kTags - 1); ++k) {
+    const double x = 0.27 * (k % (kTags - 1)) + 0.13;
+    const Eigen::Vector3d eye(x + 0.5 * random.normal(), 0.2 * std::sin(1.3 * k), 0.5 * random.normal());
+    world.T_world_rig.push_back(test::looking_along(eye, Eigen::Vector3d(x, 3.3, 0.0) - eye));
+  }
+  std::vector<FrameDetections> frames = test::exact_detections(world);
+  test::show_two_neighbours(kTags, frames);
+  test::add_edge_noise(frames, 0.2, -0.45, random);
+  try {
+    const CalibrationResult result = test::calibrate(world, frames);
+    double worst = 0.0;
+    for (const MapTag& tag : result.map.tags) {
+      if (tag.key == result.held_tag) continue;
+      const Pose truth = test::T_origin_tag(world.map, result.held_tag, tag.key);
+      const Vector6d error = (tag.T_map_tag.inverse() * truth).log();
+      worst = std::max(worst, error.dot(tag.covariance->ldlt().solve(error)) / 6.0);
+    }
+    return worst;
+  } catch (const Error& error) {
+    return error.kind() == ErrorKind::kNoResult ? 0.0 : 1e9;
+  }
+}
+
+// The tags around a mirrored one give way, until no tag's mirrored pose agrees with the map.
+TEST(MirrorTest, TurnsTagsBackThatBentTheMap) {
+  for (const std::uint64_t seed : {50, 51, 52, 53}) EXPECT_LT(worst_of_far_chain(seed), 4.0) << seed;
 }
 
 }  // namespace

@@ -1,0 +1,98 @@
+// Weights that follow the corners' own errors pull at a map: of small tags its scale shows by how much.
+#include "predicted_edges.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "adjusted_world.h"
+#include "camera_refinement.h"
+#include "part_solver.h"
+
+namespace apriltrack {
+namespace {
+
+using test::SyntheticWorld;
+
+constexpr int kTagsOfRow = 8;
+constexpr double kNoiseOfRow_px = 0.3;
+
+/// Eight tags in a row, 36 px wide, filmed from near their front, each frame two neighbours.
+SyntheticWorld row_of_small_tags(RandomStream& random, int frames_of_pair) {
+  SyntheticWorld world;
+  for (int i = 0; i < kTagsOfRow; ++i)
+    test::add_tag(world, 0.12,
+                  test::looking_along({0.17 * i, 2.0, 0.06 * random.normal()},
+                                      {0.3 * random.normal(), 1.0, 0.3 * random.normal()}));
+  world.rig.cameras.push_back(test::perspective_camera());
+  for (int k = 0; k < frames_of_pair * (kTagsOfRow - 1); ++k) {
+    const double x = 0.17 * (k % (kTagsOfRow - 1)) + 0.085;
+    const Eigen::Vector3d eye(x + 0.16 * random.normal(), 0.2 * std::sin(1.3 * k), 0.16 * random.normal());
+    world.T_world_rig.push_back(test::looking_along(eye, Eigen::Vector3d(x, 2.0, 0.0) - eye));
+  }
+  return world;
+}
+
+/// By how many of its sigmas the edge offset is found off; it is 0.
+double sigmas_off(test::AdjustedWorld& one) {
+  AdjustedPart solved = one.solved;
+  const CameraRefinement refined =
+      refine_cameras(one.task(), one.offered, edge_offset_parameters({0}, 0.2), -1.0, solved);
+  EXPECT_TRUE(refined.is_accepted) << refined.reason;
+  if (!refined.is_accepted) return 1e9;
+  return refined.estimates[0].value / refined.estimates[0].sigma;
+}
+
+std::vector<FrameDetections> film(const SyntheticWorld& world, RandomStream& random) {
+  std::vector<FrameDetections> frames = test::exact_detections(world);
+  test::show_two_neighbours(kTagsOfRow, frames);
+  test::add_edge_noise(frames, kNoiseOfRow_px, -0.45, random);
+  return frames;
+}
+
+// By weights that follow the errors, edges seem a third of a pixel aside.
+TEST(PredictedEdges, KeepTheEdgeOffsetOfSmallTags) {
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+    RandomStream random(seed);
+    const SyntheticWorld world = row_of_small_tags(random, 30);
+    test::AdjustedWorld one(world, film(world, random));
+    EXPECT_LT(sigmas_off(one), -3.0) << seed;
+    take_edges_from_map(one.solved.part.views, one.solved.state,
+                        {one.options.corner_sigma_px, one.options.edge_end_correlation}, one.observations);
+    EXPECT_LT(std::abs(sigmas_off(one)), 2.5) << seed;
+  }
+}
+
+TEST(PredictedEdges, AreThoseOfTheMap) {
+  test::AdjustedWorld one(test::make_room(6, 20, test::perspective_camera()));
+  const Observations exact = one.observations;
+  RandomStream random(7);
+  for (TagView& view : one.observations.views)
+    for (Eigen::Vector2d& corner : view.corners_px)
+      corner += 3.0 * Eigen::Vector2d(random.normal(), random.normal());
+  for (TagView& view : one.observations.views) view.whitening.setZero();
+  take_edges_from_map(one.solved.part.views, one.solved.state,
+                      {one.options.corner_sigma_px, one.options.edge_end_correlation}, one.observations);
+  for (const std::size_t v : one.solved.part.views) {
+    EXPECT_TRUE(one.observations.views[v].whitening.isApprox(exact.views[v].whitening, 1e-5)) << v;
+    EXPECT_TRUE(one.observations.views[v].inward.isApprox(exact.views[v].inward, 1e-5)) << v;
+  }
+}
+
+TEST(PredictedEdges, AreWhatAPartIsSolvedWith) {
+  RandomStream random(1);
+  const SyntheticWorld world = row_of_small_tags(random, 30);
+  test::AdjustedWorld one(world, film(world, random));
+  Observations found = one.observations, exact = one.observations;
+  const PartSolution solution = solve_part(found, found.cameras, one.offered, 0, one.candidates, one.options,
+                                           {}, parallel_for(1), silent_log());
+  take_edges_from_map(solution.part.views, solution.state,
+                      {one.options.corner_sigma_px, one.options.edge_end_correlation}, exact);
+  for (const std::size_t v : solution.part.views) {
+    EXPECT_TRUE(found.views[v].whitening.isApprox(exact.views[v].whitening, 1e-2)) << v;
+    EXPECT_FALSE(found.views[v].whitening.isApprox(one.observations.views[v].whitening, 1e-3)) << v;
+  }
+}
+
+}  // namespace
+}  // namespace apriltrack
