@@ -133,6 +133,7 @@ BundleProblem::BundleProblem(const Observations& observations, const std::vector
     problem_.AddResidualBlock(cost, loss, tag_block(view->tag),
                               frames_.blocks[frames_.index.at(view->frame)].data());
   }
+  is_robust_ = loss != nullptr;
   for (const int tag : tags) {
     if (std::find(free_tags.begin(), free_tags.end(), tag) == free_tags.end())
       problem_.SetParameterBlockConstant(tag_block(tag));
@@ -162,7 +163,7 @@ AdjustmentSummary BundleProblem::solve(const AdjustmentOptions& how) {
   EnoughCallback enough;
   ceres::Solver::Options options = solver_options();
   options.callbacks.push_back(&stop);
-  if (how.ends_early || how.loss_scale > 0.0) options.callbacks.push_back(&enough);
+  if (how.ends_early || is_robust_) options.callbacks.push_back(&enough);
   options.max_num_iterations = std::min(how.max_iterations, kPlainIterations);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);

@@ -45,6 +45,7 @@ class BundleProblem {
                 const std::vector<int>& free_tags, const MapState& state, double loss_scale);
 
   /// Throws Stopped.
+  /// The loss is the problem's own, whatever `how` has.
   AdjustmentSummary solve(const AdjustmentOptions& how);
   void write_back(MapState& state) const;
 
@@ -63,6 +64,7 @@ class BundleProblem {
   static Blocks make_blocks(const std::set<int>& keys, const std::vector<Pose>& poses);
   void add_blocks(Blocks& blocks, ceres::Manifold* manifold);
 
+  bool is_robust_ = false;
   ceres::Problem problem_;
   Blocks tags_;
   Blocks frames_;

@@ -154,7 +154,7 @@ class Fit {
   int step_number_ = 0;
 };
 
-/// For what is compared as a whole.
+/// For frames' poses, whose squares are compared with others that end alike.
 AdjustmentOptions nearly_settled(const PartTask& task) {
   AdjustmentOptions how = adjustment_options(task.options);
   how.ends_early = true;
@@ -241,8 +241,9 @@ std::optional<std::string> hold_out(const PartTask& task, const std::vector<Came
   });
   if (others.tags.size() < 2 || views.held_out.empty()) return "too few frames to hold some out";
   MapState before = solved.state;
-  const AdjustmentSummary summary = adjust(task.observations, others.views,
-                                           free_tags(others, solved.held_tag), nearly_settled(task), before);
+  const AdjustmentSummary summary =
+      adjust(task.observations, others.views, free_tags(others, solved.held_tag),
+             adjustment_options(task.options), before);
   if (!summary.is_usable || !summary.has_converged)
     return "the map without the held-out frames does not settle";
   MapState after = before;

@@ -23,7 +23,7 @@ constexpr std::size_t kMostProposers = 6, kMostJudges = 12, kMostProposed = 6;
 constexpr double kMostOfPresent = 2.0;  // of the cost by the present pose, judged alike
 constexpr double kSameStart_rad = 6.0 * kRadPerDeg;
 constexpr CauchyLoss kProposalLoss{30.0};  // of a view's whitened norm: a single frame's poses are rough
-constexpr double kUnseenAtHinge = 1e4;
+constexpr double kUnseenAtHinge = 1e4;     // cost of a view that cannot be projected
 
 /// The mean direction from the tag to the cameras that see it in these views, in the tag's frame; none where
 /// two of them or more are so far apart that they leave one pose only.
@@ -220,9 +220,9 @@ std::vector<GroupMotion> proposed_starts(const Observations& observations,
                                          const Hinge& hinge) {
   const Proposals proposals(observations, candidates, state, hinge);
   std::vector<Pose> motions = proposals.of_frames();
+  const std::vector<Pose> others = mirrorings(observations, state, hinge.views, hinge.other_anchors);
   for (const Pose& own : mirrorings(observations, state, hinge.views, hinge.anchors))
-    for (const Pose& other : mirrorings(observations, state, hinge.views, hinge.other_anchors))
-      motions.push_back(other.inverse() * own);
+    for (const Pose& other : others) motions.push_back(other.inverse() * own);
   return proposals.best_of(motions);
 }
 

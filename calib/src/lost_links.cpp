@@ -34,13 +34,11 @@ Links count_links(const Observations& observations, const Part& part) {
   return links;
 }
 
-/// The tags of all that alone join the two, the two apart.
-std::vector<int> tags_of_joints(const Observations& observations, const Part& kept, const Link& link) {
+/// The tags of all that alone join the two, themselves and their boards apart.
+std::vector<int> tags_of_joints(const TagPaths& paths, const Link& link) {
   std::set<int> tags;
-  for (const std::set<int>& joint : joints_between(observations, kept, {link.first}, {link.second}))
-    tags.insert(joint.begin(), joint.end());
-  tags.erase(link.first);
-  tags.erase(link.second);
+  for (const std::set<int>& joint : joints_between(paths, {link.first}, {link.second}))
+    if (!joint.contains(link.first) && !joint.contains(link.second)) tags.insert(joint.begin(), joint.end());
   return {tags.begin(), tags.end()};
 }
 
@@ -65,9 +63,10 @@ std::vector<std::string> words_of_lost_links(const Observations& observations, c
   std::vector<std::string> words;
   for (const auto& [link, frames] : count_links(observations, offered)) {
     if (fitting.contains(link) || words.size() == kMostLinksTold) continue;
-    const std::vector<int> joints = tags_of_joints(observations, kept, link);
-    if (joints.empty() || !told.emplace(paths.board_of(link.first), paths.board_of(link.second)).second)
-      continue;
+    const std::vector<int> joints = tags_of_joints(paths, link);
+    if (joints.empty()) continue;
+    auto boards = std::minmax(paths.board_of(link.first), paths.board_of(link.second));
+    if (!told.insert(boards).second) continue;
     words.push_back(words_of_link(observations, link, frames, joints));
   }
   return words;

@@ -37,13 +37,9 @@ bool is_seen_from_front(const CornersPx& corners) {
 }
 
 bool is_usable(const CornersPx& corners, const CameraModel& model) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    if (!corners[i].allFinite() || !(corners[(i + 1) % 4] - corners[i]).allFinite()) return false;
-    if ((corners[(i + 1) % 4] - corners[i]).norm() < kMinEdge_px) return false;
-  }
-  if (!is_seen_from_front(corners)) return false;
-  return std::all_of(corners.begin(), corners.end(),
-                     [&](const Eigen::Vector2d& pixel) { return model.unproject(pixel).has_value(); });
+  return is_quad_of_tag(corners) && std::ranges::all_of(corners, [&](const Eigen::Vector2d& pixel) {
+           return model.unproject(pixel).has_value();
+         });
 }
 
 /// How often one id shows up at two places of one image.
@@ -261,6 +257,14 @@ Observations collect_observations(std::span<const FrameDetections> frames, const
   observations.cameras = rig_cameras(rig, used);
   for (const TagKey& tag : observations.tags) observations.sizes_m.push_back(sizes.find(tag).value_or(0.0));
   return observations;
+}
+
+bool is_quad_of_tag(const CornersPx& corners) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!corners[i].allFinite() || !(corners[(i + 1) % 4] - corners[i]).allFinite()) return false;
+    if ((corners[(i + 1) % 4] - corners[i]).norm() < kMinEdge_px) return false;
+  }
+  return is_seen_from_front(corners);
 }
 
 double mean_edge_px(const CornersPx& corners) {

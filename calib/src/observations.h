@@ -52,6 +52,9 @@ Observations collect_observations(std::span<const FrameDetections> frames, const
                                   const TagSizes& sizes, const CalibrationOptions& options,
                                   Findings& findings);
 
+/// Whether the corners are those of a tag as its front shows it, and not too small: finite, convex, in order.
+bool is_quad_of_tag(const CornersPx& corners);
+
 /// Mean length of the four edges.
 double mean_edge_px(const CornersPx& corners);
 

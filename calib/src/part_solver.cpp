@@ -11,7 +11,6 @@
 #include "agreeing_part.h"
 #include "apriltrack/base/error.h"
 #include "block_scatter.h"
-#include "bundle_adjustment.h"
 #include "camera_gravity.h"
 #include "contradicted_tags.h"
 #include "corner_views.h"
@@ -157,13 +156,14 @@ AdjustedPart adjusted_from(const std::vector<RigCamera>& start, const PartTask& 
   }
 }
 
-/// Where the part was adjusted, with weights by what was found there.
-void weigh_by_map(const PartTask& task, AdjustedPart& solved, Observations& observations) {
+/// The part adjusted anew, with the edges where the map has them.
+void adjust_by_edges_of_map(Observations& observations, const PartTask& task, const Part& part,
+                            AdjustedPart& solved) {
   const EdgeNoise noise{task.options.corner_sigma_px, task.options.edge_end_correlation};
   take_edges_from_map(solved.part.views, solved.state, noise, observations);
-  AdjustmentOptions how = adjustment_options(task.options);
-  how.ends_early = true;
-  adjust(observations, solved.part.views, free_tags(solved.part, solved.held_tag), how, solved.state);
+  const Part offered = narrowed_to(observations, part, solved.part.tags);
+  solved.part = adjust_cleanly(task, offered, solved.held_tag, solved.state);
+  solved.contradictions = contradictions_of(task, offered, solved.state);
 }
 
 /// Looks at each tag for faults, and leaves out what cannot be trusted. Whether that is any.
@@ -242,15 +242,21 @@ PartSolution solve_part(Observations& observations, const std::vector<RigCamera>
                         int held_tag, const std::vector<ViewCandidates>& candidates,
                         const CalibrationOptions& options, const std::vector<MapConstraint>& constraints,
                         const ParallelFor& parallel, const LogSink& log) {
-  const PartTask task{observations, candidates, options};
+  const PartTask task{observations, candidates, options};  // sees the edges that the map gives them
   AdjustedPart solved = adjusted_from(start, task, part, held_tag, parallel, log);
-  weigh_by_map(task, solved, observations);
+  adjust_by_edges_of_map(observations, task, part, solved);
   PartSolution solution;
   solution.cameras = improve_cameras(task, part, parallel, log, solved);
   const std::vector<ViewCandidates>& by_cameras = solution.cameras.candidates;
-  const PartTask by_better{observations, by_cameras.empty() ? candidates : by_cameras, options};
-  if (leave_out_faulty(by_better, part, solved, parallel, solution))
+  if (!by_cameras.empty()) {  // then views are in the map that were not when edges were taken from it
+    adjust_by_edges_of_map(observations, task, part, solved);
     improve_cameras_again(task, part, solved, solution.cameras);
+  }
+  const PartTask by_better{observations, by_cameras.empty() ? candidates : by_cameras, options};
+  if (leave_out_faulty(by_better, part, solved, parallel, solution)) {
+    adjust_by_edges_of_map(observations, by_better, part, solved);
+    improve_cameras_again(task, part, solved, solution.cameras);
+  }
   take_adjusted(std::move(solved), solution);
 
   count_offered_views(observations, part, solution);

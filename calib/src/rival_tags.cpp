@@ -8,8 +8,6 @@
 #include <set>
 #include <utility>
 
-#include "tag_paths.h"
-
 namespace apriltrack {
 namespace {
 
@@ -46,15 +44,20 @@ std::set<int> tags_beside(const Observations& observations, const Part& part, co
 
 }  // namespace
 
-std::vector<std::set<int>> joints_between(const Observations& observations, const Part& ties,
-                                          const std::set<int>& from, const std::set<int>& to) {
-  const TagPaths paths(observations, ties);
+std::vector<std::set<int>> joints_between(const TagPaths& paths, const std::set<int>& from,
+                                          const std::set<int>& to) {
   std::vector<std::set<int>> joints;
   for (const int tag : paths.shortest(from, to, {})) {
     std::set<int> joint = paths.joint_at(tag, from, to);
     if (!joint.empty() && std::ranges::find(joints, joint) == joints.end())
       joints.push_back(std::move(joint));
   }
+  const std::vector<std::set<int>> all = joints;
+  std::erase_if(joints, [&](const std::set<int>& joint) {
+    return std::ranges::any_of(all, [&](const std::set<int>& other) {
+      return other != joint && std::ranges::includes(joint, other);
+    });
+  });
   return joints;
 }
 
@@ -65,7 +68,8 @@ std::vector<std::set<int>> rival_tags(const Observations& observations, const Pa
   std::erase(others.tags, finding.tag);
   std::erase_if(others.views, [&](std::size_t v) { return observations.views[v].tag == finding.tag; });
   const auto [at_first, at_second] = frames_by_place(observations, part, finding);
-  return joints_between(observations, others, tags_beside(observations, part, at_first, others.tags),
+  return joints_between(TagPaths(observations, others),
+                        tags_beside(observations, part, at_first, others.tags),
                         tags_beside(observations, part, at_second, others.tags));
 }
 

@@ -6,14 +6,15 @@
 #include "observations.h"
 #include "parts.h"
 #include "tag_finding.h"
+#include "tag_paths.h"
 
 namespace apriltrack {
 
 /// Tags, or boards of them (TagPaths::board_of), each of which lies on every way from some tags to others,
-/// ends included, over frames that show two of them. ties: the views that make these ways. Empty where there
-/// is no way, and where none lies on all.
-std::vector<std::set<int>> joints_between(const Observations& observations, const Part& ties,
-                                          const std::set<int>& from, const std::set<int>& to);
+/// ends included, over frames that show two of them. Empty where there
+/// is no way, and where none lies on all; none includes another.
+std::vector<std::set<int>> joints_between(const TagPaths& paths, const std::set<int>& from,
+                                          const std::set<int>& to);
 
 /// Of a tag that was found at two places: the others, or boards of them, each of which alone joins what was
 /// seen beside it at the one place with what was seen beside it at the other. Had such a one changed its

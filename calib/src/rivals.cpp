@@ -92,7 +92,7 @@ bool leave_out_rivals_once(const PartTask& task, const Part& part, AdjustedPart&
     if (rivals.empty()) continue;
     for (Rival& rival : rivals)
       std::erase_if(rival, [&](int tag) { return !std::ranges::binary_search(solved.part.tags, tag); });
-    std::erase_if(rivals, &Rival::empty);
+    std::erase_if(rivals, [](const Rival& rival) { return rival.empty(); });
     finding.is_in_doubt = true;
     if (rivals.size() > kMostRivals || std::ranges::any_of(rivals, is_held)) {
       finding.words = words_of_rivals_in_map(finding.words, keys_of_rivals(task.observations, rivals));
@@ -100,8 +100,9 @@ bool leave_out_rivals_once(const PartTask& task, const Part& part, AdjustedPart&
       continue;
     }
     finding.words = words_of_rival(finding.words);
-    for (const Rival& rival : rivals) {
-      if (std::ranges::includes(left_out, rival)) continue;
+    for (Rival& rival : rivals) {
+      std::erase_if(rival, [&](int tag) { return left_out.contains(tag); });
+      if (rival.empty()) continue;
       left_out.insert(rival.begin(), rival.end());
       std::ranges::move(findings_of(task, part, solved, finding, rival, known, parallel),
                         std::back_inserter(found));

@@ -125,18 +125,17 @@ std::optional<OtherPlace> place_by(const PartTask& task, const SplitLink& link, 
 
 std::string words_of(const Observations& observations, const SplitLink& link, const std::set<int>& joint,
                      const OtherPlace& place) {
-  const std::string tag = to_string(key_of(observations, link.tag));
   const std::string board = list_tags(keys_of(observations, {joint.begin(), joint.end()}));
+  const bool is_one = joint.size() == 1;
   return fmt::format(
       "{0} and {1} are seen together in {2} frames, of which {3} {0} {4} from where the map has it. {5} "
       "alone "
       "{6} other tags to the map: if {7} twice (a duplicate) or {8} moved, the map may be folded there. Look "
       "for a second {5}, and film {9} together with more of the others",
-      tag, to_string(key_of(observations, link.beside)), link.num_frames,
-      place.num_frames == 1 ? "1 shows" : fmt::format("{} show", place.num_frames),
-      shift_and_turn(place.change), board, joint.size() == 1 ? "joins" : "join",
-      joint.size() == 1 ? "it hangs" : "they hang", joint.size() == 1 ? "was" : "were",
-      joint.size() == 1 ? "it" : "them");
+      to_string(key_of(observations, link.tag)), to_string(key_of(observations, link.beside)),
+      link.num_frames, place.num_frames == 1 ? "1 shows" : fmt::format("{} show", place.num_frames),
+      shift_and_turn(place.change), board, is_one ? "joins" : "join", is_one ? "it hangs" : "they hang",
+      is_one ? "was" : "were", is_one ? "it" : "them");
 }
 
 }  // namespace
@@ -159,11 +158,13 @@ std::vector<std::string> words_of_split_links(const PartTask& task, const Part& 
     return known->second;
   };
   std::set<int> told;
+  std::set<std::pair<int, int>> asked_of;  // either way round the two are solved alike
   std::vector<std::string> words;
   std::size_t asked = 0;
   for (const SplitLink& link : links) {
     const std::set<int>& joint = joint_at(link.tag);
     if (told.contains(link.tag) || joint.empty() || joint.contains(link.beside)) continue;
+    if (!asked_of.insert(std::minmax(link.tag, link.beside)).second) continue;
     if (words.size() == kMostTold || ++asked > kMostAsked) break;
     const auto place = place_by(of_links, link, state);
     if (!place) continue;

@@ -20,11 +20,17 @@ std::string words_of_two(const TwoPlaces& two, const std::string& when, const st
 
 /// As the subject of what may be said of any.
 std::string one_of(const std::vector<std::vector<TagKey>>& joints) {
+  constexpr std::size_t kMostNamed = 10;
   std::vector<std::string> names;
   for (const std::vector<TagKey>& tags : joints)
-    names.push_back((tags.size() == 1 ? "" : "the board of ") + list_tags(tags));
-  return joints.size() == 1 ? names.front() + ", which"
-                            : fmt::format("one of {}, each of which", fmt::join(names, ", "));
+    names.push_back(tags.size() == 1 ? to_string(tags.front())
+                                     : fmt::format("the board ({})", list_tags(tags)));
+  if (names.size() == 1) return names.front() + ", which";
+  if (names.size() > kMostNamed) {
+    names.resize(kMostNamed);
+    names.push_back(fmt::format("{} more", joints.size() - kMostNamed));
+  }
+  return fmt::format("one of {}, each of which", fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -113,7 +119,7 @@ std::string words_of_joint(const std::string& name, const std::vector<TagKey>& b
   return fmt::format(
       "{}{} alone joins the two places at which {} is seen: it may be what hangs twice (a duplicate), or was "
       "carried to another place, instead. It is left out: film both together with other tags",
-      name, board.size() == 1 ? "" : fmt::format(" (of the board of {})", list_tags(board)), of_two_places);
+      name, board.size() == 1 ? "" : fmt::format(" (of the board {})", list_tags(board)), of_two_places);
 }
 
 }  // namespace apriltrack

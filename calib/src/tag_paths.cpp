@@ -56,7 +56,7 @@ std::set<int> TagPaths::board_of(int tag) const {
     if (both >= kLeastTogether && static_cast<double>(both) >= kAlwaysTogether * static_cast<double>(either))
       board.insert(other);
   }
-  return board;
+  return 2 * board.size() > frames_of_tag_.size() ? std::set<int>{tag} : board;
 }
 
 std::set<int> TagPaths::joint_at(int tag, const std::set<int>& from, const std::set<int>& to) const {

@@ -82,7 +82,20 @@ TEST(RivalTags, AreBoardsThatAloneJoinTheTwoPlaces) {
 }
 
 TEST(RivalTags, AreNoBoardWhereOneIsSeenAloneAsWell) {
-  EXPECT_THAT(SeenTogether({{0, 1, 3, 4}, {1, 3}, {1, 4}, {0, 3, 4, 5}}, 3).rivals(), IsEmpty());
+  EXPECT_THAT(SeenTogether({{0, 1, 3, 4}, {1, 3}, {1, 4}, {0, 3, 4, 5}, {0, 3, 4}}, 3).rivals(), IsEmpty());
+}
+
+TEST(RivalTags, AreNoBoardWithATagThatJoinsAlone) {
+  EXPECT_THAT(
+      SeenTogether(
+          {{0, 1}, {1, 3}, {3, 4}, {3, 4}, {3, 4}, {3, 4}, {3, 4}, {3, 4}, {3, 4}, {3, 4}, {4, 2}, {0, 2}}, 1)
+          .rivals(),
+      UnorderedElementsAre(std::set{1}, std::set{2}, std::set{3}, std::set{4}));
+}
+
+TEST(RivalTags, AreNotAllThatADeskShowsInEachFrame) {
+  const auto desk = {0, 1, 2, 3, 4};
+  EXPECT_THAT(SeenTogether({desk, desk, desk, desk, desk, desk}, 3).rivals(), IsEmpty());
 }
 
 TEST(RivalTags, AreNoneWhereTheyAreJoinedTwice) {
@@ -334,6 +347,29 @@ TEST(SplitLinks, AreToldOfABoardThatAloneJoinsOthers) {
   EXPECT_THAT(
       map_of_boards(1).warnings,
       Contains(AllOf(HasSubstr("tag36h11/4, tag36h11/5 alone join other tags"), HasSubstr("folded"))));
+}
+
+TEST(RivalTags, AreNoneOfADeskWhoseOneTagWasMoved) {
+  SyntheticWorld world;
+  world.rig.cameras.push_back(test::perspective_camera());
+  for (int i = 0; i < 5; ++i)
+    test::add_tag(world, 0.15,
+                  test::looking_along({0.3 * (i % 3), 2.0, 0.3 * (i / 3)}, {0.1 * (i % 3), 1.0, 0.0}));
+  for (int k = 0; k < 60; ++k)
+    world.T_world_rig.push_back(
+        test::looking_along({0.3 + 0.8 * std::sin(1.1 * k), 0.2 * std::cos(0.7 * k), 0.6 * std::sin(0.9 * k)},
+                            Eigen::Vector3d(-0.3 * std::sin(1.1 * k), 1.0, -0.2 * std::sin(0.9 * k))));
+  std::vector<FrameDetections> frames =
+      test::filmed_with(world, 2, [](const Eigen::Vector3d& corner, std::size_t i) {
+        return Eigen::Vector3d(corner + Eigen::Vector3d(i < 30 ? 0.0 : 0.1, 0.0, 0.0));
+      });
+  for (const FrameDetections& frame : frames) ASSERT_EQ(frame.detections.size(), 5u);
+  RandomStream random(66);
+  test::add_edge_noise(frames, 0.1, -0.45, random);
+  const CalibrationResult result = calibrate(world, frames);
+  EXPECT_THAT(result.left_out, ElementsAre(tag36h11(2)));
+  EXPECT_THAT(result.warnings,
+              Contains(AllOf(HasSubstr("tag36h11/2 was moved"), Not(HasSubstr("another tag")))));
 }
 
 }  // namespace

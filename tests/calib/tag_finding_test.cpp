@@ -48,13 +48,14 @@ TEST(TagFaultWords, NameTheOneOrTheSeveralThatMayBe) {
   EXPECT_THAT(words_of_rivals_in_map("A was moved", {four}),
               HasSubstr("A was moved. Or tag36h11/4, which alone joins its two places"));
   EXPECT_THAT(words_of_rivals_in_map("A was moved", {board}),
-              HasSubstr("Or the board of tag36h11/4, tag36h11/5, which alone joins its two places"));
-  EXPECT_THAT(words_of_rivals_instead("A was moved", {four, {{"tag36h11", 6}}}),
-              HasSubstr("Or one of tag36h11/4, tag36h11/6, each of which alone joins its two places"));
+              HasSubstr("Or the board (tag36h11/4, tag36h11/5), which alone joins its two places"));
+  EXPECT_THAT(
+      words_of_rivals_instead("A was moved", {{{"tag36h11", 6}}, board}),
+      HasSubstr("Or one of tag36h11/6, the board (tag36h11/4, tag36h11/5), each of which alone joins"));
   EXPECT_THAT(words_of_joint("tag36h11/4", four, "tag36h11/7"),
               HasSubstr("tag36h11/4 alone joins the two places at which tag36h11/7 is seen: it may be what"));
   EXPECT_THAT(words_of_joint("tag36h11/4", board, "tag36h11/7"),
-              HasSubstr("tag36h11/4 (of the board of tag36h11/4, tag36h11/5) alone joins"));
+              HasSubstr("tag36h11/4 (of the board tag36h11/4, tag36h11/5) alone joins"));
 }
 
 }  // namespace
