@@ -106,10 +106,8 @@ Part connected_to(const Observations& observations, const std::vector<std::size_
   return {};
 }
 
-Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state, Settle settle) {
+Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state) {
   const auto& [observations, candidates, options] = task;
-  AdjustmentOptions how = adjustment_options(options);
-  how.ends_early = settle == Settle::kNearly;
   Part kept;
   for (int round = 0; round < kMaxRounds; ++round) {
     state.noise = measure_noise(observations, part.views, state);
@@ -119,7 +117,8 @@ Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapSta
     state.noise.of_frame = measure_frame_noise(observations, next.views, state);
     if (next.views == kept.views) return kept;
     kept = std::move(next);
-    const AdjustmentSummary summary = adjust(observations, kept.views, free_tags(kept, held_tag), how, state);
+    const AdjustmentSummary summary =
+        adjust(observations, kept.views, free_tags(kept, held_tag), adjustment_options(options), state);
     if (!summary.is_usable || !summary.has_converged)
       throw no_result("calibrate",
                       fmt::format("the adjustment of {} tags did not converge ({}); more views of each tag, "
@@ -156,18 +155,17 @@ AdjustedPart adjust_part(const PartTask& task, const Part& offered, int held_tag
     // First by all views; then by those that fit, whose noise is known, and tells poses apart that outliers
     // hid.
     if (!turn_mirrored_groups(task, part, held_tag, result.state, parallel)) {
-      result.part = adjust_cleanly(task, part, held_tag, result.state, Settle::kNearly);
+      result.part = adjust_cleanly(task, part, held_tag, result.state);
       if (!turn_mirrored_groups(task, part, held_tag, result.state, parallel)) break;
     }
     adjust_robustly(observations, part, held_tag, options, result.state);
     result.part = {};
   }
-  if (result.part.tags.empty())
-    result.part = adjust_cleanly(task, part, held_tag, result.state, Settle::kNearly);
+  if (result.part.tags.empty()) result.part = adjust_cleanly(task, part, held_tag, result.state);
   for (int round = 0; round < kMaxRounds; ++round) {
     const Part kept_tags = narrowed_to(observations, part, result.part.tags);
     if (!turn_mirrored_frames(task, kept_tags, result.state, parallel)) break;
-    result.part = adjust_cleanly(task, part, held_tag, result.state, Settle::kNearly);
+    result.part = adjust_cleanly(task, part, held_tag, result.state);
   }
   result.contradictions = contradictions_of(task, part, result.state);
   return result;

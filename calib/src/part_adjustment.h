@@ -43,16 +43,12 @@ struct AdjustedPart {
 /// held has none.
 Part with_poses(const PartTask& task, const Part& part, int held_tag);
 
-/// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment (Settle::kNearly); of
-/// what has poses to start from. Throws Error(kNoResult) when it does not converge, or when nothing fits.
+/// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment; of what has poses to
+/// start from. Throws Error(kNoResult) when it does not converge, or when nothing fits.
 AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel);
 
-/// Whether a fit ends where steps gain less than counts, for another one follows.
-enum class Settle { kFully, kNearly };
-
 /// Least squares over the inliers, which are chosen anew until they stay the same; these are returned.
-Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state,
-                    Settle settle = Settle::kFully);
+Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state);
 
 /// All but the one that is held.
 std::vector<int> free_tags(const Part& part, int held_tag);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -30,6 +31,9 @@ namespace apriltrack {
 namespace {
 
 constexpr double kNonsense_px = 5.0;
+// Edges are no more constant than that: by the slower half of a hand-held recording they are found 0.14 px
+// from where they are by the faster one (euroc_aprilgrid). What moves them less does not matter.
+constexpr double kInconstantEdges_px = 0.1;
 
 void measure_residuals(const Observations& observations, PartSolution& solution) {
   std::vector<double> sums(observations.tags.size(), 0.0);
@@ -156,14 +160,40 @@ AdjustedPart adjusted_from(const std::vector<RigCamera>& start, const PartTask& 
   }
 }
 
-/// The part adjusted anew, with the edges where the map has them.
-void adjust_by_edges_of_map(Observations& observations, const PartTask& task, const Part& part,
-                            AdjustedPart& solved) {
-  const EdgeNoise noise{task.options.corner_sigma_px, task.options.edge_end_correlation};
-  take_edges_from_map(solved.part.views, solved.state, noise, observations);
-  const Part offered = narrowed_to(observations, part, solved.part.tags);
-  solved.part = adjust_cleanly(task, offered, solved.held_tag, solved.state);
-  solved.contradictions = contradictions_of(task, offered, solved.state);
+/// The most by which an edge offset differs; one that is not estimated is 0.
+double most_difference_px(const CameraRefinement& a, const CameraRefinement& b) {
+  std::map<int, double> difference_px;
+  const auto add = [&](const CameraRefinement& cameras, double sign) {
+    if (!cameras.is_accepted) return;
+    for (const EstimatedParameter& one : cameras.estimates)
+      if (one.parameter.kind == CameraParameter::Kind::kEdgeOffset)
+        difference_px[one.parameter.camera] += sign * one.value;
+  };
+  add(a, 1.0);
+  add(b, -1.0);
+  double most = 0.0;
+  for (const auto& [camera, value] : difference_px) most = std::max(most, std::abs(value));
+  return most;
+}
+
+/// Where edges are found aside, that may be the pull of the corners' own errors (take_edges_from_map).
+/// solved: before the cameras were improved.
+void take_edges_from_map_if_it_matters(const PartTask& task, const Part& part, AdjustedPart solved,
+                                       const ParallelFor& parallel, const LogSink& log,
+                                       Observations& observations, AdjustedPart& improved,
+                                       BetterCameras& cameras) {
+  if (most_difference_px(cameras.refined, {}) < kInconstantEdges_px) return;
+  Observations by_map = task.observations;
+  take_edges_from_map(solved.part.views, solved.state,
+                      {task.options.corner_sigma_px, task.options.edge_end_correlation}, by_map);
+  const PartTask again{by_map, task.candidates, task.options};
+  solved.part =
+      adjust_cleanly(again, narrowed_to(by_map, part, solved.part.tags), solved.held_tag, solved.state);
+  BetterCameras by_edges_of_map = improve_cameras(again, part, parallel, log, solved);
+  if (most_difference_px(cameras.refined, by_edges_of_map.refined) < kInconstantEdges_px) return;
+  observations.views = std::move(by_map.views);
+  improved = std::move(solved);
+  cameras = std::move(by_edges_of_map);
 }
 
 /// Looks at each tag for faults, and leaves out what cannot be trusted. Whether that is any.
@@ -244,19 +274,16 @@ PartSolution solve_part(Observations& observations, const std::vector<RigCamera>
                         const ParallelFor& parallel, const LogSink& log) {
   const PartTask task{observations, candidates, options};  // sees the edges that the map gives them
   AdjustedPart solved = adjusted_from(start, task, part, held_tag, parallel, log);
-  adjust_by_edges_of_map(observations, task, part, solved);
   PartSolution solution;
-  solution.cameras = improve_cameras(task, part, parallel, log, solved);
+  AdjustedPart improved = solved;
+  solution.cameras = improve_cameras(task, part, parallel, log, improved);
+  take_edges_from_map_if_it_matters(task, part, std::move(solved), parallel, log, observations, improved,
+                                    solution.cameras);
+  solved = std::move(improved);
   const std::vector<ViewCandidates>& by_cameras = solution.cameras.candidates;
-  if (!by_cameras.empty()) {  // then views are in the map that were not when edges were taken from it
-    adjust_by_edges_of_map(observations, task, part, solved);
-    improve_cameras_again(task, part, solved, solution.cameras);
-  }
   const PartTask by_better{observations, by_cameras.empty() ? candidates : by_cameras, options};
-  if (leave_out_faulty(by_better, part, solved, parallel, solution)) {
-    adjust_by_edges_of_map(observations, by_better, part, solved);
+  if (leave_out_faulty(by_better, part, solved, parallel, solution))
     improve_cameras_again(task, part, solved, solution.cameras);
-  }
   take_adjusted(std::move(solved), solution);
 
   count_offered_views(observations, part, solution);

@@ -40,7 +40,7 @@ struct PartSolution {
 /// Throws Error(kNoResult) when it does not converge, converges to nonsense, or contradictions stay, of views
 /// or of constraints. start: the cameras to begin with, which `candidates` are made with, as well; what is
 /// known of them before is what `observations` has; in the end the edges of its views are those of the map
-/// (take_edges_from_map). constraints: whose tags are named by family and id.
+/// where that moves an edge offset (take_edges_from_map). constraints: whose tags are named by family and id.
 PartSolution solve_part(Observations& observations, const std::vector<RigCamera>& start, const Part& part,
                         int held_tag, const std::vector<ViewCandidates>& candidates,
                         const CalibrationOptions& options, const std::vector<MapConstraint>& constraints,
