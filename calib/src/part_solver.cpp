@@ -187,13 +187,16 @@ void take_edges_from_map_if_it_matters(const PartTask& task, const Part& part, A
   take_edges_from_map(solved.part.views, solved.state,
                       {task.options.corner_sigma_px, task.options.edge_end_correlation}, by_map);
   const PartTask again{by_map, task.candidates, task.options};
-  solved.part =
-      adjust_cleanly(again, narrowed_to(by_map, part, solved.part.tags), solved.held_tag, solved.state);
-  BetterCameras by_edges_of_map = improve_cameras(again, part, parallel, log, solved);
-  if (most_difference_px(cameras.refined, by_edges_of_map.refined) < kInconstantEdges_px) return;
-  observations.views = std::move(by_map.views);
-  improved = std::move(solved);
-  cameras = std::move(by_edges_of_map);
+  try {
+    const Part offered = narrowed_to(by_map, part, solved.part.tags);
+    solved.part = adjust_cleanly(again, offered, solved.held_tag, solved.state);
+    BetterCameras by_edges_of_map = improve_cameras(again, part, parallel, log, solved);
+    if (most_difference_px(cameras.refined, by_edges_of_map.refined) < kInconstantEdges_px) return;
+    observations.views = std::move(by_map.views);
+    improved = std::move(solved);
+    cameras = std::move(by_edges_of_map);
+  } catch (const Error&) {  // what was found stays
+  }
 }
 
 /// Looks at each tag for faults, and leaves out what cannot be trusted. Whether that is any.
