@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -22,6 +23,8 @@ constexpr double kDecidedSpread_rad = 35.0 * kRadPerDeg;
 constexpr std::size_t kMostProposers = 6, kMostJudges = 12, kMostProposed = 6;
 constexpr double kMostOfPresent = 2.0;  // of the cost by the present pose, judged alike
 constexpr double kSameStart_rad = 6.0 * kRadPerDeg;
+constexpr double kTurnedAlike_rad = 20.0 * kRadPerDeg;
+constexpr int kMeanShifts = 3;
 constexpr CauchyLoss kProposalLoss{30.0};  // of a view's whitened norm: a single frame's poses are rough
 constexpr double kUnseenAtHinge = 1e4;     // cost of a view that cannot be projected
 
@@ -103,13 +106,19 @@ class Proposals {
         joint_(anchor_views(observations, hinge)),
         judges_(spread_selection(joint_, kMostJudges)) {}
 
+  /// By single frames, and each of these drawn to the mean of what others propose that turn the group alike:
+  /// the pose of a small tag in one frame is off by degrees, more than lies between two minima.
   std::vector<Pose> of_frames() const {
     std::vector<Pose> motions;
     for (const AnchorViews& joint : spread_selection(joint_, kMostProposers))
-      for (const auto& own : candidates_[joint.own].candidates)
-        for (const auto& other : candidates_[joint.other].candidates)
-          motions.push_back(tag_pose(joint.other) * other.T_rig_tag.inverse() * own.T_rig_tag *
-                            tag_pose(joint.own).inverse());
+      std::ranges::move(of_frame(joint), std::back_inserter(motions));
+    std::vector<std::vector<Pose>> by_frame;
+    for (const AnchorViews& joint : judges_) {
+      if (std::vector<Pose> proposed = of_frame(joint); !proposed.empty())
+        by_frame.push_back(std::move(proposed));
+    }
+    const std::size_t num_single = motions.size();
+    for (std::size_t i = 0; i < num_single; ++i) motions.push_back(drawn_to_means(by_frame, motions[i]));
     return motions;
   }
 
@@ -140,6 +149,37 @@ class Proposals {
  private:
   const Pose& tag_pose(std::size_t v) const {
     return state_.T_map_tag[static_cast<std::size_t>(observations_.views[v].tag)];
+  }
+
+  std::vector<Pose> of_frame(const AnchorViews& joint) const {
+    std::vector<Pose> motions;
+    for (const auto& own : candidates_[joint.own].candidates)
+      for (const auto& other : candidates_[joint.other].candidates)
+        motions.push_back(tag_pose(joint.other) * other.T_rig_tag.inverse() * own.T_rig_tag *
+                          tag_pose(joint.own).inverse());
+    return motions;
+  }
+
+  /// A few steps of mean shift. by_frame: what each proposes; none is empty, and neither is it.
+  Pose drawn_to_means(const std::vector<std::vector<Pose>>& by_frame, Pose motion) const {
+    const Pose& T_map_own = tag_pose(joint_.front().own);  // turns about it leave the group where it is
+    for (int i = 0; i < kMeanShifts; ++i) {
+      const Pose T_map_moved = motion * T_map_own;
+      Vector6d sum = Vector6d::Zero();
+      double count = 0.0;
+      for (const std::vector<Pose>& motions : by_frame) {
+        const auto turn_rad = [&](const Pose& one) {
+          return rotation_angle_rad(one.rotation(), motion.rotation());
+        };
+        const Pose& nearest = *std::ranges::min_element(motions, {}, turn_rad);
+        if (turn_rad(nearest) > kTurnedAlike_rad) continue;
+        sum += (T_map_moved.inverse() * nearest * T_map_own).log();
+        count += 1.0;
+      }
+      if (count == 0.0) break;
+      motion = T_map_moved * Pose::exp(sum / count) * T_map_own.inverse();
+    }
+    return motion;
   }
 
   /// The cost; where it is more than `most`, in part.
