@@ -102,7 +102,8 @@ PictureScene::PictureScene(const TagMap& map, const JointCovariance& joint, cons
     : noise(corner_noise),
       lens(camera.model),
       width(camera.width > 0 ? camera.width : static_cast<int>(2.0 * lens.pinhole().cx)),
-      height(camera.height > 0 ? camera.height : static_cast<int>(2.0 * lens.pinhole().cy)) {
+      height(camera.height > 0 ? camera.height : static_cast<int>(2.0 * lens.pinhole().cy)),
+      are_errors_of_corners(joint.are_errors_of_corners) {
   for (const TagKey& key : joint.tags) tags.push_back(*map.find(key));
 }
 
@@ -123,7 +124,10 @@ PictureEquations picture_equations(const PictureScene& scene, const Pose& T_map_
     const LinearView& view = views[static_cast<std::size_t>(i)];
     by_rig.middleRows<8>(8 * i) = view.by_rig;
     others.block<8, 6>(8 * i, 6 * i) = view.by_tag;
-    others.block<8, 8>(8 * i, 6 * num + 8 * i) = view.by_error;
+    auto errors = others.block<8, 8>(8 * i, 6 * num + 8 * i);
+    errors = view.by_error;
+    if (scene.are_errors_of_corners)
+      errors *= picture.observations.views[static_cast<std::size_t>(view.tag)].whitening;
   }
   // What is at right angles to all that the camera's pose can explain.
   const Eigen::HouseholderQR<Eigen::MatrixXd> by_pose(by_rig);

@@ -23,6 +23,7 @@ struct PictureScene {
   int width = 0, height = 0;
   /// Of more, those nearest to the picture's centre are taken, beside those that it was made for.
   std::size_t most_tags = 1000;
+  bool are_errors_of_corners = false;  ///< That tags keep (JointCovariance).
 
   PictureScene(const TagMap& map, const JointCovariance& joint, const CornerNoise& noise,
                const Camera& camera);

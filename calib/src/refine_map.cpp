@@ -239,7 +239,7 @@ class Refinement {
     result.joint = joint_tag_covariance(poses, tags, std::move(keys), scale, cameras);
     // What more views would bring is reckoned for their corners.
     result.joint.noise_variance = calibration_.evidence.joint.noise_variance;
-    result.joint.bias_sigma /= calibration_.evidence.noise.sigma_px;
+    result.joint.are_errors_of_corners = true;
   }
 
   /// All that was refined follows the error that the corners leave of the anchor's place.

@@ -147,7 +147,8 @@ TEST(WeakDirections, LieBetweenAxesAndAreAnyInAPlane) {
             "rotation about the axis in its plane that is 60 degrees from right towards down");
 }
 
-TEST(JointUpdate, IsWhatAllEquationsWithThePictureSay) {
+/// errors_of_corners: that tags keep; else those of whitened edges.
+void expect_update_as_by_all_equations(bool errors_of_corners) {
   SyntheticWorld world = wall_of_five();
   look_at_the_four(world);
   for (int i = 0; i < 4; ++i) look(world, {1.0 + 0.1 * i, -3.0, 0.3}, {1.2, 0.0, 0.2});
@@ -168,8 +169,13 @@ TEST(JointUpdate, IsWhatAllEquationsWithThePictureSay) {
     std::vector<std::size_t> all(observations.views.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
     const std::vector<int> tags = {0, 1, 2, 3, 4};
-    const auto views = corner_views(observations, all, state);
-    return joint_tag_covariance(*PoseInformation::of(views, tags, 0), tags, observations.tags, scale);
+    std::vector<LinearView> views = corner_views(observations, all, state);
+    for (std::size_t i = 0; errors_of_corners && i < views.size(); ++i)
+      views[i].by_error = (views[i].by_error * observations.views[i].whitening).eval();
+    JointCovariance joint =
+        joint_tag_covariance(*PoseInformation::of(views, tags, 0), tags, observations.tags, scale);
+    joint.are_errors_of_corners = errors_of_corners;
+    return joint;
   };
   const JointCovariance before = joint_of(world), expected = joint_of(more);
   const PictureEquations picture =
@@ -183,6 +189,14 @@ TEST(JointUpdate, IsWhatAllEquationsWithThePictureSay) {
   for (Eigen::Index tag = 0; tag < 5; ++tag)
     EXPECT_LE((update.covariance_of(tag) - after.block(6 * tag, 6 * tag)).norm(),
               1e-9 * after.block(6 * tag, 6 * tag).norm());
+}
+
+TEST(JointUpdate, IsWhatAllEquationsWithThePictureSay) {
+  expect_update_as_by_all_equations(false);
+}
+
+TEST(JointUpdate, KeepsErrorsOfCornersApartFromThoseOfEdges) {
+  expect_update_as_by_all_equations(true);
 }
 
 TEST(ViewAdvice, LowersTheCovarianceAsItSaysWhenThePicturesAreTaken) {

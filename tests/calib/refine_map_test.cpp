@@ -156,9 +156,10 @@ TEST(RefinedMap, FollowsErrorsOfALensThatWasEstimatedWithIt) {
   const auto num = static_cast<double>(exact.map.tags.size());
   EXPECT_GT(std::sqrt(expected2 / num), 5e-4) << "a case in which it matters";
   EXPECT_LT(std::sqrt(squared_difference / expected2), 0.1);
-  // In units of the corners' noise, whatever the pictures' own units are.
+  // Of the corners' noise, and of errors of corners in pixels, whatever the pictures' own units are.
   EXPECT_EQ(exact.joint.noise_variance, given.evidence.joint.noise_variance);
-  const double bias_px = exact.joint.bias_sigma * given.evidence.noise.sigma_px;
+  EXPECT_TRUE(exact.joint.are_errors_of_corners);
+  const double bias_px = exact.joint.bias_sigma;
   EXPECT_GE(bias_px, 0.99 * RefinementOptions{}.picture_bias_px);
   EXPECT_LT(bias_px, 5.0 * RefinementOptions{}.picture_bias_px);
   const TagKey& key = estimated.joint.tags.back();

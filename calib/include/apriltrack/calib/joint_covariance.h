@@ -16,10 +16,11 @@ struct JointCovariance {
   std::vector<TagKey> tags;  ///< Empty where there is none: the map has too many tags, or its views are gone.
   Eigen::MatrixXd by_noise;  ///< 6N x 6N: what more views lessen.
   /// 6N x 8N: how the poses follow the errors that each tag keeps in all of its views, eight independent ones
-  /// of unit variance per tag.
+  /// of unit variance per tag: of its edges, whitened, or of its corners (x0, y0, x1, ...).
   Eigen::MatrixXd by_errors;
+  bool are_errors_of_corners = false;
   double noise_variance = 1.0;  ///< Of one view's corners, whitened as MapEvidence::noise has it expected.
-  double bias_sigma = 0.0;      ///< Of the errors of corners that a tag keeps, in the same units.
+  double bias_sigma = 0.0;      ///< Of the errors that a tag keeps: in the same units; of corners, in pixels.
 
   bool is_empty() const { return tags.empty(); }
   /// Where the tag's six rows start; nullopt for a tag that is not in it.
