@@ -11,6 +11,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/picture_size.h"
 #include "apriltrack/tags/tag_family.h"
+#include "place_in_rig.h"
 
 namespace apriltrack {
 namespace {
@@ -99,10 +100,9 @@ std::vector<RigCamera> rig_cameras(const CameraRig& rig, const std::set<std::str
   for (const std::string& name : used) rig.find(name);
   std::vector<RigCamera> cameras;
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
-    // One camera alone needs no extrinsics; those that are not used may lack them.
-    const bool needs_extrinsics = used.size() > 1 && used.contains(rig.cameras[i].name);
-    cameras.push_back({rig.cameras[i].model, needs_extrinsics ? rig.T_camera_rig(i) : Pose::identity(), 0.0,
-                       rig.cameras[i].name});
+    const bool is_one_of_several = used.size() > 1 && used.contains(rig.cameras[i].name);
+    cameras.push_back(
+        {rig.cameras[i].model, place_in_rig(rig, i, is_one_of_several), 0.0, rig.cameras[i].name});
   }
   return cameras;
 }

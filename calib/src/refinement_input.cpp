@@ -11,6 +11,7 @@
 
 #include "apriltrack/detect/edge_blur.h"
 #include "apriltrack/tags/tag_family.h"
+#include "place_in_rig.h"
 #include "tags_that_hang_together.h"
 
 namespace apriltrack {
@@ -258,7 +259,6 @@ void take_views(const std::vector<Moment>& moments, std::vector<std::vector<Phot
   input.num_moments = static_cast<int>(input.start.T_map_rig.size());
 }
 
-/// Extrinsics are asked for only where several cameras took part.
 void set_cameras(const std::vector<Moment>& moments, const CameraRig& rig, RefinementInput& input) {
   input.scene.cameras = rig.cameras;
   input.scene.T_camera_rig.resize(rig.cameras.size());
@@ -267,10 +267,9 @@ void set_cameras(const std::vector<Moment>& moments, const CameraRig& rig, Refin
   for (const Moment& moment : moments) {
     for (const Sighting& one : moment.sightings) used.insert(one.camera);
   }
-  if (used.size() < 2) return;
   for (const int camera : used) {
     const auto c = static_cast<std::size_t>(camera);
-    input.scene.T_camera_rig[c] = rig.T_camera_rig(c);
+    input.scene.T_camera_rig[c] = place_in_rig(rig, c, used.size() > 1);
   }
 }
 
