@@ -277,10 +277,12 @@ BetterCameras improve_cameras(const PartTask& task, const Part& part, const Para
   return cameras;
 }
 
-void improve_cameras_again(const PartTask& task, const Part& part, AdjustedPart& solved,
-                           BetterCameras& cameras) {
+void improve_cameras_again(const PartTask& task, const Part& part, const ParallelFor& parallel,
+                           const LogSink& log, AdjustedPart& solved, BetterCameras& cameras) {
   const Part rest = narrowed_to(task.observations, part, solved.part.tags);
+  const bool were_accepted = cameras.refined.is_accepted;
   refine_again(task, rest, solved, cameras.refined);
+  if (!were_accepted) solve_by_refined_cameras(task, rest, parallel, log, solved, cameras);
   find_what_is_not_taken(task, rest, solved, cameras);
 }
 

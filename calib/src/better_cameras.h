@@ -26,8 +26,8 @@ BetterCameras improve_cameras(const PartTask& task, const Part& part, const Para
                               const LogSink& log, AdjustedPart& solved);
 
 /// The same once more, after tags were left out of `solved`: what was wrong with them may have been in the
-/// cameras' numbers, or have kept these from being better.
-void improve_cameras_again(const PartTask& task, const Part& part, AdjustedPart& solved,
-                           BetterCameras& cameras);
+/// cameras' numbers, or have kept these from being better. Throws as improve_cameras does.
+void improve_cameras_again(const PartTask& task, const Part& part, const ParallelFor& parallel,
+                           const LogSink& log, AdjustedPart& solved, BetterCameras& cameras);
 
 }  // namespace apriltrack

@@ -15,6 +15,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
+#include "calibration_result.h"
 #include "calibration_words.h"
 #include "camera_gravity.h"
 #include "constraint_tags.h"
@@ -24,12 +25,9 @@
 #include "repeated_frames.h"
 #include "resting_frames.h"
 #include "starting_cameras.h"
-#include "tag_flags.h"
 
 namespace apriltrack {
 namespace {
-
-constexpr double kManyRejected = 0.1;
 
 void require_sizes(const Observations& observations, const std::vector<Part>& parts) {
   std::vector<TagKey> missing;
@@ -139,79 +137,6 @@ void choose_gauge(const Observations& observations, const CalibrationOptions& op
   while (held_tags.size() < parts.size()) held_tags.push_back(parts[held_tags.size()].tags.front());
 }
 
-TagMap to_map(const Observations& observations, const PartSolution& solution, const std::string& frame) {
-  TagMap map;
-  map.frame = frame;
-  map.default_family = key_of(observations, solution.part.tags.front()).family;
-  std::vector<int> views(observations.tags.size(), 0);
-  for (const std::size_t v : solution.part.views)
-    ++views[static_cast<std::size_t>(observations.views[v].tag)];
-  for (std::size_t i = 0; i < solution.part.tags.size(); ++i) {
-    const auto t = static_cast<std::size_t>(solution.part.tags[i]);
-    MapTag tag;
-    tag.key = observations.tags[t];
-    tag.size_m = observations.sizes_m[t];
-    tag.T_map_tag = solution.state.T_map_tag[t];
-    std::optional<TagCovariance> covariance;
-    if (!solution.covariances.empty()) covariance = solution.covariances[i];
-    if (covariance) tag.covariance = covariance->by_noise + covariance->by_bias;
-    std::optional<Matrix6d> constrained;
-    if (solution.constrained && !solution.constrained->change.lost_root.isZero(0.0))
-      constrained = solution.constrained->covariances[i];
-    if (solution.constrained) tag.covariance = solution.constrained->covariances[i];
-    tag.statistics = TagStatistics{views[t], solution.residual_rms_px[i], {}};
-    const std::optional<Matrix6d> by_noise = covariance ? std::optional(covariance->by_noise) : std::nullopt;
-    flag_weak(is_weak(tag, views[t], by_noise, constrained), *tag.statistics);
-    if (1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t] > kManyRejected)
-      tag.statistics->flags.emplace_back("outliers");
-    if (std::ranges::find(solution.findings, static_cast<int>(t), &TagFinding::tag) !=
-        solution.findings.end())  // others with a fault are not in the map
-      tag.statistics->flags.emplace_back("bent");
-    map.tags.push_back(std::move(tag));
-  }
-  return map;
-}
-
-/// Into observations.frames, each once.
-std::vector<int> frames_of(const Observations& observations, const std::vector<std::size_t>& views) {
-  std::vector<int> frames;
-  for (const std::size_t v : views) frames.push_back(observations.views[v].frame);
-  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
-  return frames;
-}
-
-std::vector<RigPose> rig_poses(const Observations& observations, const PartSolution& solution) {
-  std::vector<RigPose> poses;
-  for (const int frame : frames_of(observations, solution.part.views)) {
-    const auto f = static_cast<std::size_t>(frame);
-    poses.push_back({observations.frames[f], solution.state.T_map_rig[f]});
-  }
-  return poses;
-}
-
-/// The cameras as the part was solved with them, and what was corrected.
-void take_cameras(const Observations& observations, const CameraRig& rig, const PartSolution& solution,
-                  const CalibrationOptions& options, CalibrationResult& result, Findings& findings) {
-  result.rig = rig;
-  if (!solution.cameras.refined.is_accepted) return;
-  bool is_offset_alone = true;
-  for (const EstimatedParameter& one : solution.cameras.refined.estimates) {
-    const auto camera = static_cast<std::size_t>(one.parameter.camera);
-    result.corrections.push_back({rig.cameras[camera].name,
-                                  name_of(one.parameter, observations.cameras[camera]),
-                                  unit_of(one.parameter), one.value, one.sigma});
-    is_offset_alone = is_offset_alone && one.parameter.kind == CameraParameter::Kind::kEdgeOffset;
-  }
-  result.corrections_covariance = solution.cameras.refined.covariance;
-  std::vector<CameraParameter> parameters;
-  for (const EstimatedParameter& one : solution.cameras.refined.estimates)
-    parameters.push_back(one.parameter);
-  result.rig = with_corrections(rig, solution.state.cameras, parameters);
-  warn_of_edges(result.corrections, options, findings);
-  if (is_offset_alone) return;
-  findings.warnings.push_back(corrections_in_words(solution.cameras.refined, result.corrections));
-}
-
 /// Constraints weigh against the covariance of all tags.
 void require_covariances(const CalibrationOptions& options, const Part& part) {
   if (options.constraints.empty() ||
@@ -222,22 +147,6 @@ void require_covariances(const CalibrationOptions& options, const Part& part) {
       fmt::format("need the covariance of all tags, and the map has {} of them (at most {}): leave "
                   "them away, or map fewer tags at a time",
                   part.tags.size(), options.max_tags_with_covariance));
-}
-
-/// What constraints made of the map, and what is to be said of them.
-void take_constraints(const PartSolution& solution, CalibrationResult& result, Findings& findings) {
-  result.gauge = to_string(result.held_tag) + " held at the origin";
-  if (!solution.constrained) return;
-  result.is_frame_measured = !solution.constrained->gauge.empty();
-  if (result.is_frame_measured) result.gauge = solution.constrained->gauge;
-  result.is_vertical_measured = solution.constrained->is_vertical_measured;
-  result.constraint_audits = solution.constrained->audits;
-  for (std::size_t i = 0; i < solution.constraints.size(); ++i) {
-    if (result.constraint_audits[i].is_used) result.constraints.push_back(solution.constraints[i]);
-  }
-  result.constraint_doubts = solution.constrained->doubts;
-  for (const auto* words : {&solution.constrained->warnings, &solution.constrained->doubts})
-    findings.warnings.insert(findings.warnings.end(), words->begin(), words->end());
 }
 
 std::size_t num_moments(const Observations& observations) {
@@ -279,56 +188,27 @@ int count_repetitions_once(Observations& observations, const CalibrationOptions&
   return merge_frames_at_rest(observations, options, kept, findings, log);
 }
 
-/// How well the part was seen, and what it was seen in.
-void take_statistics(const Observations& observations, const PartSolution& solution,
-                     const CalibrationOptions& options, CalibrationResult& result) {
-  result.residual_rms_px = solution.total_rms_px;
-  result.frames_used = static_cast<int>(frames_of(observations, solution.part.views).size());
-  result.observations_used = static_cast<int>(solution.part.views.size());
-  result.observations_rejected = static_cast<int>(solution.views_offered - solution.part.views.size());
-  result.evidence = part_evidence(observations, solution, options);
-}
-
-/// What all parts are solved with.
-struct PartsTask {
-  Observations& observations;
-  const std::vector<RigCamera>& start;
-  const std::vector<ViewCandidates>& candidates;
-  const CalibrationOptions& options;
-  const ParallelFor& parallel;
-  const LogSink& log;
-};
-
-/// A map of its own, named `number`; where there is none, the main map stands without it.
-void add_part(const PartsTask& task, const Part& part, int held_tag, std::size_t number,
-              CalibrationResult& result, Findings& findings) {
-  try {
-    const PartSolution other = solve_part(task.observations, task.start, part, held_tag, task.candidates,
-                                          task.options, {}, task.parallel, task.log);
-    report_quality(task.observations, other, task.options, findings);
-    result.other_parts.push_back(
-        to_map(task.observations, other, fmt::format("{}_part_{}", task.options.map_frame, number)));
-    result.evidence_of_other_parts.push_back(part_evidence(task.observations, other, task.options));
-  } catch (const Error& error) {
-    leave_out(task.observations, part.tags, error.what(), findings);
+/// Maps of their own, in the order of `parts` after the first; where there is none, the main map stands
+/// without it. By the cameras of the main part.
+void add_other_parts(Observations observations, const std::vector<Part>& parts,
+                     const std::vector<int>& held_tags, const PartSolution& main,
+                     const CalibrationOptions& options, const ParallelFor& parallel, const LogSink& log,
+                     CalibrationResult& result, Findings& findings) {
+  observations.cameras = main.state.cameras;
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    try {
+      const std::vector<ViewCandidates> candidates = solve_views(observations, parts[i].views, parallel);
+      const PartSolution other =
+          solve_part(observations, {observations.cameras, candidates, &main.cameras.refined}, parts[i],
+                     held_tags[i], options, {}, parallel, log);
+      report_quality(observations, other, options, findings);
+      result.other_parts.push_back(
+          to_map(observations, other, fmt::format("{}_part_{}", options.map_frame, i + 1)));
+      result.evidence_of_other_parts.push_back(part_evidence(observations, other, options));
+    } catch (const Error& error) {
+      leave_out(observations, parts[i].tags, error.what(), findings);
+    }
   }
-}
-
-/// By the cameras of the main part, where these were refined: no part has a lens of its own.
-struct CamerasOfParts {
-  Observations observations;
-  CalibrationOptions options;
-};
-
-std::optional<CamerasOfParts> refined_for_parts(const Observations& observations, const PartSolution& main,
-                                                const CalibrationOptions& options) {
-  if (!main.cameras.refined.is_accepted) return std::nullopt;
-  CamerasOfParts refined{observations, options};
-  refined.observations.cameras = main.state.cameras;
-  refined.options.intrinsics = Intrinsics::kKeep;
-  refined.options.refine_extrinsics = false;
-  refined.options.edge_offset_sigma_px = 0.0;
-  return refined;
 }
 
 CalibrationResult calibrated(std::span<const FrameDetections> frames, const CameraRig& rig,
@@ -355,24 +235,14 @@ CalibrationResult calibrated(std::span<const FrameDetections> frames, const Came
 
   log(LogLevel::kInfo, fmt::format("adjusting {} tags from {} observations", parts.front().tags.size(),
                                    parts.front().views.size()));
-  const PartSolution main = solve_part(observations, start, parts.front(), held_tags.front(), candidates,
+  const PartSolution main = solve_part(observations, {start, candidates}, parts.front(), held_tags.front(),
                                        options, constraints, parallel, log);
   take_cameras(observations, rig, main, options, result, findings);
   report_quality(observations, main, options, findings);
-  result.held_tag = key_of(observations, main.held_tag);
-  result.map = to_map(observations, main, options.map_frame);
-  take_constraints(main, result, findings);
-  take_statistics(observations, main, options, result);
-  result.rig_poses = rig_poses(observations, main);
+  take_map(observations, main, options, result, findings);
   if (options.cross_validate) result.cross_validation = cross_validate(observations, main, options);
-  auto refined = parts.size() > 1 ? refined_for_parts(observations, main, options) : std::nullopt;
-  Observations& of_parts = refined ? refined->observations : observations;
-  for (std::size_t i = 1; i < parts.size(); ++i) {
-    if (refined) candidates = solve_views(of_parts, parts[i].views, parallel);
-    add_part({of_parts, refined ? of_parts.cameras : start, candidates, refined ? refined->options : options,
-              parallel, log},
-             parts[i], held_tags[i], i + 1, result, findings);
-  }
+  if (parts.size() > 1)
+    add_other_parts(observations, parts, held_tags, main, options, parallel, log, result, findings);
   return result;
 }
 

@@ -139,7 +139,7 @@ class Fit {
     } catch (const Error&) {  // a lens that no formula describes
       return false;
     }
-    total_ += step;
+    total_ = already_moved(state);  // shares of a focal length multiply
     return true;
   }
 
@@ -278,6 +278,18 @@ bool stands_the_test(const PartTask& task, const std::vector<CameraParameter>& p
 }
 
 }  // namespace
+
+std::vector<ParameterView> independent_errors(const Observations& observations,
+                                              const std::vector<std::size_t>& views, const MapState& state,
+                                              const CameraRefinement& estimated) {
+  std::vector<CameraParameter> parameters;
+  for (const EstimatedParameter& one : estimated.estimates) {
+    parameters.push_back(one.parameter);
+    parameters.back().sigma = 1.0;
+  }
+  return with_independent_errors(camera_columns(observations, views, state, parameters),
+                                 estimated.covariance);
+}
 
 CameraRefinement refine_cameras(const PartTask& task, const Part& part,
                                 const std::vector<CameraParameter>& parameters, double least_gain,

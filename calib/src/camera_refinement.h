@@ -25,6 +25,12 @@ struct CameraRefinement {
   double held_out_before = 0.0, held_out_after = 0.0;
 };
 
+/// How the views depend on the errors of what was estimated, as independent ones of variance one. What map
+/// the views make had no part in the estimates.
+std::vector<ParameterView> independent_errors(const Observations& observations,
+                                              const std::vector<std::size_t>& views, const MapState& state,
+                                              const CameraRefinement& estimated);
+
 /// Estimates parameters of the cameras together with all poses. They are taken over, into `solved`, only
 /// where frames that took no part agree better with them, by more than chance and by the share `least_gain`;
 /// else all stays as it is. Below 0, nothing is held out: the cameras of `solved` are other ones already.

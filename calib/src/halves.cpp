@@ -11,7 +11,6 @@
 #include <set>
 
 #include "bundle_adjustment.h"
-#include "camera_parameters.h"
 #include "corner_views.h"
 #include "joint_tag_covariance.h"
 
@@ -85,15 +84,9 @@ bool solve_half(const Observations& observations, const PartSolution& solution, 
 Eigen::MatrixXd by_cameras(const Observations& observations, const PartSolution& solution, const Half& half,
                            const PoseInformation& poses) {
   if (!solution.cameras.refined.is_accepted) return Eigen::MatrixXd::Zero(poses.size(), 0);
-  std::vector<CameraParameter> parameters;
-  for (const EstimatedParameter& one : solution.cameras.refined.estimates) {
-    parameters.push_back(one.parameter);
-    parameters.back().sigma = 1.0;
-  }
   return poses
       .eliminate_poses(
-          with_independent_errors(camera_columns(observations, half.part.views, half.state, parameters),
-                                  solution.cameras.refined.covariance))
+          independent_errors(observations, half.part.views, half.state, solution.cameras.refined))
       .poses_by_parameter;
 }
 

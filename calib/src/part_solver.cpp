@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "agreeing_part.h"
@@ -55,11 +56,16 @@ void measure_residuals(const Observations& observations, PartSolution& solution)
   solution.total_rms_px = std::sqrt(total / (8.0 * static_cast<double>(solution.part.views.size())));
 }
 
-/// Those of the cameras that were estimated with the poses. views: linearised, `poses` is made from them.
+/// Those of the cameras that were estimated, with the poses or of another part. views: linearised, `poses` is
+/// made from them.
 std::optional<SharedErrors> errors_of_cameras(const Observations& observations, const PartSolution& solution,
                                               const std::vector<LinearView>& views,
                                               const PoseInformation& poses) {
   if (!solution.cameras.refined.is_accepted) return std::nullopt;
+  if (solution.are_cameras_given)
+    return SharedErrors(poses.eliminate_poses(independent_errors(observations, solution.part.views,
+                                                                 solution.state, solution.cameras.refined)),
+                        1.0 / solution.scale.noise_variance);
   std::vector<CameraParameter> parameters;
   for (const EstimatedParameter& one : solution.cameras.refined.estimates)
     parameters.push_back(one.parameter);
@@ -176,27 +182,36 @@ double most_difference_px(const CameraRefinement& a, const CameraRefinement& b) 
   return most;
 }
 
-/// Where edges are found aside, that may be the pull of the corners' own errors (take_edges_from_map).
-/// solved: before the cameras were improved.
-void take_edges_from_map_if_it_matters(const PartTask& task, const Part& part, AdjustedPart solved,
-                                       const ParallelFor& parallel, const LogSink& log,
-                                       Observations& observations, AdjustedPart& improved,
-                                       BetterCameras& cameras) {
-  if (most_difference_px(cameras.refined, {}) < kInconstantEdges_px) return;
-  Observations by_map = task.observations;
-  take_edges_from_map(solved.part.views, solved.state,
-                      {task.options.corner_sigma_px, task.options.edge_end_correlation}, by_map);
+/// The part once more with the edges of `by_map`, cameras included. nullopt where these give no map.
+std::optional<std::pair<AdjustedPart, BetterCameras>> improved_by_edges_of_map(
+    const PartTask& task, const Observations& by_map, const Part& part, AdjustedPart solved,
+    const ParallelFor& parallel, const LogSink& log) {
   const PartTask again{by_map, task.candidates, task.options};
   try {
     const Part offered = narrowed_to(by_map, part, solved.part.tags);
     solved.part = adjust_cleanly(again, offered, solved.held_tag, solved.state);
-    BetterCameras by_edges_of_map = improve_cameras(again, part, parallel, log, solved);
-    if (most_difference_px(cameras.refined, by_edges_of_map.refined) < kInconstantEdges_px) return;
-    observations.views = std::move(by_map.views);
-    improved = std::move(solved);
-    cameras = std::move(by_edges_of_map);
-  } catch (const Error&) {  // what was found stays
+    BetterCameras cameras = improve_cameras(again, part, parallel, log, solved);
+    return std::pair(std::move(solved), std::move(cameras));
+  } catch (const Error&) {
+    return std::nullopt;
   }
+}
+
+/// Improves them, and where edges are found aside, asks whether that is the pull of the corners' own errors:
+/// by the edges of the map (take_edges_from_map) it may be less. The views keep those where it matters.
+void take_better_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
+                         const LogSink& log, Observations& observations, AdjustedPart& solved,
+                         BetterCameras& cameras) {
+  const AdjustedPart before = solved;
+  cameras = improve_cameras(task, part, parallel, log, solved);
+  if (most_difference_px(cameras.refined, {}) < kInconstantEdges_px) return;
+  Observations by_map = task.observations;
+  take_edges_from_map(before.part.views, before.state,
+                      {task.options.corner_sigma_px, task.options.edge_end_correlation}, by_map);
+  auto again = improved_by_edges_of_map(task, by_map, part, before, parallel, log);
+  if (!again || most_difference_px(cameras.refined, again->second.refined) < kInconstantEdges_px) return;
+  observations.views = std::move(by_map.views);
+  std::tie(solved, cameras) = std::move(*again);
 }
 
 /// Looks at each tag for faults, and leaves out what cannot be trusted. Whether that is any.
@@ -271,22 +286,22 @@ void require_sense(const PartSolution& solution) {
 
 }  // namespace
 
-PartSolution solve_part(Observations& observations, const std::vector<RigCamera>& start, const Part& part,
-                        int held_tag, const std::vector<ViewCandidates>& candidates,
-                        const CalibrationOptions& options, const std::vector<MapConstraint>& constraints,
-                        const ParallelFor& parallel, const LogSink& log) {
-  const PartTask task{observations, candidates, options};  // sees the edges that the map gives them
-  AdjustedPart solved = adjusted_from(start, task, part, held_tag, parallel, log);
+PartSolution solve_part(Observations& observations, const CamerasOfPart& cameras, const Part& part,
+                        int held_tag, const CalibrationOptions& options,
+                        const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
+                        const LogSink& log) {
+  const PartTask task{observations, cameras.candidates, options};  // sees the edges that the map gives them
+  AdjustedPart solved = adjusted_from(cameras.start, task, part, held_tag, parallel, log);
   PartSolution solution;
-  AdjustedPart improved = solved;
-  solution.cameras = improve_cameras(task, part, parallel, log, improved);
-  take_edges_from_map_if_it_matters(task, part, std::move(solved), parallel, log, observations, improved,
-                                    solution.cameras);
-  solved = std::move(improved);
+  solution.are_cameras_given = cameras.estimated != nullptr;
+  if (solution.are_cameras_given)
+    solution.cameras.refined = *cameras.estimated;
+  else
+    take_better_cameras(task, part, parallel, log, observations, solved, solution.cameras);
   const std::vector<ViewCandidates>& by_cameras = solution.cameras.candidates;
-  const PartTask by_better{observations, by_cameras.empty() ? candidates : by_cameras, options};
-  if (leave_out_faulty(by_better, part, solved, parallel, solution))
-    improve_cameras_again(task, part, solved, solution.cameras);
+  const PartTask by_better{observations, by_cameras.empty() ? cameras.candidates : by_cameras, options};
+  if (leave_out_faulty(by_better, part, solved, parallel, solution) && !solution.are_cameras_given)
+    improve_cameras_again(task, part, parallel, log, solved, solution.cameras);
   take_adjusted(std::move(solved), solution);
 
   count_offered_views(observations, part, solution);

@@ -29,21 +29,29 @@ struct PartSolution {
   std::vector<std::size_t> rejected_at_rest;  ///< Rejected views from places where the camera stood.
   std::vector<int> culprits;                  ///< Left out, for the frames contradict each other with them.
   BetterCameras cameras;
+  bool are_cameras_given = false;  ///< Of another part: these views had no share in them.
   std::vector<TagFinding> findings;
   std::vector<int> undecided;     ///< Left out, for the views leave them two poses, and no fault says why.
   std::vector<int> contradicted;  ///< Left out, for most of their views were rejected.
   std::vector<int> lost_tags;     ///< Others that nothing trusted ties to the held tag.
 };
 
+/// What a part is solved by.
+struct CamerasOfPart {
+  const std::vector<RigCamera>& start;  ///< To begin with; `observations.cameras` is what is known of them.
+  const std::vector<ViewCandidates>& candidates;  ///< Of all views, by these.
+  /// How `start` was estimated, of another part: no part has cameras of its own. None: to be estimated.
+  const CameraRefinement* estimated = nullptr;
+};
+
 /// Start, robust adjustment, outliers removed, clean adjustment, mirrored tags turned, covariances; all of it
 /// again without the tag that makes frames contradict each other, if there is one, or those of which any may.
 /// Throws Error(kNoResult) when it does not converge, converges to nonsense, or contradictions stay, of views
-/// or of constraints. start: the cameras to begin with, which `candidates` are made with, as well; what is
-/// known of them before is what `observations` has; in the end the edges of its views are those of the map
-/// where that moves an edge offset (take_edges_from_map). constraints: whose tags are named by family and id.
-PartSolution solve_part(Observations& observations, const std::vector<RigCamera>& start, const Part& part,
-                        int held_tag, const std::vector<ViewCandidates>& candidates,
-                        const CalibrationOptions& options, const std::vector<MapConstraint>& constraints,
-                        const ParallelFor& parallel, const LogSink& log);
+/// or of constraints. observations: in the end the edges of its views are those of the map where that moves
+/// an edge offset (take_edges_from_map). constraints: whose tags are named by family and id.
+PartSolution solve_part(Observations& observations, const CamerasOfPart& cameras, const Part& part,
+                        int held_tag, const CalibrationOptions& options,
+                        const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
+                        const LogSink& log);
 
 }  // namespace apriltrack
