@@ -97,6 +97,18 @@ void warn_of_older_camera(const CalibrateOptions& a, const fs::path& camera) {
                   file.string(), camera.string()));
 }
 
+/// What was refined from pictures has no covariance with what they do not show well enough.
+void warn_of_tags_without(const CalibrateOptions& a, const TagMap& map, const JointCovariance& joint) {
+  std::vector<std::string> names;
+  for (const MapTag& tag : map.tags)
+    if (!joint.row_of(tag.key)) names.push_back(to_string(tag.key));
+  if (names.empty()) return;
+  a.console.warning(
+      fmt::format("--joint-covariance: {} is without {}, which the refinement from pictures left out; "
+                  "--no-photometric writes that of all tags, by corners",
+                  a.joint_covariance, fmt::join(names, ", ")));
+}
+
 /// Whether there is one to write. It was asked for beside the map, which is as good without.
 bool write_joint_covariance(const CalibrateOptions& a, const TagMap& map, const JointCovariance& joint,
                             StagedFiles& outputs) {
@@ -104,6 +116,7 @@ bool write_joint_covariance(const CalibrateOptions& a, const TagMap& map, const 
   if (!joint.is_empty()) {
     outputs.write(a.joint_covariance,
                   [&](const fs::path& path) { apriltrack::write_joint_covariance(path, map, joint); });
+    warn_of_tags_without(a, map, joint);
     return true;
   }
   std::error_code ignored;

@@ -52,7 +52,7 @@ void find_in_times(const RecordingFacts& recording, std::vector<Finding>& findin
                         fmt::format("{} frames are no later than the frame before: the clock went back, or "
                                     "frames were copied",
                                     times.not_forward)});
-  if (times.gaps > 0)
+  if (times.gaps > 0 && times.rate_hz)
     findings.push_back(
         {Severity::kNote, "time_gaps",
          fmt::format("{} between frames, the longest {:.2f} s, at {:.3g} frames a second elsewhere: "

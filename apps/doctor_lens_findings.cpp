@@ -40,6 +40,7 @@ std::vector<Finding> find_in_lens(const RecordingFacts& recording) {
   if (!recording.camera) return {};
   std::vector<FrameDetections> frames;
   for (const FrameFacts& frame : recording.frames) {
+    if (!is_usable(frame, recording.camera)) continue;
     const Timestamp number{
         static_cast<std::int64_t>(frames.size())};  // times may be wrong, and do not matter
     frames.push_back({number, recording.camera->name, {}});

@@ -159,6 +159,7 @@ bool is_clear(const PartTask& task, const Suspicion& one) {
 
 std::vector<bool> is_at_second_of(const Move& move) {
   std::vector<bool> result(move.views.size());
+  if (move.moments.empty()) return result;  // no change of place explains anything
   std::fill(result.begin() + static_cast<std::ptrdiff_t>(move.moments.front()), result.end(), true);
   return result;
 }
