@@ -95,6 +95,10 @@ std::vector<AnchorViews> anchor_views(const Observations& observations, const Hi
   return best;
 }
 
+bool is_same_start(const Pose& a, const Pose& b) {
+  return rotation_angle_rad(a.rotation(), b.rotation()) < kSameStart_rad;
+}
+
 /// Poses of the group by single frames, judged by how well those that show both anchors agree.
 class Proposals {
  public:
@@ -128,15 +132,15 @@ class Proposals {
     const GroupMotion present{Pose::identity(), {}, judge(Pose::identity(), kAny)};
     std::vector<GroupMotion> all;
     for (const Pose& motion : motions) {
+      if (is_same_start(motion, present.motion)) continue;
       const double most = kMostOfPresent * present.cost;
       if (const double cost = judge(motion, most); cost <= most) all.push_back({motion, {}, cost});
     }
     std::ranges::stable_sort(all, {}, &GroupMotion::cost);
     std::vector<GroupMotion> distinct{present};
     for (const GroupMotion& one : all) {
-      const bool is_new = std::ranges::none_of(distinct, [&](const GroupMotion& other) {
-        return rotation_angle_rad(one.motion.rotation(), other.motion.rotation()) < kSameStart_rad;
-      });
+      const bool is_new = std::ranges::none_of(
+          distinct, [&](const GroupMotion& other) { return is_same_start(one.motion, other.motion); });
       if (is_new && distinct.size() <= kMostProposed) distinct.push_back(one);
     }
     distinct.erase(distinct.begin());

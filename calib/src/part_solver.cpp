@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <set>
-#include <tuple>
 #include <utility>
 
 #include "agreeing_part.h"
@@ -182,36 +182,45 @@ double most_difference_px(const CameraRefinement& a, const CameraRefinement& b) 
   return most;
 }
 
-/// The part once more with the edges of `by_map`, cameras included. nullopt where these give no map.
-std::optional<std::pair<AdjustedPart, BetterCameras>> improved_by_edges_of_map(
-    const PartTask& task, const Observations& by_map, const Part& part, AdjustedPart solved,
-    const ParallelFor& parallel, const LogSink& log) {
-  const PartTask again{by_map, task.candidates, task.options};
+/// Takes better cameras into what was solved, and into what is known of cameras.
+using Improvement = std::function<void(const PartTask&, AdjustedPart&, BetterCameras&)>;
+
+struct Improved {
+  AdjustedPart solved;
+  BetterCameras cameras;
+};
+
+/// What is improved with the edges of `by_map` instead. nullopt where these give no map.
+std::optional<Improved> improved_by_edges_of_map(const PartTask& task, const Observations& by_map,
+                                                 const Part& part, const Improvement& improve,
+                                                 Improved start) {
+  const PartTask by_edges{by_map, task.candidates, task.options};
   try {
-    const Part offered = narrowed_to(by_map, part, solved.part.tags);
-    solved.part = adjust_cleanly(again, offered, solved.held_tag, solved.state);
-    BetterCameras cameras = improve_cameras(again, part, parallel, log, solved);
-    return std::pair(std::move(solved), std::move(cameras));
+    start.solved.part = adjust_cleanly(by_edges, narrowed_to(by_map, part, start.solved.part.tags),
+                                       start.solved.held_tag, start.solved.state);
+    improve(by_edges, start.solved, start.cameras);
+    return start;
   } catch (const Error&) {
     return std::nullopt;
   }
 }
 
-/// Improves them, and where edges are found aside, asks whether that is the pull of the corners' own errors:
-/// by the edges of the map (take_edges_from_map) it may be less. The views keep those where it matters.
-void take_better_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
-                         const LogSink& log, Observations& observations, AdjustedPart& solved,
-                         BetterCameras& cameras) {
-  const AdjustedPart before = solved;
-  cameras = improve_cameras(task, part, parallel, log, solved);
-  if (most_difference_px(cameras.refined, {}) < kInconstantEdges_px) return;
+/// Improves them, and where edges are then found aside, asks whether that is the pull of the corners' own
+/// errors: by the edges of the map (take_edges_from_map) it may be less. The views keep those where it
+/// matters.
+void improve_honestly(const PartTask& task, const Part& part, const Improvement& improve,
+                      Observations& observations, AdjustedPart& solved, BetterCameras& cameras) {
+  const Improved before{solved, cameras};
+  improve(task, solved, cameras);
+  if (most_difference_px(cameras.refined, before.cameras.refined) < kInconstantEdges_px) return;
   Observations by_map = task.observations;
-  take_edges_from_map(before.part.views, before.state,
+  take_edges_from_map(before.solved.part.views, before.solved.state,
                       {task.options.corner_sigma_px, task.options.edge_end_correlation}, by_map);
-  auto again = improved_by_edges_of_map(task, by_map, part, before, parallel, log);
-  if (!again || most_difference_px(cameras.refined, again->second.refined) < kInconstantEdges_px) return;
+  auto again = improved_by_edges_of_map(task, by_map, part, improve, before);
+  if (!again || most_difference_px(cameras.refined, again->cameras.refined) < kInconstantEdges_px) return;
   observations.views = std::move(by_map.views);
-  std::tie(solved, cameras) = std::move(*again);
+  solved = std::move(again->solved);
+  cameras = std::move(again->cameras);
 }
 
 /// Looks at each tag for faults, and leaves out what cannot be trusted. Whether that is any.
@@ -292,16 +301,22 @@ PartSolution solve_part(Observations& observations, const CamerasOfPart& cameras
                         const LogSink& log) {
   const PartTask task{observations, cameras.candidates, options};  // sees the edges that the map gives them
   AdjustedPart solved = adjusted_from(cameras.start, task, part, held_tag, parallel, log);
+  const Improvement improve = [&](const PartTask& by, AdjustedPart& improved, BetterCameras& found) {
+    found = improve_cameras(by, part, parallel, log, improved);
+  };
+  const Improvement improve_again = [&](const PartTask& by, AdjustedPart& improved, BetterCameras& found) {
+    improve_cameras_again(by, part, parallel, log, improved, found);
+  };
   PartSolution solution;
   solution.are_cameras_given = cameras.estimated != nullptr;
   if (solution.are_cameras_given)
     solution.cameras.refined = *cameras.estimated;
   else
-    take_better_cameras(task, part, parallel, log, observations, solved, solution.cameras);
+    improve_honestly(task, part, improve, observations, solved, solution.cameras);
   const std::vector<ViewCandidates>& by_cameras = solution.cameras.candidates;
   const PartTask by_better{observations, by_cameras.empty() ? cameras.candidates : by_cameras, options};
   if (leave_out_faulty(by_better, part, solved, parallel, solution) && !solution.are_cameras_given)
-    improve_cameras_again(task, part, parallel, log, solved, solution.cameras);
+    improve_honestly(task, part, improve_again, observations, solved, solution.cameras);
   take_adjusted(std::move(solved), solution);
 
   count_offered_views(observations, part, solution);

@@ -134,5 +134,24 @@ TEST(PredictedEdges, KeepTheScaleOfAMap) {
   }
 }
 
+// A tag that is printed too large hides at first that edges seem aside: they do once it is left out.
+TEST(PredictedEdges, KeepTheScaleOfAMapThatAFaultyTagIsLeftOutOf) {
+  RandomStream random(5);
+  const SyntheticWorld world = row_of_small_tags(random, 30);
+  SyntheticWorld printed = world;
+  printed.map.tags[3].size_m *= 1.1;
+  std::vector<FrameDetections> frames = test::exact_detections(printed);
+  for (std::size_t k = 0; k < frames.size(); ++k) {  // three neighbours each
+    const int first = static_cast<int>(k) % (kTagsOfRow - 2);
+    std::erase_if(frames[k].detections, [&](const Detection& detection) {
+      return detection.tag.id < first || detection.tag.id > first + 2;
+    });
+  }
+  test::add_edge_noise(frames, kNoiseOfRow_px, -0.45, random);
+  const CalibrationResult result = test::calibrate(world, frames, {.edge_offset_sigma_px = 0.2});
+  EXPECT_EQ(result.left_out, std::vector<TagKey>{tag36h11(3)});
+  EXPECT_NEAR(length_of_row(result.map) / length_of_row(world.map), 1.0, 0.008);
+}
+
 }  // namespace
 }  // namespace apriltrack
