@@ -29,6 +29,8 @@
 namespace apriltrack {
 namespace {
 
+constexpr double kLeastUsualSize_m = 0.005, kMostUsualSize_m = 3.0;
+
 void require_sizes(const Observations& observations, const std::vector<Part>& parts) {
   std::vector<TagKey> missing;
   for (const Part& part : parts) {
@@ -45,6 +47,27 @@ void require_sizes(const Observations& observations, const std::vector<Part>& pa
                                     list_tags(missing)));
 }
 
+/// Centimetres or millimetres where metres are asked for are the commonest slip, and no view can tell.
+void warn_of_unusual_sizes(const Observations& observations, const std::vector<Part>& parts,
+                           Findings& findings) {
+  std::vector<TagKey> unusual;
+  double size_m = 0.0;
+  for (const Part& part : parts) {
+    for (const int tag : part.tags) {
+      const double of_tag_m = observations.sizes_m[static_cast<std::size_t>(tag)];
+      if (of_tag_m >= kLeastUsualSize_m && of_tag_m <= kMostUsualSize_m) continue;
+      unusual.push_back(key_of(observations, tag));
+      size_m = of_tag_m;
+    }
+  }
+  if (unusual.empty()) return;
+  std::sort(unusual.begin(), unusual.end());
+  findings.warnings.push_back(
+      fmt::format("{} given a size of {:.3g} m: sizes are in metres, of the square whose corners are "
+                  "detected. All distances of the map are in proportion to them (--tag-size, --tag-sizes)",
+                  unusual.size() == 1 ? list_tags(unusual) + " is" : list_tags(unusual) + " are", size_m));
+}
+
 /// Parts whose views all have a pose to start from. Sizes are asked for only where a tag can be mapped at
 /// all.
 std::vector<Part> solvable_parts(const Observations& observations, const CalibrationOptions& options,
@@ -54,6 +77,7 @@ std::vector<Part> solvable_parts(const Observations& observations, const Calibra
   std::iota(views.begin(), views.end(), std::size_t{0});
   Connectivity connectivity = find_parts(observations, views, options.min_views);
   require_sizes(observations, connectivity.parts);
+  warn_of_unusual_sizes(observations, connectivity.parts, findings);
 
   std::vector<std::size_t> connected;
   for (const Part& part : connectivity.parts)

@@ -332,5 +332,15 @@ TEST(CalibrateMap, RefusesOptionsOutOfRange) {
               HasSubstr("min_views"));
 }
 
+TEST(CalibrateMap, WarnsOfSizesInCentimetres) {
+  const SyntheticWorld world = test::make_room(6, 20, test::perspective_camera());
+  const auto frames = test::exact_detections(world);
+  const auto warnings = [&](double size_m) {
+    return calibrate_map(frames, world.rig, TagSizes(size_m), {}).warnings;
+  };
+  EXPECT_THAT(warnings(16.0), ::testing::Contains(HasSubstr("given a size of 16 m: sizes are in metres")));
+  EXPECT_THAT(warnings(0.16), ::testing::Not(::testing::Contains(HasSubstr("sizes are in metres"))));
+}
+
 }  // namespace
 }  // namespace apriltrack

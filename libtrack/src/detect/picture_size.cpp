@@ -105,13 +105,19 @@ std::string advice_on_larger(const Camera& camera, const Eigen::Vector2d& reach_
   return "Give --camera the file of the pictures' resolution";
 }
 
+/// Short, whatever a damaged file has.
+std::string pixels(double px) {
+  constexpr double kOfAnyPicture = 1e6;
+  return std::abs(px) < kOfAnyPicture ? fmt::format("{:.1f}", px) : fmt::format("{:.3g}", px);
+}
+
 std::string outside_corner(const Camera& camera, const Sights& sights, const DetectionPlace& place) {
   const OutsideCorner& first = *sights.first;
   const Eigen::Vector2d& corner = first.detection->corners_px[first.corner];
-  return fmt::format(
-      "{}corner {} of {} lies at ({:.1f}, {:.1f}), and camera '{}' is calibrated for {} x {} pixels",
-      place ? "" : fmt::format("at {} ns ", first.frame->timestamp.ns), first.corner,
-      to_string(first.detection->tag), corner.x(), corner.y(), camera.name, camera.width, camera.height);
+  return fmt::format("{}corner {} of {} lies at ({}, {}), and camera '{}' is calibrated for {} x {} pixels",
+                     place ? "" : fmt::format("at {} ns ", first.frame->timestamp.ns), first.corner,
+                     to_string(first.detection->tag), pixels(corner.x()), pixels(corner.y()), camera.name,
+                     camera.width, camera.height);
 }
 
 void refuse_pictures(const Camera& camera, const Sights& sights, const DetectionPlace& place) {
