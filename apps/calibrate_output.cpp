@@ -105,7 +105,7 @@ void warn_of_tags_without(const CalibrateOptions& a, const TagMap& map, const Jo
   if (names.empty()) return;
   a.console.warning(
       fmt::format("--joint-covariance: {} is without {}, which the refinement from pictures left out; "
-                  "--no-photometric writes that of all tags, by corners",
+                  "--no-refine writes that of all tags, by corners",
                   a.joint_covariance, fmt::join(names, ", ")));
 }
 
