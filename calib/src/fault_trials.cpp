@@ -119,7 +119,7 @@ void FaultTrials::ask_probes() {
 }
 
 // What is explained by two places, one after the other, needs none by turns; and a size has fewer unknowns.
-std::optional<FaultTrial> FaultTrials::best() const {
+std::optional<FaultTrial> FaultTrials::best() {
   std::optional<FaultTrial> best;
   keep_better(best, if_enough(best_size()));
   std::optional<FaultTrial> places = best_move();
@@ -150,12 +150,18 @@ Observations FaultTrials::split_suspect(const std::vector<bool>& is_at_second) c
   return split_tag(observations_, suspect_.tag, suspect_.views, is_at_second);
 }
 
-std::optional<FaultTrial> FaultTrials::split(Kind kind, std::vector<bool> is_at_second) const {
-  const Observations observations = split_suspect(is_at_second);
+std::optional<FaultTrial> FaultTrials::split(Kind kind, const std::vector<bool>& is_at_second) {
+  auto known = splits_.find(is_at_second);
+  if (known == splits_.end()) known = splits_.emplace(is_at_second, solve_split(is_at_second)).first;
+  std::optional<FaultTrial> result = known->second;
+  if (result) result->kind = kind;
+  return result;
+}
+
+std::optional<FaultTrial> FaultTrials::solve_split(const std::vector<bool>& is_at_second) const {
   FaultTrial trial;
-  trial.kind = kind;
-  trial.is_at_second = std::move(is_at_second);
-  auto result = try_fault(observations, std::move(trial));
+  trial.is_at_second = is_at_second;
+  auto result = try_fault(split_suspect(is_at_second), std::move(trial));
   if (!result) return result;
   result->T_map_first = result->solved.state.T_map_tag[static_cast<std::size_t>(suspect_.tag)];
   result->T_map_second = result->solved.state.T_map_tag.back();
@@ -169,13 +175,13 @@ bool FaultTrials::moves_again(const FaultTrial& moved) const {
                        on_one_thread(task_));
 }
 
-std::optional<FaultTrial> FaultTrials::move_at(std::size_t moment) const {
+std::optional<FaultTrial> FaultTrials::move_at(std::size_t moment) {
   std::vector<bool> is_at_second(suspect_.views.size());
   std::fill(is_at_second.begin() + static_cast<std::ptrdiff_t>(moment), is_at_second.end(), true);
-  return split(Kind::kMoved, std::move(is_at_second));
+  return split(Kind::kMoved, is_at_second);
 }
 
-std::optional<FaultTrial> FaultTrials::best_move_from(std::size_t moment) const {
+std::optional<FaultTrial> FaultTrials::best_move_from(std::size_t moment) {
   std::optional<FaultTrial> best;
   for (int shift = 0; shift <= kMostShifts; ++shift) {
     if (moment < kLeastAtPlace || moment + kLeastAtPlace > suspect_.views.size()) break;
@@ -189,7 +195,7 @@ std::optional<FaultTrial> FaultTrials::best_move_from(std::size_t moment) const 
   return best;
 }
 
-std::optional<FaultTrial> FaultTrials::best_move() const {
+std::optional<FaultTrial> FaultTrials::best_move() {
   const std::size_t num = suspect_.views.size();
   std::optional<FaultTrial> best;
   for (const std::size_t moment :
@@ -202,14 +208,14 @@ std::optional<FaultTrial> FaultTrials::best_move() const {
 }
 
 // What one place does not explain shows the other.
-std::optional<FaultTrial> FaultTrials::best_copy() const {
+std::optional<FaultTrial> FaultTrials::best_copy() {
   std::optional<FaultTrial> best = if_enough(best_copy_from(is_given_up_));
   keep_better(best, if_enough(best_copy_from(places_of_probes_)));
   if (best && is_one_change(best->is_at_second)) best->kind = Kind::kMoved;
   return best;
 }
 
-std::optional<FaultTrial> FaultTrials::best_copy_from(std::vector<bool> is_at_second) const {
+std::optional<FaultTrial> FaultTrials::best_copy_from(std::vector<bool> is_at_second) {
   std::optional<FaultTrial> best;
   for (int round = 0; round <= kMostShifts; ++round) {
     const auto num = static_cast<std::size_t>(std::ranges::count(is_at_second, true));

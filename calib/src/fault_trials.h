@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -33,22 +34,23 @@ class FaultTrials {
   FaultTrials(const PartTask& task, const Suspect& suspect, const AdjustedPart& solved);
 
   /// What explains most, if it explains enough.
-  std::optional<FaultTrial> best() const;
+  std::optional<FaultTrial> best();
 
  private:
   void ask_probes();
   double size_m() const;
   std::optional<FaultTrial> try_fault(const Observations& observations, FaultTrial trial) const;
   Observations split_suspect(const std::vector<bool>& is_at_second) const;
-  std::optional<FaultTrial> split(TagFinding::Kind kind, std::vector<bool> is_at_second) const;
+  std::optional<FaultTrial> split(TagFinding::Kind kind, const std::vector<bool>& is_at_second);
+  std::optional<FaultTrial> solve_split(const std::vector<bool>& is_at_second) const;
   /// From the moment on, into its views, the tag hangs elsewhere.
-  std::optional<FaultTrial> move_at(std::size_t moment) const;
-  std::optional<FaultTrial> best_move_from(std::size_t moment) const;
+  std::optional<FaultTrial> move_at(std::size_t moment);
+  std::optional<FaultTrial> best_move_from(std::size_t moment);
   /// The first that explains all of the views, else the best that explains enough.
-  std::optional<FaultTrial> best_move() const;
+  std::optional<FaultTrial> best_move();
   /// That explains enough.
-  std::optional<FaultTrial> best_copy() const;
-  std::optional<FaultTrial> best_copy_from(std::vector<bool> is_at_second) const;
+  std::optional<FaultTrial> best_copy();
+  std::optional<FaultTrial> best_copy_from(std::vector<bool> is_at_second);
   /// What moves once more, at either place, has none.
   bool moves_again(const FaultTrial& moved) const;
   std::optional<FaultTrial> resize(double log_scale) const;
@@ -65,6 +67,8 @@ class FaultTrials {
   std::vector<bool> is_given_up_;       ///< Of the suspect's views, there.
   std::size_t moment_of_probes_ = 0;    ///< Into the suspect's views; 0: none.
   std::vector<bool> places_of_probes_;  ///< Of the suspect's views; empty: one place.
+  /// Those solved so far, by which views show the second place: several ways lead to the same.
+  std::map<std::vector<bool>, std::optional<FaultTrial>> splits_;
 };
 
 }  // namespace apriltrack
