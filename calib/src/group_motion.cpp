@@ -2,10 +2,13 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "apriltrack/base/degrees.h"
+#include "apriltrack/geometry/rotation.h"
 #include "cauchy_loss.h"
 
 namespace apriltrack {
@@ -17,6 +20,7 @@ constexpr int kMaxSteps = 40, kFirstSteps = 4;
 constexpr double kLeastDecrease = 1e-6;
 constexpr double kPatience = 12.0;  // steps like the last one
 constexpr double kMostDamping = 1e8;
+constexpr double kSameMinimum_rad = 1.0 * kRadPerDeg, kSameCost = 1.0;
 
 /// One frame's equations and their coupling with the group's motion.
 struct FrameBlock {
@@ -37,6 +41,13 @@ struct Motion {
   std::vector<Pose> T_map_rig;
   double cost = 0.0;
 };
+
+bool is_at_one_of(const std::vector<GroupMotion>& minima, const Motion& at) {
+  return std::ranges::any_of(minima, [&](const GroupMotion& minimum) {
+    return std::abs(at.cost - minimum.cost) < kSameCost &&
+           rotation_angle_rad(at.motion.rotation(), minimum.motion.rotation()) < kSameMinimum_rad;
+  });
+}
 
 Matrix6d damped(const Matrix6d& H, double damping) {
   Matrix6d result = H;
@@ -66,9 +77,9 @@ class GroupFit {
     }
   }
 
-  GroupMotion run(const GroupMotion& start, double wanted_cost) const {
+  GroupMotion run(const GroupMotion& start, const EnoughOfMotion& enough) const {
     Motion best = from(start);
-    descend(best, wanted_cost);
+    descend(best, enough);
     GroupMotion result{best.motion, {}, best.cost};
     for (std::size_t i = 0; i < frames_.size(); ++i)
       result.T_map_rig.emplace_hint(result.T_map_rig.end(), frames_[i], best.T_map_rig[i]);
@@ -96,7 +107,7 @@ class GroupFit {
     return motion;
   }
 
-  void descend(Motion& best, double wanted_cost) const {
+  void descend(Motion& best, const EnoughOfMotion& enough) const {
     best.cost = cost(best);
     double damping = 1e-4;
     for (int step = 0; step < kMaxSteps && damping < kMostDamping; ++step) {
@@ -112,7 +123,8 @@ class GroupFit {
       best = std::move(*next);
       damping = std::max(1e-9, 0.1 * damping);
       if (decrease < kLeastDecrease * best.cost) return;
-      if (step >= kFirstSteps && best.cost - kPatience * decrease > wanted_cost) return;
+      if (step >= kFirstSteps && best.cost - kPatience * decrease > enough.wanted_cost) return;
+      if (is_at_one_of(enough.minima, best)) return;
     }
   }
 
@@ -200,8 +212,8 @@ class GroupFit {
 
 GroupMotion fit_group_motion(const Observations& observations, const std::vector<std::size_t>& views,
                              const std::vector<int>& group, const MapState& state, const GroupMotion& start,
-                             double wanted_cost) {
-  return GroupFit(observations, views, group, state).run(start, wanted_cost);
+                             const EnoughOfMotion& enough) {
+  return GroupFit(observations, views, group, state).run(start, enough);
 }
 
 double cost_of_group(const Observations& observations, const std::vector<std::size_t>& views,

@@ -15,13 +15,18 @@ struct GroupMotion {
   double cost = 0.0;              ///< Half the robust sum of squares.
 };
 
+/// When a fit need not go on.
+struct EnoughOfMotion {
+  double wanted_cost = std::numeric_limits<double>::infinity();  ///< It creeps too slowly ever to come below.
+  std::vector<GroupMotion> minima = {};                          ///< It is about to end in one of these.
+};
+
 /// Levenberg-Marquardt on the group's motion and on the poses of the frames, with Cauchy's loss on the views'
 /// whitened norms. views: of frames that show tags of the group beside others. group: sorted. start: the
-/// motion to start from, and the frames' poses where they are not those of `state`. wanted_cost: a fit that
-/// creeps too slowly ever to come below is given up, where it is.
+/// motion to start from, and the frames' poses where they are not those of `state`.
 GroupMotion fit_group_motion(const Observations& observations, const std::vector<std::size_t>& views,
                              const std::vector<int>& group, const MapState& state, const GroupMotion& start,
-                             double wanted_cost = std::numeric_limits<double>::infinity());
+                             const EnoughOfMotion& enough = {});
 
 /// What the views cost where the state has the group and the frames.
 double cost_of_group(const Observations& observations, const std::vector<std::size_t>& views,

@@ -39,7 +39,8 @@ bool are_apart(const GroupMotion& a, const GroupMotion& b) {
 /// By few frames. most: that it may cost.
 bool is_hopeless(const Observations& observations, const Hinge& hinge, const std::vector<int>& group,
                  const MapState& state, const GroupMotion& start, double most, Fallback fallback) {
-  const GroupMotion by_few = fit_group_motion(observations, hinge.few_views, group, state, start, most);
+  const GroupMotion by_few =
+      fit_group_motion(observations, hinge.few_views, group, state, start, {.wanted_cost = most});
   return by_few.cost > most || (fallback == Fallback::kIsEnough && !are_apart(by_few, {}));
 }
 
@@ -59,10 +60,11 @@ Alternatives alternatives(const PartTask& task, const ViewIndex& index, const st
   }
   if (starts.empty()) return result;
   result.now = fit_group_motion(observations, hinge.views, group, state, {});
+  EnoughOfMotion enough{result.now.cost + kDecisive, {result.now}};
   for (const GroupMotion& start : starts) {
-    GroupMotion other =
-        fit_group_motion(observations, hinge.views, group, state, start, result.now.cost + kDecisive);
+    GroupMotion other = fit_group_motion(observations, hinge.views, group, state, start, enough);
     if (!are_apart(other, result.now)) continue;
+    enough.minima.push_back(other);
     if (!result.best_other || other.cost < result.best_other->cost) result.best_other = std::move(other);
   }
   return result;
