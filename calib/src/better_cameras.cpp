@@ -52,9 +52,11 @@ Parameters parameters_of(const CameraRefinement& cameras) {
 /// Of the cameras that were not started with the file's lens: the file's is no choice, so nothing is held
 /// out.
 CameraRefinement refine_other_lenses(const PartTask& task, const Part& part, const Parameters& edges,
-                                     const std::vector<int>& cameras, AdjustedPart& solved) {
-  CameraRefinement refined = refine_cameras(
-      task, part, edges + intrinsic_parameters(cameras, task.observations.cameras), kNothingHeldOut, solved);
+                                     const std::vector<int>& cameras, AdjustedPart& solved,
+                                     const ParallelFor& parallel) {
+  CameraRefinement refined =
+      refine_cameras(task, part, edges + intrinsic_parameters(cameras, task.observations.cameras),
+                     kNothingHeldOut, solved, parallel);
   if (!refined.is_accepted)
     throw no_result(
         "calibrate",
@@ -66,7 +68,8 @@ CameraRefinement refine_other_lenses(const PartTask& task, const Part& part, con
 
 /// Edge offsets alone first, which are most often what is wrong with corners from elsewhere; then lenses, and
 /// cameras' places.
-CameraRefinement better_cameras(const PartTask& task, const Part& part, AdjustedPart& solved) {
+CameraRefinement better_cameras(const PartTask& task, const Part& part, AdjustedPart& solved,
+                                const ParallelFor& parallel) {
   const CalibrationOptions& options = task.options;
   const std::vector<int> cameras = cameras_of(task.observations, solved.part);
   std::vector<int> others;
@@ -79,9 +82,9 @@ CameraRefinement better_cameras(const PartTask& task, const Part& part, Adjusted
       has_edges ? edge_offset_parameters(cameras, options.edge_offset_sigma_px) : Parameters{};
   CameraRefinement first;
   if (!others.empty())
-    first = refine_other_lenses(task, part, parameters, others, solved);
+    first = refine_other_lenses(task, part, parameters, others, solved, parallel);
   else if (has_edges)
-    first = refine_cameras(task, part, parameters, 0.0, solved);
+    first = refine_cameras(task, part, parameters, 0.0, solved, parallel);
   const bool keeps_lenses = options.intrinsics == Intrinsics::kKeep;
   if (!keeps_lenses) parameters = parameters + intrinsic_parameters(cameras, task.observations.cameras);
   if (options.refine_extrinsics) parameters = parameters + extrinsic_parameters(cameras);
@@ -91,7 +94,8 @@ CameraRefinement better_cameras(const PartTask& task, const Part& part, Adjusted
   // The prior pulls at a lens that is far from the file's, until all is done again: others would make up for
   // it.
   if (!others.empty() && !is_asked_for) return first;
-  CameraRefinement of_all = refine_cameras(task, part, parameters, is_asked_for ? 0.0 : kClearGain, solved);
+  CameraRefinement of_all =
+      refine_cameras(task, part, parameters, is_asked_for ? 0.0 : kClearGain, solved, parallel);
   if (of_all.is_accepted || !first.is_accepted) return of_all;
   first.reason = of_all.reason;
   return first;
@@ -99,19 +103,20 @@ CameraRefinement better_cameras(const PartTask& task, const Part& part, Adjusted
 
 /// That were not asked for, and agree clearly better; `solved` is a copy.
 std::optional<CameraRefinement> not_taken(const PartTask& task, const Part& part,
-                                          const Parameters& parameters, AdjustedPart solved) {
-  CameraRefinement better = refine_cameras(task, part, parameters, kClearGain, solved);
+                                          const Parameters& parameters, AdjustedPart solved,
+                                          const ParallelFor& parallel) {
+  CameraRefinement better = refine_cameras(task, part, parameters, kClearGain, solved, parallel);
   if (!better.is_accepted) return std::nullopt;
   return better;
 }
 
 /// With all else that was estimated, or the places would take the blame for it.
 std::optional<CameraRefinement> places_not_taken(const PartTask& task, const Part& part,
-                                                 const CameraRefinement& refined,
-                                                 const AdjustedPart& solved) {
+                                                 const CameraRefinement& refined, const AdjustedPart& solved,
+                                                 const ParallelFor& parallel) {
   const Parameters parameters = extrinsic_parameters(cameras_of(task.observations, solved.part));
   if (task.options.refine_extrinsics || parameters.empty()) return std::nullopt;
-  return not_taken(task, part, parameters + parameters_of(refined), solved);
+  return not_taken(task, part, parameters + parameters_of(refined), solved, parallel);
 }
 
 /// By how many sigmas of what files of the same camera are off by. Detectors' edges are in no file.
@@ -188,8 +193,9 @@ std::optional<Again> solve_again(const PartTask& task, const Part& part, const A
   try {
     AdjustedPart anew = adjust_without_contradictions(again, seen, solved.held_tag, parallel, log);
     leave_out_undecided(again, seen, anew, parallel);
-    CameraRefinement refined = refine_cameras(task, without_left_out(task.observations, seen, anew),
-                                              less_known_parameters(cameras), kNothingHeldOut, anew);
+    CameraRefinement refined =
+        refine_cameras(task, without_left_out(task.observations, seen, anew), less_known_parameters(cameras),
+                       kNothingHeldOut, anew, parallel);
     if (!refined.is_accepted) return std::nullopt;
     refined.held_out_before = cameras.held_out_before;
     refined.held_out_after = cameras.held_out_after;
@@ -218,8 +224,8 @@ void solve_by_refined_cameras(const PartTask& task, const Part& part, const Para
 }
 
 /// Those whose lenses had to wait until others were right. Whether any is taken over.
-bool refine_other_cameras(const PartTask& task, const Part& part, AdjustedPart& solved,
-                          CameraRefinement& refined) {
+bool refine_other_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
+                          AdjustedPart& solved, CameraRefinement& refined) {
   if (task.options.intrinsics == Intrinsics::kKeep || !refined.is_accepted) return false;
   std::vector<int> waiting = cameras_of(task.observations, solved.part);
   Parameters parameters;
@@ -233,7 +239,7 @@ bool refine_other_cameras(const PartTask& task, const Part& part, AdjustedPart& 
   if (!has_lenses || waiting.empty()) return false;
   CameraRefinement all = refine_cameras(task, without_left_out(task.observations, part, solved),
                                         parameters + intrinsic_parameters(waiting, task.observations.cameras),
-                                        kClearGain, solved);
+                                        kClearGain, solved, parallel);
   if (!all.is_accepted) return false;
   refined = std::move(all);
   return true;
@@ -241,23 +247,26 @@ bool refine_other_cameras(const PartTask& task, const Part& part, AdjustedPart& 
 
 /// What the user's own choices keep out, though the views agree better with it.
 void find_what_is_not_taken(const PartTask& task, const Part& to_map, const AdjustedPart& solved,
-                            BetterCameras& cameras) {
+                            const ParallelFor& parallel, BetterCameras& cameras) {
   cameras.lens_not_taken = cameras.places_not_taken = std::nullopt;
   if (task.options.intrinsics == Intrinsics::kKeep)
-    cameras.lens_not_taken = not_taken(
-        task, to_map,
-        intrinsic_parameters(cameras_of(task.observations, solved.part), task.observations.cameras), solved);
+    cameras.lens_not_taken =
+        not_taken(task, to_map,
+                  intrinsic_parameters(cameras_of(task.observations, solved.part), task.observations.cameras),
+                  solved, parallel);
   if (!cameras.lens_not_taken)
-    cameras.places_not_taken = places_not_taken(task, to_map, cameras.refined, solved);
+    cameras.places_not_taken = places_not_taken(task, to_map, cameras.refined, solved, parallel);
 }
 
 /// What is known of the cameras is estimated anew, or found for the first time.
-void refine_again(const PartTask& task, const Part& rest, AdjustedPart& solved, CameraRefinement& refined) {
+void refine_again(const PartTask& task, const Part& rest, const ParallelFor& parallel, AdjustedPart& solved,
+                  CameraRefinement& refined) {
   if (!refined.is_accepted) {
-    refined = better_cameras(task, rest, solved);
+    refined = better_cameras(task, rest, solved, parallel);
     return;
   }
-  CameraRefinement again = refine_cameras(task, rest, parameters_of(refined), kNothingHeldOut, solved);
+  CameraRefinement again =
+      refine_cameras(task, rest, parameters_of(refined), kNothingHeldOut, solved, parallel);
   if (!again.is_accepted) return;
   again.held_out_before = refined.held_out_before;
   again.held_out_after = refined.held_out_after;
@@ -269,11 +278,11 @@ void refine_again(const PartTask& task, const Part& rest, AdjustedPart& solved, 
 BetterCameras improve_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
                               const LogSink& log, AdjustedPart& solved) {
   BetterCameras cameras;
-  cameras.refined = better_cameras(task, without_left_out(task.observations, part, solved), solved);
+  cameras.refined = better_cameras(task, without_left_out(task.observations, part, solved), solved, parallel);
   solve_by_refined_cameras(task, part, parallel, log, solved, cameras);
-  if (refine_other_cameras(task, part, solved, cameras.refined))
+  if (refine_other_cameras(task, part, parallel, solved, cameras.refined))
     solve_by_refined_cameras(task, part, parallel, log, solved, cameras);
-  find_what_is_not_taken(task, without_left_out(task.observations, part, solved), solved, cameras);
+  find_what_is_not_taken(task, without_left_out(task.observations, part, solved), solved, parallel, cameras);
   return cameras;
 }
 
@@ -281,9 +290,9 @@ void improve_cameras_again(const PartTask& task, const Part& part, const Paralle
                            const LogSink& log, AdjustedPart& solved, BetterCameras& cameras) {
   const Part rest = narrowed_to(task.observations, part, solved.part.tags);
   const bool were_accepted = cameras.refined.is_accepted;
-  refine_again(task, rest, solved, cameras.refined);
+  refine_again(task, rest, parallel, solved, cameras.refined);
   if (!were_accepted) solve_by_refined_cameras(task, rest, parallel, log, solved, cameras);
-  find_what_is_not_taken(task, rest, solved, cameras);
+  find_what_is_not_taken(task, rest, solved, parallel, cameras);
 }
 
 }  // namespace apriltrack

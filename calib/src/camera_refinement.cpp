@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -293,7 +294,7 @@ std::vector<ParameterView> independent_errors(const Observations& observations,
 
 CameraRefinement refine_cameras(const PartTask& task, const Part& part,
                                 const std::vector<CameraParameter>& parameters, double least_gain,
-                                AdjustedPart& solved) {
+                                AdjustedPart& solved, const ParallelFor& parallel) {
   CameraRefinement result;
   const auto most_tags = static_cast<std::size_t>(task.options.max_tags_with_covariance);
   if (solved.part.tags.size() > most_tags) {  // all poses follow the cameras by one dense system
@@ -306,10 +307,18 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part,
     result.reason = "no better cameras are in sight";
     return result;
   }
-  if (!is_forced && !stands_the_test(task, parameters, least_gain, solved, result)) return result;
   AdjustedPart refined = solved;
   Fit fit(task, parameters, solved.part, solved.held_tag);
-  if (!fit.run(refined.state)) {
+  std::atomic<bool> stands = true;
+  bool is_determined = false;
+  parallel(2, [&](std::size_t i) {  // most that are tested stand: the fit need not wait
+    if (i == 0)
+      stands = is_forced || stands_the_test(task, parameters, least_gain, solved, result);
+    else
+      is_determined = stands && fit.run(refined.state);
+  });
+  if (!stands) return result;
+  if (!is_determined) {
     result.reason = "the views do not determine them";
     return result;
   }

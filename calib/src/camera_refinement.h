@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/base/parallel.h"
 #include "camera_parameters.h"
 #include "part_adjustment.h"
 
@@ -36,6 +37,6 @@ std::vector<ParameterView> independent_errors(const Observations& observations,
 /// else all stays as it is. Below 0, nothing is held out: the cameras of `solved` are other ones already.
 CameraRefinement refine_cameras(const PartTask& task, const Part& part,
                                 const std::vector<CameraParameter>& parameters, double least_gain,
-                                AdjustedPart& solved);
+                                AdjustedPart& solved, const ParallelFor& parallel);
 
 }  // namespace apriltrack

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -44,8 +45,10 @@ std::unique_ptr<Absence> look_without(const PartTask& task, const Part& part, co
   auto trial = std::make_unique<Absence>();
   trial->rest = solved;
   if (!solve_without(task, part, tag, known, trial->rest, parallel)) return nullptr;
-  TagLook look = look_by(task, part, trial->rest, tag);
-  if (!look.finding) look = look_by(task, part, solved, tag);
+  std::array<TagLook, 2> looks;
+  parallel(looks.size(),
+           [&](std::size_t i) { looks[i] = look_by(task, part, i == 0 ? trial->rest : solved, tag); });
+  TagLook& look = looks[looks[0].finding ? 0 : 1];
   if (!look.finding) return nullptr;
   if (look.finding->kind == TagFinding::Kind::kLoose && !does_disturb(task, part, solved, tag))
     return nullptr;

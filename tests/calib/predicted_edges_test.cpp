@@ -37,8 +37,8 @@ SyntheticWorld row_of_small_tags(RandomStream& random, int frames_of_pair) {
 /// By how many of its sigmas the edge offset is found off; it is 0.
 double sigmas_off(test::AdjustedWorld& one) {
   AdjustedPart solved = one.solved;
-  const CameraRefinement refined =
-      refine_cameras(one.task(), one.offered, edge_offset_parameters({0}, 0.2), -1.0, solved);
+  const CameraRefinement refined = refine_cameras(one.task(), one.offered, edge_offset_parameters({0}, 0.2),
+                                                  -1.0, solved, parallel_for(1));
   EXPECT_TRUE(refined.is_accepted) << refined.reason;
   if (!refined.is_accepted) return 1e9;
   return refined.estimates[0].value / refined.estimates[0].sigma;
