@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "cauchy_loss.h"
 #include "corner_views.h"
@@ -15,6 +16,7 @@ constexpr CauchyLoss kViewLoss{8.0};   // of a view's whitened norm; a good one'
 constexpr double kFarOff = 8.0 * 9.0;  // squares: three sigmas in the mean
 constexpr double kUnseen = 400.0;      // cost of a view that cannot be projected
 constexpr int kMaxSettleSteps = 6;
+constexpr double kSettledCost = 1e-3;  // whether a minimum is another one is told by more
 constexpr std::size_t kMaxTrials = 3;
 
 }  // namespace
@@ -41,6 +43,7 @@ bool FrameViews::has_far_view() const {
 // A step may lead uphill where views are far from linear.
 double FrameViews::settle() {
   std::pair<double, Pose> best{cost(), pose_};
+  double of_last = best.first;
   for (int step = 0; step < kMaxSettleSteps; ++step) {
     Matrix6d information = Matrix6d::Zero();
     Vector6d gradient = Vector6d::Zero();
@@ -52,7 +55,9 @@ double FrameViews::settle() {
     const Vector6d change = -information.ldlt().solve(gradient);
     if (!change.allFinite()) break;
     pose_ = pose_ * Pose::exp(change);
-    if (const double of_this = cost(); of_this < best.first) best = {of_this, pose_};
+    const double of_this = cost();
+    if (of_this < best.first) best = {of_this, pose_};
+    if (std::abs(of_this - std::exchange(of_last, of_this)) < kSettledCost) break;
   }
   pose_ = best.second;
   return best.first;

@@ -23,10 +23,11 @@ constexpr double kDecidedSpread_rad = 35.0 * kRadPerDeg;
 constexpr std::size_t kMostProposers = 6, kMostJudges = 12, kMostProposed = 6;
 constexpr double kMostOfPresent = 2.0;  // of the cost by the present pose, judged alike
 constexpr double kSameStart_rad = 6.0 * kRadPerDeg;
-constexpr double kTurnedAlike_rad = 20.0 * kRadPerDeg;
 constexpr int kMeanShifts = 3;
 constexpr CauchyLoss kProposalLoss{30.0};  // of a view's whitened norm: a single frame's poses are rough
 constexpr double kUnseenAtHinge = 1e4;     // cost of a view that cannot be projected
+
+const double kTurnedAlike = std::cos(0.5 * 20.0 * kRadPerDeg);  // of half the angle between
 
 /// The mean direction from the tag to the cameras that see it in these views, in the tag's frame; none where
 /// two of them or more are so far apart that they leave one pose only.
@@ -172,11 +173,11 @@ class Proposals {
       Vector6d sum = Vector6d::Zero();
       double count = 0.0;
       for (const std::vector<Pose>& motions : by_frame) {
-        const auto turn_rad = [&](const Pose& one) {
-          return rotation_angle_rad(one.rotation(), motion.rotation());
+        const auto likeness = [&](const Pose& one) {  // cosine of half the angle between
+          return std::abs(one.rotation().dot(motion.rotation()));
         };
-        const Pose& nearest = *std::ranges::min_element(motions, {}, turn_rad);
-        if (turn_rad(nearest) > kTurnedAlike_rad) continue;
+        const Pose& nearest = *std::ranges::max_element(motions, {}, likeness);
+        if (likeness(nearest) < kTurnedAlike) continue;
         sum += (T_map_moved.inverse() * nearest * T_map_own).log();
         count += 1.0;
       }
