@@ -141,8 +141,8 @@ Contradictions contradictions_of(const PartTask& task, const Part& part, const M
   return find_contradictions(task.observations, part, gross_outliers(task.observations, part.views, state));
 }
 
-AdjustedPart adjust_part(const PartTask& task, const Part& offered, int held_tag,
-                         const ParallelFor& parallel) {
+AdjustedPart adjust_part(const PartTask& task, const Part& offered, int held_tag, const ParallelFor& parallel,
+                         MirrorTests tests) {
   const auto& [observations, candidates, options] = task;
   const Part part = with_poses(task, offered, held_tag);
   if (part.tags.size() < 2) fail_as_contradictory(observations, held_tag);
@@ -152,11 +152,11 @@ AdjustedPart adjust_part(const PartTask& task, const Part& offered, int held_tag
                       .contradictions = {}};
   adjust_robustly(observations, part, held_tag, options, result.state);
   for (int round = 0; round < kMaxRounds; ++round) {
-    // First by all views; then by those that fit, whose noise is known, and tells poses apart that outliers
-    // hid.
     if (!turn_mirrored_groups(task, part, held_tag, result.state, parallel)) {
       result.part = adjust_cleanly(task, part, held_tag, result.state);
-      if (!turn_mirrored_groups(task, part, held_tag, result.state, parallel)) break;
+      if (tests == MirrorTests::kBefore ||
+          !turn_mirrored_groups(task, part, held_tag, result.state, parallel))
+        break;
     }
     adjust_robustly(observations, part, held_tag, options, result.state);
     result.part = {};

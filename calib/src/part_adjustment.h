@@ -43,9 +43,14 @@ struct AdjustedPart {
 /// held has none.
 Part with_poses(const PartTask& task, const Part& part, int held_tag);
 
+/// How often mirrored tags are looked for: before outliers are removed, and again when the noise of what fits
+/// is known, which tells poses apart that outliers hid. Once does where maps are only compared.
+enum class MirrorTests { kBeforeAndAfter, kBefore };
+
 /// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment; of what has poses to
 /// start from. Throws Error(kNoResult) when it does not converge, or when nothing fits.
-AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel);
+AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel,
+                         MirrorTests tests = MirrorTests::kBeforeAndAfter);
 
 /// Least squares over the inliers, which are chosen anew until they stay the same; these are returned.
 Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state);

@@ -24,7 +24,7 @@ std::optional<AdjustedPart> solve_anew(const PartTask& task, const std::vector<s
   if (parts.empty()) return std::nullopt;
   const auto held = std::ranges::find_if(parts.front().tags, [&](int one) { return one != tag; });
   try {
-    return adjust_part(task, parts.front(), *held, on_one_thread(task));
+    return adjust_part(task, parts.front(), *held, on_one_thread(task), MirrorTests::kBefore);
   } catch (const Error&) {
     return std::nullopt;
   }
