@@ -124,7 +124,7 @@ class GroupFit {
       damping = std::max(1e-9, 0.1 * damping);
       if (decrease < kLeastDecrease * best.cost) return;
       if (step >= kFirstSteps && best.cost - kPatience * decrease > enough.wanted_cost) return;
-      if (is_at_one_of(enough.minima, best)) return;
+      if (decrease < kSameCost && is_at_one_of(enough.minima, best)) return;
     }
   }
 

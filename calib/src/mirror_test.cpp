@@ -64,7 +64,7 @@ Alternatives alternatives(const PartTask& task, const ViewIndex& index, const st
   for (const GroupMotion& start : starts) {
     GroupMotion other = fit_group_motion(observations, hinge.views, group, state, start, enough);
     if (!are_apart(other, result.now)) continue;
-    enough.minima.push_back(other);
+    if (other.cost < enough.wanted_cost) enough.minima.push_back(other);  // else it may have been given up
     if (!result.best_other || other.cost < result.best_other->cost) result.best_other = std::move(other);
   }
   return result;
