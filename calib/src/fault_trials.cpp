@@ -134,8 +134,8 @@ std::optional<FaultTrial> FaultTrials::best() {
 }
 
 std::optional<FaultTrial> FaultTrials::try_fault(const Observations& observations, FaultTrial trial) const {
-  auto solved =
-      solve_anew({observations, task_.candidates, task_.options}, suspect_.part.views, suspect_.tag);
+  auto solved = solve_anew({observations, task_.candidates, task_.options}, suspect_.part.views, suspect_.tag,
+                           MirrorTests::kBefore);
   if (!solved) return std::nullopt;
   const NoiseScale noise = solved->state.noise;
   const std::vector<std::size_t>& views = suspect_.part.views;
@@ -246,11 +246,11 @@ std::optional<FaultTrial> FaultTrials::best_size() const {
   for (double step = 0.5 * kFirstStep; step > 0.9 * kLastStep; step *= 0.5) {
     const double middle = best->log_scale;
     auto below = resize(middle - step), above = resize(middle + step);
-    if (!below || !above) return std::nullopt;
-    const double gain_below = below->gain, gain_above = above->gain;
+    const bool are_both = below && above;
+    const double gain_below = are_both ? below->gain : 0.0, gain_above = are_both ? above->gain : 0.0;
     keep_better(best, std::move(below));
     keep_better(best, std::move(above));
-    if (step < 1.1 * kLastStep && best->log_scale == middle)
+    if (are_both && step < 1.1 * kLastStep && best->log_scale == middle)
       best->log_scale = at_vertex(*best, gain_below, gain_above, step);
   }
   best->scale_sigma = std::abs(best->log_scale) / std::sqrt(2.0 * best->gain);  // half the squares are gained

@@ -19,12 +19,13 @@ Observations split_tag(const Observations& observations, int tag, const std::vec
   return result;
 }
 
-std::optional<AdjustedPart> solve_anew(const PartTask& task, const std::vector<std::size_t>& views, int tag) {
+std::optional<AdjustedPart> solve_anew(const PartTask& task, const std::vector<std::size_t>& views, int tag,
+                                       MirrorTests tests) {
   const std::vector<Part> parts = find_parts(task.observations, views, task.options.min_views).parts;
   if (parts.empty()) return std::nullopt;
   const auto held = std::ranges::find_if(parts.front().tags, [&](int one) { return one != tag; });
   try {
-    return adjust_part(task, parts.front(), *held, on_one_thread(task), MirrorTests::kBefore);
+    return adjust_part(task, parts.front(), *held, on_one_thread(task), tests);
   } catch (const Error&) {
     return std::nullopt;
   }

@@ -14,6 +14,7 @@ Observations split_tag(const Observations& observations, int tag, const std::vec
                        const std::vector<bool>& is_at_second);
 
 /// From the start, of what hangs together of some views; not held by `tag`. nullopt where nothing fits.
-std::optional<AdjustedPart> solve_anew(const PartTask& task, const std::vector<std::size_t>& views, int tag);
+std::optional<AdjustedPart> solve_anew(const PartTask& task, const std::vector<std::size_t>& views, int tag,
+                                       MirrorTests tests = MirrorTests::kBeforeAndAfter);
 
 }  // namespace apriltrack
