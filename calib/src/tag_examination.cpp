@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -46,8 +47,11 @@ std::unique_ptr<Absence> look_without(const PartTask& task, const Part& part, co
   trial->rest = solved;
   if (!solve_without(task, part, tag, known, trial->rest, parallel)) return nullptr;
   std::array<TagLook, 2> looks;
-  parallel(looks.size(),
-           [&](std::size_t i) { looks[i] = look_by(task, part, i == 0 ? trial->rest : solved, tag); });
+  std::atomic<bool> is_found = false;
+  parallel(looks.size(), [&](std::size_t i) {
+    if (!is_found) looks[i] = look_by(task, part, i == 0 ? trial->rest : solved, tag);
+    if (i == 0 && looks[i].finding) is_found = true;
+  });
   TagLook& look = looks[looks[0].finding ? 0 : 1];
   if (!look.finding) return nullptr;
   if (look.finding->kind == TagFinding::Kind::kLoose && !does_disturb(task, part, solved, tag))
