@@ -174,6 +174,13 @@ bool are_about_the_same(const CameraRefinement& before, const CameraRefinement& 
           is_of_place ? "rig" : "camera"));
 }
 
+/// The test that they stood, and why others did not, where they are estimated anew without it.
+void keep_test_of(const CameraRefinement& before, CameraRefinement& anew) {
+  anew.held_out_before = before.held_out_before;
+  anew.held_out_after = before.held_out_after;
+  anew.reason = before.reason;
+}
+
 /// The part, by the cameras as `solved` has them, and these refined once more.
 struct Again {
   std::vector<ViewCandidates> candidates;
@@ -197,8 +204,7 @@ std::optional<Again> solve_again(const PartTask& task, const Part& part, const A
         refine_cameras(task, without_left_out(task.observations, seen, anew), less_known_parameters(cameras),
                        kNothingHeldOut, anew, parallel);
     if (!refined.is_accepted) return std::nullopt;
-    refined.held_out_before = cameras.held_out_before;
-    refined.held_out_after = cameras.held_out_after;
+    keep_test_of(cameras, refined);
     return Again{std::move(candidates), std::move(anew), std::move(refined)};
   } catch (const Error&) {
     return std::nullopt;
@@ -258,6 +264,26 @@ void find_what_is_not_taken(const PartTask& task, const Part& to_map, const Adju
     cameras.places_not_taken = places_not_taken(task, to_map, cameras.refined, solved, parallel);
 }
 
+/// Lenses and places that are not among what is refined: what is left out now may have hidden them.
+void refine_more(const PartTask& task, const Part& rest, const ParallelFor& parallel, AdjustedPart& solved,
+                 CameraRefinement& refined) {
+  const auto& [observations, candidates, options] = task;
+  const Parameters known = parameters_of(refined);
+  const std::vector<int> cameras = cameras_of(observations, solved.part);
+  Parameters all = known;
+  if (options.intrinsics != Intrinsics::kKeep && std::ranges::none_of(known, &CameraParameter::is_of_lens))
+    all = all + intrinsic_parameters(cameras, observations.cameras);
+  if (options.refine_extrinsics && std::ranges::none_of(known, &CameraParameter::is_of_place))
+    all = all + extrinsic_parameters(cameras);
+  if (all.size() == known.size()) return;
+  const bool is_asked_for = options.intrinsics == Intrinsics::kRefine || options.refine_extrinsics;
+  CameraRefinement more = refine_cameras(task, rest, all, is_asked_for ? 0.0 : kClearGain, solved, parallel);
+  if (more.is_accepted)
+    refined = std::move(more);
+  else
+    refined.reason = more.reason;
+}
+
 /// What is known of the cameras is estimated anew, or found for the first time.
 void refine_again(const PartTask& task, const Part& rest, const ParallelFor& parallel, AdjustedPart& solved,
                   CameraRefinement& refined) {
@@ -268,9 +294,14 @@ void refine_again(const PartTask& task, const Part& rest, const ParallelFor& par
   CameraRefinement again =
       refine_cameras(task, rest, parameters_of(refined), kNothingHeldOut, solved, parallel);
   if (!again.is_accepted) return;
-  again.held_out_before = refined.held_out_before;
-  again.held_out_after = refined.held_out_after;
+  keep_test_of(refined, again);
   refined = std::move(again);
+  refine_more(task, rest, parallel, solved, refined);
+}
+
+void add_to(std::vector<int>& tags, const std::vector<int>& more) {
+  std::ranges::copy_if(more, std::back_inserter(tags),
+                       [&](int tag) { return std::ranges::find(tags, tag) == tags.end(); });
 }
 
 }  // namespace
@@ -289,9 +320,13 @@ BetterCameras improve_cameras(const PartTask& task, const Part& part, const Para
 void improve_cameras_again(const PartTask& task, const Part& part, const ParallelFor& parallel,
                            const LogSink& log, AdjustedPart& solved, BetterCameras& cameras) {
   const Part rest = narrowed_to(task.observations, part, solved.part.tags);
-  const bool were_accepted = cameras.refined.is_accepted;
+  const std::size_t num_before = cameras.refined.estimates.size();
+  const std::vector<int> culprits = solved.culprits, undecided = solved.undecided;
   refine_again(task, rest, parallel, solved, cameras.refined);
-  if (!were_accepted) solve_by_refined_cameras(task, rest, parallel, log, solved, cameras);
+  if (cameras.refined.estimates.size() > num_before)
+    solve_by_refined_cameras(task, rest, parallel, log, solved, cameras);
+  add_to(solved.culprits, culprits);  // the rest knows nothing of them
+  add_to(solved.undecided, undecided);
   find_what_is_not_taken(task, rest, solved, parallel, cameras);
 }
 

@@ -32,6 +32,7 @@ constexpr double kMostOfView = 8.0 * 16.0;  // a view counts no more than at fou
 
 struct Split {
   std::vector<std::size_t> others, held_out;
+  std::map<int, int> group_of_frame;
 };
 
 /// By the rank of their frames in time. fold: which of the groups are held out.
@@ -41,7 +42,8 @@ Split split(const Observations& observations, const std::vector<std::size_t>& vi
   for (const std::size_t v : views) {
     if (observations.views[v].frame != last_frame) ++rank;
     last_frame = observations.views[v].frame;
-    const bool is_held_out = rank / kFramesOfGroup % kHeldOut == fold;
+    const int group = result.group_of_frame[last_frame] = rank / kFramesOfGroup;
+    const bool is_held_out = group % kHeldOut == fold;
     (is_held_out ? result.held_out : result.others).push_back(v);
   }
   return result;
@@ -180,12 +182,11 @@ std::optional<std::map<int, double>> disagreements(const PartTask& task,
 }
 
 /// Squared disagreement of neighbouring frames that are held out together, appended to `sums`.
-void add_groups(const std::map<int, double>& of_frames, std::vector<double>& sums) {
-  int rank = 0;
-  for (const auto& [frame, squares] : of_frames) {
-    if (rank++ % kFramesOfGroup == 0) sums.push_back(0.0);
-    sums.back() += squares;
-  }
+void add_groups(const std::map<int, double>& of_frames, const std::map<int, int>& group_of_frame,
+                std::vector<double>& sums) {
+  std::map<int, double> of_groups;
+  for (const auto& [frame, squares] : of_frames) of_groups[group_of_frame.at(frame)] += squares;
+  for (const auto& [group, squares] : of_groups) sums.push_back(squares);
 }
 
 /// Whether groups fall by more than chance: their logarithms, for one that is far off outweighs all others.
@@ -232,6 +233,21 @@ struct HeldOut {
   }
 };
 
+/// That the test was not passed.
+std::string why_not(const HeldOut& held_out, double least_gain) {
+  const double before = held_out.rms(held_out.before), after = held_out.rms(held_out.after);
+  const std::string figures = fmt::format("({:.3f} sigmas before, {:.3f} after)", before, after);
+  if (held_out.before.size() < kLeastGroups)
+    return fmt::format(
+        "too few frames to hold some out: of {} groups of {} neighbours there are {}; film more",
+        kLeastGroups, kFramesOfGroup, held_out.before.size());
+  if (after >= before) return "frames that were held out agree no better " + figures;
+  if (!held_out.is_clearly_better())
+    return "frames that were held out agree better by no more than chance " + figures;
+  return fmt::format("frames that were held out agree better, but by less than {:.0f} % {}",
+                     100.0 * least_gain, figures);
+}
+
 /// Why not, where it cannot be done.
 std::optional<std::string> hold_out(const PartTask& task, const std::vector<CameraParameter>& parameters,
                                     const AdjustedPart& solved, int fold, HeldOut& result) {
@@ -252,8 +268,8 @@ std::optional<std::string> hold_out(const PartTask& task, const std::vector<Came
   const auto squares_before = disagreements(task, views.held_out, before);
   const auto squares_after = disagreements(task, views.held_out, after);
   if (!squares_before || !squares_after) return "the held-out frames' poses do not settle";
-  add_groups(*squares_before, result.before);
-  add_groups(*squares_after, result.after);
+  add_groups(*squares_before, views.group_of_frame, result.before);
+  add_groups(*squares_after, views.group_of_frame, result.after);
   result.num_views += views.held_out.size();
   return std::nullopt;
 }
@@ -272,9 +288,7 @@ bool stands_the_test(const PartTask& task, const std::vector<CameraParameter>& p
   result.held_out_after = held_out.rms(held_out.after);
   if (held_out.is_clearly_better() && result.held_out_after <= (1.0 - least_gain) * result.held_out_before)
     return true;
-  result.reason =
-      fmt::format("frames that were held out agree no better ({:.3f} sigmas before, {:.3f} after)",
-                  result.held_out_before, result.held_out_after);
+  result.reason = why_not(held_out, least_gain);
   return false;
 }
 
