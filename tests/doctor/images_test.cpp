@@ -243,6 +243,9 @@ TEST(DoctorLens, OneThatBendsWhatTheFileHasStraightIsToldOf) {
   const auto findings = find_in_lens(film);
   ASSERT_THAT(abouts(findings), ElementsAre("lens"));
   EXPECT_THAT(findings[0].text, HasSubstr("distortion radtan [-0.3"));
+  // Pictures of another size are not of this file's lens, and calibrate leaves them out.
+  for (FrameFacts& frame : film.frames) frame.width *= 2;
+  EXPECT_THAT(find_in_lens(film), IsEmpty());
 }
 
 }  // namespace
