@@ -251,15 +251,22 @@ bool refine_other_cameras(const PartTask& task, const Part& part, const Parallel
   return true;
 }
 
-/// What the user's own choices keep out, though the views agree better with it.
+/// What the user's own choices keep out, though the views agree better with it, and what is left open.
 void find_what_is_not_taken(const PartTask& task, const Part& to_map, const AdjustedPart& solved,
                             const ParallelFor& parallel, BetterCameras& cameras) {
-  cameras.lens_not_taken = cameras.places_not_taken = std::nullopt;
+  cameras.lens_not_taken = cameras.places_not_taken = cameras.open_edges = std::nullopt;
   if (task.options.intrinsics == Intrinsics::kKeep)
     cameras.lens_not_taken =
         not_taken(task, to_map,
                   intrinsic_parameters(cameras_of(task.observations, solved.part), task.observations.cameras),
                   solved, parallel);
+  const double edge_sigma_px = task.options.edge_offset_sigma_px;
+  const auto is_of_edges = [](const EstimatedParameter& one) {
+    return one.parameter.kind == CameraParameter::Kind::kEdgeOffset;
+  };
+  if (edge_sigma_px > 0.0 && std::ranges::none_of(cameras.refined.estimates, is_of_edges))
+    cameras.open_edges = open_parameters(
+        task, edge_offset_parameters(cameras_of(task.observations, solved.part), edge_sigma_px), solved);
   if (!cameras.lens_not_taken)
     cameras.places_not_taken = places_not_taken(task, to_map, cameras.refined, solved, parallel);
 }

@@ -13,6 +13,8 @@ struct BetterCameras {
   CameraRefinement refined;
   /// That agree clearly better, where the user keeps his.
   std::optional<CameraRefinement> lens_not_taken, places_not_taken;
+  /// Edge offsets that the views propose, but frames that were held out do not decide.
+  std::optional<CameraRefinement> open_edges;
   /// The views' candidates by a lens far from the file's; none where the file's will do.
   std::vector<ViewCandidates> candidates;
 };

@@ -19,6 +19,7 @@ constexpr double kManyOfAllRejected = 0.1;
 constexpr int kFewRejected = 3;
 constexpr double kUsuallyRejected = 0.01;
 constexpr double kLogRare = 6.0;  // once in 400
+constexpr double kToldOff = 3.0;  // standard deviations
 
 std::string in_words(const CameraCorrection& one) {
   if (one.parameter == "focal length" || one.parameter == "fy / fx")
@@ -111,6 +112,18 @@ void report_cameras(const Observations& observations, const PartSolution& soluti
         "Check T_cn_cnm1 (metres; of a point in camera n-1 it makes one in camera n), or take what fits by "
         "--extrinsics refine",
         places_in_words(observations, *places), gain_of(*places)));
+  if (solution.cameras.open_edges)
+    for (const EstimatedParameter& one : solution.cameras.open_edges->estimates)
+      if (std::abs(one.value) > kToldOff * one.sigma)
+        findings.warnings.push_back(
+            fmt::format("corners of {} look as if edges lay {:.2f} px (sigma {:.2f}) {} the true ones, which "
+                        "moves tags and "
+                        "scales the map, and too few frames tell whether: the map is without it, and its "
+                        "covariances count "
+                        "it. Film more frames, from near and far; for corners without such an error "
+                        "--edge-offset-sigma 0",
+                        observations.cameras[static_cast<std::size_t>(one.parameter.camera)].name,
+                        std::abs(one.value), one.sigma, one.value > 0.0 ? "inside" : "outside"));
   const std::string what = options.intrinsics != Intrinsics::kRefine ? "places of the cameras"
                            : options.refine_extrinsics               ? "intrinsics and places of the cameras"
                                                                      : "intrinsics";

@@ -27,6 +27,7 @@ constexpr int kHeldOut = 4;        // every so many groups, one
 constexpr int kLeastGroups = 3;    // of those held out
 constexpr int kEnoughGroups = 10;  // where one fold has fewer, all are held out in turn
 constexpr double kWorthTrying = 0.001;
+constexpr double kClearlyOff = 2.0;         // standard deviations
 constexpr double kClear = 2.0;              // standard deviations, of a normal distribution
 constexpr double kMostOfView = 8.0 * 16.0;  // a view counts no more than at four sigmas
 
@@ -69,6 +70,15 @@ class Fit {
       if (step->cwiseQuotient(sigmas_).cwiseAbs().maxCoeff() < kSettled) return true;
     }
     return false;
+  }
+
+  /// The same to first order; the cameras stay as they are.
+  bool look(const MapState& state) {
+    total_ = already_moved(state);
+    step_number_ = 0;
+    const auto step = step_of_cameras(state);
+    if (step) total_ += *step;
+    return step.has_value();
   }
 
   std::vector<EstimatedParameter> estimates() const {
@@ -347,6 +357,26 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part,
   result.is_accepted = true;
   solved = std::move(refined);
   return result;
+}
+
+std::optional<CameraRefinement> open_parameters(const PartTask& task,
+                                                const std::vector<CameraParameter>& parameters,
+                                                const AdjustedPart& solved) {
+  const auto most_tags = static_cast<std::size_t>(task.options.max_tags_with_covariance);
+  if (parameters.empty() || solved.part.tags.size() > most_tags) return std::nullopt;
+  Fit fit(task, parameters, solved.part, solved.held_tag);
+  if (!fit.look(solved.state)) return std::nullopt;
+  CameraRefinement open;
+  open.estimates = fit.estimates();
+  const bool is_any_off = std::ranges::any_of(open.estimates, [](const EstimatedParameter& one) {
+    return std::abs(one.value) > kClearlyOff * one.sigma;
+  });
+  if (!is_any_off) return std::nullopt;
+  Eigen::VectorXd values(static_cast<Eigen::Index>(open.estimates.size()));
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    values[i] = open.estimates[static_cast<std::size_t>(i)].value;
+  open.covariance = fit.covariance() + values * values.transpose();
+  return open;
 }
 
 }  // namespace apriltrack

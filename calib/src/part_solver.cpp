@@ -56,16 +56,20 @@ void measure_residuals(const Observations& observations, PartSolution& solution)
   solution.total_rms_px = std::sqrt(total / (8.0 * static_cast<double>(solution.part.views.size())));
 }
 
-/// Those of the cameras that were estimated, with the poses or of another part. views: linearised, `poses` is
-/// made from them.
+/// Those of the cameras that were estimated, with the poses or of another part, or that were left open.
+/// views: linearised, `poses` is made from them.
 std::optional<SharedErrors> errors_of_cameras(const Observations& observations, const PartSolution& solution,
                                               const std::vector<LinearView>& views,
                                               const PoseInformation& poses) {
-  if (!solution.cameras.refined.is_accepted) return std::nullopt;
-  if (solution.are_cameras_given)
-    return SharedErrors(poses.eliminate_poses(independent_errors(observations, solution.part.views,
-                                                                 solution.state, solution.cameras.refined)),
+  const auto independent = [&](const CameraRefinement& estimated) {
+    return SharedErrors(poses.eliminate_poses(
+                            independent_errors(observations, solution.part.views, solution.state, estimated)),
                         1.0 / solution.scale.noise_variance);
+  };
+  if (!solution.cameras.refined.is_accepted)
+    return solution.cameras.open_edges ? std::optional(independent(*solution.cameras.open_edges))
+                                       : std::nullopt;
+  if (solution.are_cameras_given) return independent(solution.cameras.refined);
   std::vector<CameraParameter> parameters;
   for (const EstimatedParameter& one : solution.cameras.refined.estimates)
     parameters.push_back(one.parameter);
