@@ -13,7 +13,7 @@ struct BetterCameras {
   CameraRefinement refined;
   /// That agree clearly better, where the user keeps his.
   std::optional<CameraRefinement> lens_not_taken, places_not_taken;
-  /// Edge offsets that the views propose, but frames that were held out do not decide.
+  /// Edge offsets of which frames that were held out decide nothing.
   std::optional<CameraRefinement> open_edges;
   /// The views' candidates by a lens far from the file's; none where the file's will do.
   std::vector<ViewCandidates> candidates;

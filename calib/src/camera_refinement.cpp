@@ -27,7 +27,7 @@ constexpr int kHeldOut = 4;        // every so many groups, one
 constexpr int kLeastGroups = 3;    // of those held out
 constexpr int kEnoughGroups = 10;  // where one fold has fewer, all are held out in turn
 constexpr double kWorthTrying = 0.001;
-constexpr double kClearlyOff = 2.0;         // standard deviations
+constexpr double kAsExpected = 1.0;         // standard deviations, where nothing is off
 constexpr double kClear = 2.0;              // standard deviations, of a normal distribution
 constexpr double kMostOfView = 8.0 * 16.0;  // a view counts no more than at four sigmas
 
@@ -369,7 +369,7 @@ std::optional<CameraRefinement> open_parameters(const PartTask& task,
   CameraRefinement open;
   open.estimates = fit.estimates();
   const bool is_any_off = std::ranges::any_of(open.estimates, [](const EstimatedParameter& one) {
-    return std::abs(one.value) > kClearlyOff * one.sigma;
+    return std::abs(one.value) > kAsExpected * one.sigma;
   });
   if (!is_any_off) return std::nullopt;
   Eigen::VectorXd values(static_cast<Eigen::Index>(open.estimates.size()));

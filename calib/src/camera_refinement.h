@@ -40,8 +40,9 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part,
                                 const std::vector<CameraParameter>& parameters, double least_gain,
                                 AdjustedPart& solved, const ParallelFor& parallel);
 
-/// What the views say of parameters that are not taken over, to first order; where one is clearly off. Its
-/// covariance is about what was given, not about the estimates: a map by the given cameras errs by that.
+/// What the views say of parameters that are not taken over, to first order; where one is
+/// farther off than its standard deviation. Its covariance is about what was given, not about the estimates:
+/// a map by the given cameras errs by that.
 std::optional<CameraRefinement> open_parameters(const PartTask& task,
                                                 const std::vector<CameraParameter>& parameters,
                                                 const AdjustedPart& solved);

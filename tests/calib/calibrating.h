@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -42,6 +44,21 @@ inline std::string error_of(ErrorKind kind, const std::function<void()>& action)
 
 inline TagKey tag36h11(int id) {
   return {"tag36h11", id};
+}
+
+/// xi' covariance^-1 xi / 6 of every tag but the held one, relative to it; their mean.
+inline double mean_normalised_error(const TagMap& truth, const TagKey& held, const TagMap& map,
+                                    double* largest) {
+  double sum = 0.0;
+  *largest = 0.0;
+  for (const MapTag& tag : map.tags) {
+    if (tag.key == held) continue;
+    const Vector6d xi = (tag.T_map_tag.inverse() * T_origin_tag(truth, held, tag.key)).log();
+    const double error = xi.dot(tag.covariance->ldlt().solve(xi)) / 6.0;
+    *largest = std::max(*largest, error);
+    sum += error;
+  }
+  return sum / static_cast<double>(map.tags.size() - 1);
 }
 
 }  // namespace apriltrack::test

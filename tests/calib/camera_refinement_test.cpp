@@ -116,6 +116,30 @@ TEST(CameraRefinement, FindsAWrongFocalLengthBesideATagOfAWrongSizeAndAnEdgeOffs
   expect_truth(filmed.truth, result.map, result.held_tag, 0.02, 0.01);
 }
 
+double mean_normalised_error(const Filmed& filmed, const CalibrationOptions& options) {
+  const CalibrationResult result = calibrate(filmed.stated, filmed.frames, options);
+  EXPECT_THAT(result.corrections, IsEmpty());
+  double largest = 0.0;
+  return test::mean_normalised_error(filmed.truth.map, result.held_tag, result.map, &largest);
+}
+
+/// Too few frames to hold some out: the map is made without the offset, and must know that it may be there.
+TEST(CameraRefinement, CountsAnEdgeOffsetThatFewFramesDoNotDecide) {
+  Filmed filmed = film(test::perspective_camera(), 0.05, 14);
+  const CalibrationOptions options{.corner_bias_px = 0.0, .edge_offset_sigma_px = 0.2};
+  const double without_offset = mean_normalised_error(filmed, options);
+  EXPECT_GT(without_offset, 0.1) << "claims far less than it knows";
+  EXPECT_LT(without_offset, 2.0);
+  move_edges_inward(0.1, filmed.frames);
+  const double counted = mean_normalised_error(filmed, options);
+  EXPECT_GT(counted, 0.1);
+  EXPECT_LT(counted, 2.0);
+  EXPECT_GT(mean_normalised_error(filmed, {.corner_bias_px = 0.0}), 2.0 * counted)
+      << "it makes no difference";
+  EXPECT_THAT(calibrate(filmed.stated, filmed.frames, options).warnings,
+              ::testing::Contains(HasSubstr("look as if edges lay 0.")));
+}
+
 /// Cameras are tested and fitted side by side, tags looked at by several maps at once.
 TEST(CameraRefinement, DoesNotDependOnTheNumberOfThreads) {
   Filmed filmed = film(test::perspective_camera(), 0.2, 60);

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <Eigen/Cholesky>
-#include <algorithm>
 #include <vector>
 
 #include "apriltrack/detect/detector.h"
@@ -49,20 +47,5 @@ struct FilmedRoom {
     return filmed;
   }
 };
-
-/// xi' covariance^-1 xi / 6 of every tag but the held one, relative to it; their mean.
-inline double mean_normalised_error(const TagMap& truth, const TagKey& held, const TagMap& map,
-                                    double* largest) {
-  double sum = 0.0;
-  *largest = 0.0;
-  for (const MapTag& tag : map.tags) {
-    if (tag.key == held) continue;
-    const Vector6d xi = (tag.T_map_tag.inverse() * T_origin_tag(truth, held, tag.key)).log();
-    const double error = xi.dot(tag.covariance->ldlt().solve(xi)) / 6.0;
-    *largest = std::max(*largest, error);
-    sum += error;
-  }
-  return sum / static_cast<double>(map.tags.size() - 1);
-}
 
 }  // namespace apriltrack::test
