@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <set>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/numbers.h"
 #include "calibrate_output.h"
+#include "choice_option.h"
 #include "inputs.h"
 #include "option_checks.h"
 #include "outputs.h"
@@ -71,29 +71,17 @@ void add_model_options(CLI::App& command, CalibrateOptions& a) {
       ->capture_default_str();
   command.add_flag("--no-refine", a.no_refine,
                    "Leave the map as the corners say, and do not refine it on the tags' pictures");
-  command
-      .add_option(
-          "--intrinsics", a.calibration.intrinsics,
-          "Of the camera file: keep; refine with the map where held-out frames agree better; or auto: "
-          "refine only where it is clearly wrong. A refined camera goes to <output>.camera.yaml")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Intrinsics>{
-              {"keep", Intrinsics::kKeep}, {"auto", Intrinsics::kAuto}, {"refine", Intrinsics::kRefine}},
-          CLI::ignore_case))
-      ->default_str("auto");
-  command
-      .add_option("--response", a.estimates_response,
-                  "Of the cameras: keep what the camera file says, or auto: estimate it from the images, as "
-                  "`response: auto` in the file does. It goes to <output>.camera.yaml")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"keep", false}, {"auto", true}},
-                                          CLI::ignore_case))
-      ->default_str("keep");
-  command
-      .add_option("--extrinsics", a.calibration.refine_extrinsics,
-                  "Where several cameras sit on the rig: keep, or refine")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"keep", false}, {"refine", true}},
-                                          CLI::ignore_case))
-      ->default_str("keep");
+  add_choice<Intrinsics>(
+      command, "--intrinsics", a.calibration.intrinsics,
+      {{"keep", Intrinsics::kKeep}, {"auto", Intrinsics::kAuto}, {"refine", Intrinsics::kRefine}},
+      "Of the camera file: keep; refine with the map where held-out frames agree better; or auto: "
+      "refine only where it is clearly wrong. A refined camera goes to <output>.camera.yaml");
+  add_choice<bool>(command, "--response", a.estimates_response, {{"keep", false}, {"auto", true}},
+                   "Of the cameras: keep what the camera file says, or auto: estimate it from the images, as "
+                   "`response: auto` in the file does. It goes to <output>.camera.yaml");
+  add_choice<bool>(command, "--extrinsics", a.calibration.refine_extrinsics,
+                   {{"keep", false}, {"refine", true}},
+                   "Where several cameras sit on the rig: keep, or refine");
   command
       .add_option("--edge-offset-sigma", a.edge_offset_sigma_px,
                   "How far (px) the detector's edges may lie beside the true ones: estimated with the map; "

@@ -58,9 +58,19 @@ const CLI::Option* given_too_often(const CLI::App& app) {
   return nullptr;
 }
 
+/// CLI11 says "Could not convert: --tag-size = 0,16".
+std::string text_of_conversion(const std::string& told) {
+  const std::string begin = "Could not convert: ";
+  const std::size_t equals = told.find(" = ");
+  if (!told.starts_with(begin) || equals == std::string::npos) return told;
+  const std::string value = told.substr(equals + 3);
+  return fmt::format("{}: '{}' is not a number{}", told.substr(begin.size(), equals - begin.size()), value,
+                     value.find(',') == std::string::npos ? "" : "; decimals take a point, as 0.16");
+}
+
 std::string text_of(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::Option* option = given_too_often(app);
-  if (option == nullptr) return error.what();
+  if (option == nullptr) return text_of_conversion(error.what());
   return fmt::format("{}: is given {} times ('{}'): give it once", option->get_name(),
                      option->results().size(), fmt::join(option->results(), "', '"));
 }
