@@ -275,6 +275,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
                             {"part_files", files.parts},
                             {"gauge", result.gauge},
                             {"corrections", told(result.corrections)},
+                            {"open_corrections", told(result.open_corrections)},
                             {"interrupted", was_interrupted},
                             {"output", a.output},
                             {"observations", files.observations.string()}};

@@ -83,8 +83,13 @@ void add_cameras(HtmlPage& page, const CalibrateRun& run) {
   if (run.result.corrections.empty()) {
     page.paragraph("As their file says: no correction made frames that were held out agree clearly better.");
   } else {
-    page.table(corrections_table(run.result.corrections));
+    page.table(
+        corrections_table(run.result.corrections, "Frames that were held out agree better with them."));
   }
+  if (!run.result.open_corrections.empty())
+    page.table(corrections_table(run.result.open_corrections,
+                                 "What the views propose besides, but too few frames decide: the map is "
+                                 "without it, and its covariances count it."));
 }
 
 void add_responses(HtmlPage& page, const CalibrateRun& run) {

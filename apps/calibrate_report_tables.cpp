@@ -144,11 +144,10 @@ HtmlTable tags_table(const TagMap& map, const JointCovariance& joint, const MapE
   return table;
 }
 
-HtmlTable corrections_table(const std::vector<CameraCorrection>& corrections) {
+HtmlTable corrections_table(const std::vector<CameraCorrection>& corrections, const std::string& caption) {
   HtmlTable table{{"camera", "what", "correction", "sigma", "unit"},
                   {},
-                  "To be added to what was given; of focal lengths and their ratio a share. Frames that were "
-                  "held out agree better with them."};
+                  "To be added to what was given; of focal lengths and their ratio a share. " + caption};
   for (const CameraCorrection& one : corrections)
     table.rows.push_back({one.camera, one.parameter, fmt::format("{:+.5g}", one.value),
                           fmt::format("{:.2g}", one.sigma), one.unit == "1" ? "-" : one.unit});

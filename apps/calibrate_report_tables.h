@@ -13,7 +13,7 @@ std::string verdict(const CalibrateRun& run);
 /// Each tag with its views, residual, errors claimed, and its weakest direction.
 HtmlTable tags_table(const TagMap& map, const JointCovariance& joint, const MapEvidence& evidence,
                      const MapAssessment& assessment);
-HtmlTable corrections_table(const std::vector<CameraCorrection>& corrections);
+HtmlTable corrections_table(const std::vector<CameraCorrection>& corrections, const std::string& caption);
 /// Of each camera that the tags' pictures tell: what was taken for its response, and what they say.
 HtmlTable responses_table(const ResponseFindings& responses);
 /// "cam0 0.50 px, cam1 0.47 px".

@@ -19,6 +19,7 @@ constexpr double kClearGain = 0.05;  // of what was not asked for
 constexpr double kOff = 1.0;         // sigmas of what files of the same camera are off by
 constexpr double kFarOff = 3.0;
 constexpr int kMostLenses = 4;
+constexpr double kAsExpected = 1.0, kClearlyOff = 3.0;  // standard deviations
 constexpr double kNothingHeldOut = -1.0;
 
 std::vector<int> cameras_of(const Observations& observations, const Part& part) {
@@ -251,22 +252,43 @@ bool refine_other_cameras(const PartTask& task, const Part& part, const Parallel
   return true;
 }
 
+bool is_of_edges(const CameraParameter& parameter) {
+  return parameter.kind == CameraParameter::Kind::kEdgeOffset;
+}
+
+/// A lens that is clearly off with all else that is unsure; or edges that are farther off than expected.
+std::optional<CameraRefinement> find_what_is_open(const PartTask& task, const CameraRefinement& refined,
+                                                  const AdjustedPart& solved) {
+  const Parameters known = parameters_of(refined);
+  const std::vector<int> cameras = cameras_of(task.observations, solved.part);
+  Parameters edges;
+  if (task.options.edge_offset_sigma_px > 0.0 && std::ranges::none_of(known, is_of_edges))
+    edges = edge_offset_parameters(cameras, task.options.edge_offset_sigma_px);
+  const auto is_off = [](double sigmas) {
+    return [sigmas](const EstimatedParameter& one) { return std::abs(one.value) > sigmas * one.sigma; };
+  };
+  if (std::ranges::none_of(known, &CameraParameter::is_of_lens)) {
+    auto all = open_parameters(task, known + edges + intrinsic_parameters(cameras, task.observations.cameras),
+                               solved);
+    const auto is_lens_off = [&](const EstimatedParameter& one) {
+      return one.parameter.is_of_lens() && is_off(kClearlyOff)(one);
+    };
+    if (all && std::ranges::any_of(all->estimates, is_lens_off)) return all;
+  }
+  auto of_edges = open_parameters(task, edges, solved);
+  return of_edges && std::ranges::any_of(of_edges->estimates, is_off(kAsExpected)) ? of_edges : std::nullopt;
+}
+
 /// What the user's own choices keep out, though the views agree better with it, and what is left open.
 void find_what_is_not_taken(const PartTask& task, const Part& to_map, const AdjustedPart& solved,
                             const ParallelFor& parallel, BetterCameras& cameras) {
-  cameras.lens_not_taken = cameras.places_not_taken = cameras.open_edges = std::nullopt;
+  cameras.lens_not_taken = cameras.places_not_taken = std::nullopt;
+  cameras.open = find_what_is_open(task, cameras.refined, solved);
   if (task.options.intrinsics == Intrinsics::kKeep)
     cameras.lens_not_taken =
         not_taken(task, to_map,
                   intrinsic_parameters(cameras_of(task.observations, solved.part), task.observations.cameras),
                   solved, parallel);
-  const double edge_sigma_px = task.options.edge_offset_sigma_px;
-  const auto is_of_edges = [](const EstimatedParameter& one) {
-    return one.parameter.kind == CameraParameter::Kind::kEdgeOffset;
-  };
-  if (edge_sigma_px > 0.0 && std::ranges::none_of(cameras.refined.estimates, is_of_edges))
-    cameras.open_edges = open_parameters(
-        task, edge_offset_parameters(cameras_of(task.observations, solved.part), edge_sigma_px), solved);
   if (!cameras.lens_not_taken)
     cameras.places_not_taken = places_not_taken(task, to_map, cameras.refined, solved, parallel);
 }

@@ -13,8 +13,8 @@ struct BetterCameras {
   CameraRefinement refined;
   /// That agree clearly better, where the user keeps his.
   std::optional<CameraRefinement> lens_not_taken, places_not_taken;
-  /// Edge offsets of which frames that were held out decide nothing.
-  std::optional<CameraRefinement> open_edges;
+  /// What is not among `refined`, and which the views propose, but frames that were held out do not decide.
+  std::optional<CameraRefinement> open;
   /// The views' candidates by a lens far from the file's; none where the file's will do.
   std::vector<ViewCandidates> candidates;
 };

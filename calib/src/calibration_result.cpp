@@ -55,6 +55,17 @@ void take_statistics(const Observations& observations, const PartSolution& solut
   result.evidence = part_evidence(observations, solution, options);
 }
 
+std::vector<CameraCorrection> corrections_of(const Observations& observations, const CameraRig& rig,
+                                             const CameraRefinement& cameras) {
+  std::vector<CameraCorrection> corrections;
+  for (const EstimatedParameter& one : cameras.estimates) {
+    const auto camera = static_cast<std::size_t>(one.parameter.camera);
+    corrections.push_back({rig.cameras[camera].name, name_of(one.parameter, observations.cameras[camera]),
+                           unit_of(one.parameter), one.value, one.sigma});
+  }
+  return corrections;
+}
+
 }  // namespace
 
 TagMap to_map(const Observations& observations, const PartSolution& solution, const std::string& frame) {
@@ -93,15 +104,15 @@ TagMap to_map(const Observations& observations, const PartSolution& solution, co
 void take_cameras(const Observations& observations, const CameraRig& rig, const PartSolution& solution,
                   const CalibrationOptions& options, CalibrationResult& result, Findings& findings) {
   result.rig = rig;
-  if (!solution.cameras.refined.is_accepted) return;
-  bool is_offset_alone = true;
-  for (const EstimatedParameter& one : solution.cameras.refined.estimates) {
-    const auto camera = static_cast<std::size_t>(one.parameter.camera);
-    result.corrections.push_back({rig.cameras[camera].name,
-                                  name_of(one.parameter, observations.cameras[camera]),
-                                  unit_of(one.parameter), one.value, one.sigma});
-    is_offset_alone = is_offset_alone && one.parameter.kind == CameraParameter::Kind::kEdgeOffset;
+  if (const auto& open = solution.cameras.open) {
+    result.open_corrections = corrections_of(observations, rig, *open);
+    result.open_covariance = open->covariance;
   }
+  if (!solution.cameras.refined.is_accepted) return;
+  result.corrections = corrections_of(observations, rig, solution.cameras.refined);
+  const bool is_offset_alone = std::ranges::all_of(
+      solution.cameras.refined.estimates,
+      [](const EstimatedParameter& one) { return one.parameter.kind == CameraParameter::Kind::kEdgeOffset; });
   result.corrections_covariance = solution.cameras.refined.covariance;
   std::vector<CameraParameter> parameters;
   for (const EstimatedParameter& one : solution.cameras.refined.estimates)

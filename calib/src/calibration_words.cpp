@@ -1,6 +1,7 @@
 #include "calibration_words.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -97,6 +98,37 @@ std::string places_in_words(const Observations& observations, const CameraRefine
   return words;
 }
 
+std::string in_words(const Observations& observations, const EstimatedParameter& one) {
+  const RigCamera& camera = observations.cameras[static_cast<std::size_t>(one.parameter.camera)];
+  return camera.name + ": " +
+         in_words(CameraCorrection{camera.name, name_of(one.parameter, camera), unit_of(one.parameter),
+                                   one.value, one.sigma});
+}
+
+/// By what the map may be wrong, though it is not by more than its covariances say.
+void report_open_cameras(const Observations& observations, const PartSolution& solution, Findings& findings) {
+  if (!solution.cameras.open) return;
+  std::vector<std::string> edges, lenses;
+  for (const EstimatedParameter& one : solution.cameras.open->estimates) {
+    if (std::abs(one.value) <= kToldOff * one.sigma) continue;
+    (one.parameter.is_of_lens() ? lenses : edges).push_back(in_words(observations, one));
+  }
+  const std::string_view is_counted =
+      "and too few frames tell whether: the map is without it, and its covariances count it";
+  if (!lenses.empty())
+    findings.warnings.push_back(
+        fmt::format("the views look as if the lens were another one than the camera file's ({}), {}. Is the "
+                    "file of this camera, zoom and resolution? Film more frames, from near and far and from "
+                    "the side, or calibrate the camera",
+                    fmt::join(lenses, "; "), is_counted));
+  else if (!edges.empty())
+    findings.warnings.push_back(fmt::format(
+        "corners look as if edges lay inside the true ones, or outside ({}), which moves tags and "
+        "scales the map, {}. Film more frames, from near and far; for corners without such an "
+        "error --edge-offset-sigma 0",
+        fmt::join(edges, "; "), is_counted));
+}
+
 /// What was asked for in vain, and what was not to be taken.
 void report_cameras(const Observations& observations, const PartSolution& solution,
                     const CalibrationOptions& options, Findings& findings) {
@@ -112,18 +144,7 @@ void report_cameras(const Observations& observations, const PartSolution& soluti
         "Check T_cn_cnm1 (metres; of a point in camera n-1 it makes one in camera n), or take what fits by "
         "--extrinsics refine",
         places_in_words(observations, *places), gain_of(*places)));
-  if (solution.cameras.open_edges)
-    for (const EstimatedParameter& one : solution.cameras.open_edges->estimates)
-      if (std::abs(one.value) > kToldOff * one.sigma)
-        findings.warnings.push_back(
-            fmt::format("corners of {} look as if edges lay {:.2f} px (sigma {:.2f}) {} the true ones, which "
-                        "moves tags and "
-                        "scales the map, and too few frames tell whether: the map is without it, and its "
-                        "covariances count "
-                        "it. Film more frames, from near and far; for corners without such an error "
-                        "--edge-offset-sigma 0",
-                        observations.cameras[static_cast<std::size_t>(one.parameter.camera)].name,
-                        std::abs(one.value), one.sigma, one.value > 0.0 ? "inside" : "outside"));
+  report_open_cameras(observations, solution, findings);
   const std::string what = options.intrinsics != Intrinsics::kRefine ? "places of the cameras"
                            : options.refine_extrinsics               ? "intrinsics and places of the cameras"
                                                                      : "intrinsics";

@@ -27,7 +27,6 @@ constexpr int kHeldOut = 4;        // every so many groups, one
 constexpr int kLeastGroups = 3;    // of those held out
 constexpr int kEnoughGroups = 10;  // where one fold has fewer, all are held out in turn
 constexpr double kWorthTrying = 0.001;
-constexpr double kAsExpected = 1.0;         // standard deviations, where nothing is off
 constexpr double kClear = 2.0;              // standard deviations, of a normal distribution
 constexpr double kMostOfView = 8.0 * 16.0;  // a view counts no more than at four sigmas
 
@@ -72,13 +71,14 @@ class Fit {
     return false;
   }
 
-  /// The same to first order; the cameras stay as they are.
-  bool look(const MapState& state) {
+  /// How far from the cameras as they are they would go, to first order.
+  std::optional<std::vector<EstimatedParameter>> look(const MapState& state) {
     total_ = already_moved(state);
     step_number_ = 0;
     const auto step = step_of_cameras(state);
-    if (step) total_ += *step;
-    return step.has_value();
+    if (!step) return std::nullopt;
+    total_ = *step;
+    return estimates();
   }
 
   std::vector<EstimatedParameter> estimates() const {
@@ -365,13 +365,10 @@ std::optional<CameraRefinement> open_parameters(const PartTask& task,
   const auto most_tags = static_cast<std::size_t>(task.options.max_tags_with_covariance);
   if (parameters.empty() || solved.part.tags.size() > most_tags) return std::nullopt;
   Fit fit(task, parameters, solved.part, solved.held_tag);
-  if (!fit.look(solved.state)) return std::nullopt;
+  auto steps = fit.look(solved.state);
+  if (!steps) return std::nullopt;
   CameraRefinement open;
-  open.estimates = fit.estimates();
-  const bool is_any_off = std::ranges::any_of(open.estimates, [](const EstimatedParameter& one) {
-    return std::abs(one.value) > kAsExpected * one.sigma;
-  });
-  if (!is_any_off) return std::nullopt;
+  open.estimates = std::move(*steps);
   Eigen::VectorXd values(static_cast<Eigen::Index>(open.estimates.size()));
   for (Eigen::Index i = 0; i < values.size(); ++i)
     values[i] = open.estimates[static_cast<std::size_t>(i)].value;

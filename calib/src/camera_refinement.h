@@ -40,9 +40,8 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part,
                                 const std::vector<CameraParameter>& parameters, double least_gain,
                                 AdjustedPart& solved, const ParallelFor& parallel);
 
-/// What the views say of parameters that are not taken over, to first order; where one is
-/// farther off than its standard deviation. Its covariance is about what was given, not about the estimates:
-/// a map by the given cameras errs by that.
+/// What the views say of parameters that are not taken over, to first order: how far they are from the
+/// cameras of `solved`. The covariance is about these, not about the estimates: a map by them errs by that.
 std::optional<CameraRefinement> open_parameters(const PartTask& task,
                                                 const std::vector<CameraParameter>& parameters,
                                                 const AdjustedPart& solved);

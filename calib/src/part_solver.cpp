@@ -66,9 +66,8 @@ std::optional<SharedErrors> errors_of_cameras(const Observations& observations, 
                             independent_errors(observations, solution.part.views, solution.state, estimated)),
                         1.0 / solution.scale.noise_variance);
   };
-  if (!solution.cameras.refined.is_accepted)
-    return solution.cameras.open_edges ? std::optional(independent(*solution.cameras.open_edges))
-                                       : std::nullopt;
+  if (solution.cameras.open) return independent(*solution.cameras.open);
+  if (!solution.cameras.refined.is_accepted) return std::nullopt;
   if (solution.are_cameras_given) return independent(solution.cameras.refined);
   std::vector<CameraParameter> parameters;
   for (const EstimatedParameter& one : solution.cameras.refined.estimates)

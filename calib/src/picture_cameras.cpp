@@ -42,14 +42,17 @@ struct Estimated {
 Estimated estimated_cameras(const CalibrationResult& calibration, const std::vector<RigCamera>& cameras) {
   Estimated estimated;
   std::vector<Eigen::Index> places;
-  for (std::size_t i = 0; i < calibration.corrections.size(); ++i) {
-    auto parameter = parameter_of(calibration.corrections[i], cameras);
+  const bool are_open = !calibration.open_corrections.empty();  // then all that is unsure is among these
+  const auto& corrections = are_open ? calibration.open_corrections : calibration.corrections;
+  for (std::size_t i = 0; i < corrections.size(); ++i) {
+    auto parameter = parameter_of(corrections[i], cameras);
     if (!parameter || parameter->kind == CameraParameter::Kind::kEdgeOffset) continue;
     parameter->sigma = 1.0;
     estimated.parameters.push_back(*parameter);
     places.push_back(static_cast<Eigen::Index>(i));
   }
-  estimated.covariance = calibration.corrections_covariance(places, places);
+  estimated.covariance =
+      (are_open ? calibration.open_covariance : calibration.corrections_covariance)(places, places);
   return estimated;
 }
 
@@ -59,7 +62,7 @@ std::optional<SharedErrors> errors_of_cameras(const CalibrationResult& calibrati
                                               const PhotometricScene& scene, const PhotometricState& state,
                                               const std::vector<LinearView>& views,
                                               const PoseInformation& poses, const ErrorScale& scale) {
-  if (calibration.corrections.empty()) return std::nullopt;
+  if (calibration.corrections.empty() && calibration.open_corrections.empty()) return std::nullopt;
   const PictureCorners corners = corners_of(calibration, scene, state, views);
   const Estimated cameras = estimated_cameras(calibration, corners.observations.cameras);
   if (cameras.parameters.empty()) return std::nullopt;

@@ -137,7 +137,7 @@ TEST(CameraRefinement, CountsAnEdgeOffsetThatFewFramesDoNotDecide) {
   EXPECT_GT(mean_normalised_error(filmed, {.corner_bias_px = 0.0}), 2.0 * counted)
       << "it makes no difference";
   EXPECT_THAT(calibrate(filmed.stated, filmed.frames, options).warnings,
-              ::testing::Contains(HasSubstr("look as if edges lay 0.")));
+              ::testing::Contains(HasSubstr("corners look as if edges lay inside")));
 }
 
 /// Cameras are tested and fitted side by side, tags looked at by several maps at once.

@@ -107,6 +107,9 @@ struct CalibrationResult {
   CameraRig rig;
   std::vector<CameraCorrection> corrections;  ///< None where the cameras are as given.
   Eigen::MatrixXd corrections_covariance;     ///< Of these, in their order and units.
+  /// What the views say besides, but too few frames decide: `map` is without it, and its covariances count it.
+  std::vector<CameraCorrection> open_corrections;
+  Eigen::MatrixXd open_covariance;  ///< About the cameras as they are, in the order and units of these.
   /// At the moments that `map` rests on, in the order of time.
   std::vector<RigPose> rig_poses;
   MapEvidence evidence;                              ///< What `map` rests on.
