@@ -99,7 +99,7 @@ TEST(RefinedMap, HoldsAnotherTagWhereTheHeldOneHasNoPictures) {
   EXPECT_TRUE(refined.map.find(held)->covariance->isZero());
   double largest = 0.0;
   const double error = test::mean_normalised_error(filmed.scene.map, held, refined.map, &largest);
-  EXPECT_GT(error, 0.1);
+  EXPECT_GT(error, 0.015);
   EXPECT_LT(error, 1.5);
   EXPECT_LT(largest, 4.0);
   // Among each other they are as near to the truth as ever, and as sure of it.
@@ -113,7 +113,7 @@ TEST(RefinedMap, HoldsAnotherTagWhereTheHeldOneHasNoPictures) {
       normalised += xi.dot(relative_covariance(refined.map, refined.joint, a, b)->ldlt().solve(xi)) / 6.0;
   }
   normalised /= static_cast<double>(refined.refined.size() - 1);
-  EXPECT_GT(normalised, 0.1);
+  EXPECT_GT(normalised, 0.015);
   EXPECT_LT(normalised, 1.5);
   for (const MapTag& tag : refined.map.tags) {
     const auto row = refined.joint.row_of(tag.key);
