@@ -14,8 +14,8 @@ namespace apriltrack {
 namespace {
 
 // Of Ceres: nearly a Gauss-Newton step at once. By its own 1e4 the soft ways of a map, along which all tags
-// bend a little, take eight small steps where four do.
-constexpr double kFirstTrustRadius = 1e6;
+// bend a little, take eight small steps where five do.
+constexpr double kFirstTrustRadius = 1e5;
 constexpr std::size_t kMaxDenseTags = 200;  // above, the reduced system is mostly empty
 // A frame that lies between its two poses of small tags is linear nowhere near, and the steps of all become
 // as short as its own must be. So when many steps did not suffice, each frame and tag goes downhill by itself
