@@ -115,6 +115,7 @@ void report_open_cameras(const Observations& observations, const PartSolution& s
   }
   const std::string_view is_counted =
       "and too few frames tell whether: the map is without it, and its covariances count it";
+  if (!lenses.empty() && solution.cameras.lens_not_taken) return;  // frames do tell: that is said already
   if (!lenses.empty())
     findings.warnings.push_back(
         fmt::format("the views look as if the lens were another one than the camera file's ({}), {}. Is the "

@@ -140,6 +140,19 @@ TEST(CameraRefinement, CountsAnEdgeOffsetThatFewFramesDoNotDecide) {
               ::testing::Contains(HasSubstr("corners look as if edges lay inside")));
 }
 
+TEST(CameraRefinement, CountsALensThatFewFramesDoNotDecide) {
+  Filmed filmed = film(test::perspective_camera(), 0.1, 12);
+  scale_focal_length(filmed.stated.rig.cameras[0], 1.04);
+  const CalibrationOptions options{.corner_bias_px = 0.0};
+  const double counted = mean_normalised_error(filmed, options);
+  EXPECT_GT(counted, 0.05) << "claims far less than it knows";
+  EXPECT_LT(counted, 3.0);
+  const CalibrationResult result = calibrate(filmed.stated, filmed.frames, options);
+  EXPECT_THAT(result.warnings, ::testing::Contains(HasSubstr("the views look as if the lens were another")));
+  ASSERT_FALSE(result.open_corrections.empty());
+  EXPECT_EQ(result.open_covariance.rows(), static_cast<Eigen::Index>(result.open_corrections.size()));
+}
+
 /// Cameras are tested and fitted side by side, tags looked at by several maps at once.
 TEST(CameraRefinement, DoesNotDependOnTheNumberOfThreads) {
   Filmed filmed = film(test::perspective_camera(), 0.2, 60);
@@ -203,6 +216,8 @@ TEST(CameraRefinement, KeepsTheCameraWhereToldTo) {
   scale_focal_length(filmed.stated.rig.cameras[0], 1.03);
   const CalibrationResult result = calibrate(filmed.stated, filmed.frames, {.intrinsics = Intrinsics::kKeep});
   EXPECT_THAT(result.warnings, ::testing::Contains(HasSubstr("It is kept, as --intrinsics keep says")));
+  EXPECT_THAT(result.warnings, Not(::testing::Contains(HasSubstr("too few frames tell"))))
+      << "frames do tell";
   EXPECT_THAT(result.corrections, IsEmpty());
   EXPECT_EQ(result.rig.cameras[0].model.pinhole().fx, filmed.stated.rig.cameras[0].model.pinhole().fx);
 }

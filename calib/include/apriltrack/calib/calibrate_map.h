@@ -107,7 +107,8 @@ struct CalibrationResult {
   CameraRig rig;
   std::vector<CameraCorrection> corrections;  ///< None where the cameras are as given.
   Eigen::MatrixXd corrections_covariance;     ///< Of these, in their order and units.
-  /// What the views say besides, but too few frames decide: `map` is without it, and its covariances count it.
+  /// What the views say besides, but too few frames decide: `map` is without it, and its covariances count
+  /// it.
   std::vector<CameraCorrection> open_corrections;
   Eigen::MatrixXd open_covariance;  ///< About the cameras as they are, in the order and units of these.
   /// At the moments that `map` rests on, in the order of time.
@@ -124,8 +125,8 @@ struct CalibrationResult {
 /// share the rig's pose. rig: needs extrinsics only when several of its cameras were used.
 ///
 /// The tags' covariances rest on the residuals that are left (their size, and how much neighbouring frames
-/// repeat them) and on corner_bias_px. Errors that all tags share (a lens that is not the file's) are not in
-/// them.
+/// repeat them) and on corner_bias_px. Errors that all tags share (a lens that is not the file's) are in them
+/// only where they were estimated, or where the views clearly propose them (open_corrections).
 ///
 /// Throws Error(kNoResult) when no two tags connect, ids are not unique, the adjustment does not converge, or
 /// a constraint contradicts all else, and says what to do; Error(kInvalidInput) when a size is missing, a
