@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <iterator>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -14,27 +12,22 @@
 #include "apriltrack/base/error.h"
 #include "block_scatter.h"
 #include "camera_gravity.h"
-#include "contradicted_tags.h"
 #include "corner_views.h"
 #include "culprit_search.h"
 #include "error_scale.h"
+#include "improved_part.h"
 #include "joint_tag_covariance.h"
 #include "lost_links.h"
 #include "part_adjustment.h"
-#include "predicted_edges.h"
 #include "reduced_equations.h"
 #include "rig_check.h"
 #include "split_links.h"
-#include "tag_examination.h"
 #include "undecided_tags.h"
 
 namespace apriltrack {
 namespace {
 
 constexpr double kNonsense_px = 5.0;
-// Edges are no more constant than that: by the slower half of a hand-held recording they are found 0.14 px
-// from where they are by the faster one (euroc_aprilgrid). What moves them less does not matter.
-constexpr double kInconstantEdges_px = 0.1;
 
 void measure_residuals(const Observations& observations, PartSolution& solution) {
   std::vector<double> sums(observations.tags.size(), 0.0);
@@ -169,83 +162,13 @@ AdjustedPart adjusted_from(const std::vector<RigCamera>& start, const PartTask& 
   }
 }
 
-/// The most by which an edge offset differs; one that is not estimated is 0.
-double most_difference_px(const CameraRefinement& a, const CameraRefinement& b) {
-  std::map<int, double> difference_px;
-  const auto add = [&](const CameraRefinement& cameras, double sign) {
-    if (!cameras.is_accepted) return;
-    for (const EstimatedParameter& one : cameras.estimates)
-      if (one.parameter.kind == CameraParameter::Kind::kEdgeOffset)
-        difference_px[one.parameter.camera] += sign * one.value;
-  };
-  add(a, 1.0);
-  add(b, -1.0);
-  double most = 0.0;
-  for (const auto& [camera, value] : difference_px) most = std::max(most, std::abs(value));
-  return most;
-}
-
-/// Takes better cameras into what was solved, and into what is known of cameras.
-using Improvement = std::function<void(const PartTask&, AdjustedPart&, BetterCameras&)>;
-
-struct Improved {
-  AdjustedPart solved;
-  BetterCameras cameras;
-};
-
-/// What is improved with the edges of `by_map` instead. nullopt where these give no map.
-std::optional<Improved> improved_by_edges_of_map(const PartTask& task, const Observations& by_map,
-                                                 const Part& part, const Improvement& improve,
-                                                 Improved start) {
-  const PartTask by_edges{by_map, task.candidates, task.options};
-  try {
-    start.solved.part = adjust_cleanly(by_edges, narrowed_to(by_map, part, start.solved.part.tags),
-                                       start.solved.held_tag, start.solved.state);
-    improve(by_edges, start.solved, start.cameras);
-    return start;
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-}
-
-/// Improves them, and where edges are then found aside, asks whether that is the pull of the corners' own
-/// errors: by the edges of the map (take_edges_from_map) it may be less. The views keep those where it
-/// matters.
-void improve_honestly(const PartTask& task, const Part& part, const Improvement& improve,
-                      Observations& observations, AdjustedPart& solved, BetterCameras& cameras) {
-  const Improved before{solved, cameras};
-  improve(task, solved, cameras);
-  if (most_difference_px(cameras.refined, before.cameras.refined) < kInconstantEdges_px) return;
-  Observations by_map = task.observations;
-  take_edges_from_map(before.solved.part.views, before.solved.state,
-                      {task.options.corner_sigma_px, task.options.edge_end_correlation}, by_map);
-  auto again = improved_by_edges_of_map(task, by_map, part, improve, before);
-  if (!again || most_difference_px(cameras.refined, again->cameras.refined) < kInconstantEdges_px) return;
-  observations.views = std::move(by_map.views);
-  solved = std::move(again->solved);
-  cameras = std::move(again->cameras);
-}
-
-/// Looks at each tag for faults, and leaves out what cannot be trusted. Whether that is any.
-bool leave_out_faulty(const PartTask& task, const Part& part, AdjustedPart& solved,
-                      const ParallelFor& parallel, PartSolution& solution) {
-  const std::vector<int> tags_before = solved.part.tags;
-  solution.findings = examine_tags(task, part, solved, parallel);
-  solution.contradicted = leave_out_contradicted(task, part, solved);
-  if (solved.part.tags == tags_before) return false;
-  try {
-    if (solved.contradictions.are_there()) fail_with_contradictions(task.observations, solved.contradictions);
-    // Without them, others' views may leave two poses that had one.
-    leave_out_undecided(task, part, solved, parallel);
-  } catch (const Error& error) {
-    fail_after(solution.findings, error);
-  }
-  return true;
-}
-
-void take_adjusted(AdjustedPart solved, PartSolution& solution) {
+void take_improved(ImprovedPart improved, PartSolution& solution) {
+  AdjustedPart& solved = improved.solved;
+  solution.cameras = std::move(improved.cameras);
+  solution.findings = std::move(improved.findings);
+  solution.contradicted = std::move(improved.contradicted);
   solution.held_tag = solved.held_tag;
-  solution.culprits = solved.culprits;
+  solution.culprits = std::move(solved.culprits);
   std::ranges::copy_if(solved.undecided, std::back_inserter(solution.undecided), [&](int tag) {
     return std::ranges::find(solution.findings, tag, &TagFinding::tag) == solution.findings.end();
   });
@@ -303,24 +226,14 @@ PartSolution solve_part(Observations& observations, const CamerasOfPart& cameras
                         const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
                         const LogSink& log) {
   const PartTask task{observations, cameras.candidates, options};  // sees the edges that the map gives them
-  AdjustedPart solved = adjusted_from(cameras.start, task, part, held_tag, parallel, log);
-  const Improvement improve = [&](const PartTask& by, AdjustedPart& improved, BetterCameras& found) {
-    found = improve_cameras(by, part, parallel, log, improved);
-  };
-  const Improvement improve_again = [&](const PartTask& by, AdjustedPart& improved, BetterCameras& found) {
-    improve_cameras_again(by, part, parallel, log, improved, found);
-  };
+  ImprovedPart improved =
+      improve_part(task, part, adjusted_from(cameras.start, task, part, held_tag, parallel, log),
+                   cameras.estimated, observations, parallel, log);
   PartSolution solution;
   solution.are_cameras_given = cameras.estimated != nullptr;
-  if (solution.are_cameras_given)
-    solution.cameras.refined = *cameras.estimated;
-  else
-    improve_honestly(task, part, improve, observations, solved, solution.cameras);
+  take_improved(std::move(improved), solution);
   const std::vector<ViewCandidates>& by_cameras = solution.cameras.candidates;
   const PartTask by_better{observations, by_cameras.empty() ? cameras.candidates : by_cameras, options};
-  if (leave_out_faulty(by_better, part, solved, parallel, solution) && !solution.are_cameras_given)
-    improve_honestly(task, part, improve_again, observations, solved, solution.cameras);
-  take_adjusted(std::move(solved), solution);
 
   count_offered_views(observations, part, solution);
   solution.lost_links = words_of_links(by_better, part, solution);

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "better_cameras.h"
+#include "tag_finding.h"
+
+namespace apriltrack {
+
+/// A part by the cameras that agree best with it, without the tags that cannot be trusted.
+struct ImprovedPart {
+  AdjustedPart solved;
+  BetterCameras cameras;
+  std::vector<TagFinding> findings;
+  std::vector<int> contradicted;  ///< Left out, for most of their views were rejected.
+};
+
+/// estimated: the cameras, where another part told them already. observations: the task's; in the end the
+/// edges of its views are those of the map where that moves an edge offset (take_edges_from_map).
+ImprovedPart improve_part(const PartTask& task, const Part& part, AdjustedPart solved,
+                          const CameraRefinement* estimated, Observations& observations,
+                          const ParallelFor& parallel, const LogSink& log);
+
+}  // namespace apriltrack
