@@ -122,7 +122,9 @@ namespace {
 /// The observations that a map is made from lie beside it. Where they are the very file that it is made from,
 /// that stays as it is; one file of several would be told to be all of them.
 std::string observations_to_write(const CalibrateOptions& a) {
-  const std::string file = observations_file(a).string();
+  const std::optional<fs::path> beside = observations_file(a);
+  if (!beside) return "";
+  const std::string file = beside->string();
   if (!is_detections_input(a, file)) return file;
   if (a.detections.size() == 1) return "";
   throw invalid_input("--output", fmt::format("the observations would go to '{}', which is one of several "
@@ -135,7 +137,9 @@ std::string camera_to_write(const CalibrateOptions& a, const std::vector<std::st
   if (a.calibration.intrinsics == Intrinsics::kKeep && !a.calibration.refine_extrinsics &&
       !a.estimates_response)
     return "";
-  const std::string file = refined_camera_file(a).string();
+  const std::optional<fs::path> beside = refined_camera_file(a);
+  if (!beside) return "";
+  const std::string file = beside->string();
   const bool is_read = std::ranges::any_of(read, [&](const std::string& input) {
     std::error_code ignored;
     return fs::equivalent(input, file, ignored);

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptions& a, const fs::path& camera,
                                                             const std::string& gauge,
-                                                            const fs::path& observations) {
+                                                            const std::optional<fs::path>& observations) {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
   gmtime_r(&now, &utc);
@@ -44,11 +44,11 @@ std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptio
                a.detector.decimate, name_of_intrinsics(a.calibration.intrinsics),
                a.calibration.refine_extrinsics ? "refine" : "keep", a.calibration.edge_offset_sigma_px)},
           {"gauge", gauge},
-          {"observations", observations.filename().string()}};
+          {"observations", observations ? observations->filename().string() : "not written"}};
 }
 
 void note_origin(const CalibrateOptions& a, const fs::path& camera, const FrameCounts& counts,
-                 const std::string& gauge, const fs::path& observations, TagMap& map) {
+                 const std::string& gauge, const std::optional<fs::path>& observations, TagMap& map) {
   map.provenance = provenance(a, camera, gauge, observations);
   if (counts.is_interrupted)
     map.provenance.emplace_back("interrupted",
@@ -89,12 +89,26 @@ std::vector<std::string> write_parts(const CalibrateOptions& a, const Calibratio
 
 /// Left as it is: it may be somebody's own. But who takes it for this map's camera tracks with a wrong one.
 void warn_of_older_camera(const CalibrateOptions& a, const fs::path& camera) {
-  const fs::path file = refined_camera_file(a);
+  const std::optional<fs::path> file = refined_camera_file(a);
   std::error_code ignored;
-  if (!fs::exists(file, ignored) || fs::equivalent(file, camera, ignored)) return;
+  if (!file || !fs::exists(*file, ignored) || fs::equivalent(*file, camera, ignored)) return;
   a.console.warning(
       fmt::format("{} is not of this run, which refined no camera: track with {}, and remove it",
-                  file.string(), camera.string()));
+                  file->string(), camera.string()));
+}
+
+/// Where there is one; returns where to.
+std::optional<fs::path> write_camera(const CalibrateOptions& a, const CameraRig& rig, StagedFiles& outputs) {
+  const std::optional<fs::path> file = refined_camera_file(a);
+  if (file) {
+    outputs.write(*file, [&](const fs::path& path) { write_cameras(path, rig); });
+  } else {
+    a.console.warning(
+        fmt::format("the map goes with a camera that this run refined or estimated, which is not written: {} "
+                    "is no file to write it beside. Name a file as --output",
+                    a.output));
+  }
+  return file;
 }
 
 /// What was refined from pictures has no covariance with what they do not show well enough.
@@ -200,11 +214,13 @@ std::string words_of(const RefinementResult& refinement) {
 
 }  // namespace
 
-fs::path observations_file(const CalibrateOptions& a) {
+std::optional<fs::path> observations_file(const CalibrateOptions& a) {
+  if (is_written_directly(a.output)) return std::nullopt;
   return fs::path(a.output).replace_extension(".detections.csv");
 }
 
-fs::path refined_camera_file(const CalibrateOptions& a) {
+std::optional<fs::path> refined_camera_file(const CalibrateOptions& a) {
+  if (is_written_directly(a.output)) return std::nullopt;
   return fs::path(a.output).replace_extension(".camera.yaml");
 }
 
@@ -229,16 +245,16 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
   for (TagMap& part : result.other_parts)
     note_origin(a, camera, sightings.counts, to_string(part.tags.front().key) + " held at the origin",
                 files.observations, part);
-  const bool has_them = is_detections_input(a, files.observations);  // it may hold more than was used
+  const bool goes_beside =
+      files.observations && !is_detections_input(a, *files.observations);  // that may hold more than was used
   // A run that fails in between must not leave an old map beside new observations, nor any part replaced.
   StagedFiles outputs;
-  if (!has_them) {
-    outputs.write(files.observations,
+  if (goes_beside) {
+    outputs.write(*files.observations,
                   [&](const fs::path& path) { write_detections_csv(path, sightings.frames); });
   }
   if (is_lens_refined(result) || is_response_estimated(responses)) {
-    files.camera = refined_camera_file(a);
-    outputs.write(*files.camera, [&](const fs::path& path) { write_cameras(path, result.rig); });
+    files.camera = write_camera(a, result.rig, outputs);
   } else {
     warn_of_older_camera(a, camera);
   }
@@ -277,8 +293,8 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
                             {"corrections", told(result.corrections)},
                             {"open_corrections", told(result.open_corrections)},
                             {"interrupted", was_interrupted},
-                            {"output", a.output},
-                            {"observations", files.observations.string()}};
+                            {"output", a.output}};
+  if (files.observations) summary["observations"] = files.observations->string();
   if (!a.constraints.empty()) summary["constraints"] = told_constraints(result.constraint_audits);
   tell_machines(findings, result, summary);
   if (!a.report.empty()) summary["report"] = a.report;
@@ -289,10 +305,10 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
   std::string text = fmt::format(
       "{} tags from {} of {} frames ({} unreadable); {} observations, {} rejected; residual {:.3f} px (rms "
       "per axis)\n"
-      "origin: {}\nmap: {}\nobservations: {}",
+      "origin: {}\nmap: {}",
       result.map.tags.size(), result.frames_used, sightings.counts.readable, sightings.counts.unreadable,
-      result.observations_used, result.observations_rejected, result.residual_rms_px, result.gauge, a.output,
-      files.observations.string());
+      result.observations_used, result.observations_rejected, result.residual_rms_px, result.gauge, a.output);
+  if (files.observations) text += "\nobservations: " + files.observations->string();
   text += constraint_table(result.constraint_audits);
   if (refinement && refinement->is_accepted) text += "\n" + words_of(*refinement);
   if (files.camera)

@@ -15,16 +15,17 @@ namespace apriltrack::app {
 
 /// What a calibration leaves on the disk, the map itself aside.
 struct CalibrationFiles {
-  std::filesystem::path observations;
-  std::optional<std::filesystem::path> camera;  ///< Where it was refined, or its response estimated.
+  std::optional<std::filesystem::path> observations;  ///< None where nothing goes beside the map.
+  std::optional<std::filesystem::path> camera;        ///< Where it was refined, or its response estimated.
   std::vector<std::string> parts;
   bool has_joint_covariance = false;
 };
 
-/// Where the observations go: beside the map.
-std::filesystem::path observations_file(const CalibrateOptions& options);
-/// Where cameras go if they are refined: beside the map.
-std::filesystem::path refined_camera_file(const CalibrateOptions& options);
+/// Where the observations go: beside the map; nowhere where that is written to what is no file, such as
+/// /dev/null, beside which nobody looks for any.
+std::optional<std::filesystem::path> observations_file(const CalibrateOptions& options);
+/// Where cameras go if they are refined: beside the map, or nowhere, as the observations.
+std::optional<std::filesystem::path> refined_camera_file(const CalibrateOptions& options);
 /// Whether a file is one of --detections.
 bool is_detections_input(const CalibrateOptions& options, const std::filesystem::path& path);
 

@@ -76,7 +76,8 @@ std::string warning_of(const ResponseFinding& finding) {
 /// What is estimated goes to a file of its own; inputs are never replaced.
 void require_other_file(const CalibrateOptions& a, const std::filesystem::path& camera_file) {
   std::error_code ignored;
-  if (!std::filesystem::equivalent(camera_file, refined_camera_file(a), ignored)) return;
+  const std::optional<std::filesystem::path> file = refined_camera_file(a);
+  if (!file || !std::filesystem::equivalent(camera_file, *file, ignored)) return;
   throw invalid_input("--output",
                       fmt::format("the camera with its estimated response would replace '{}', which this "
                                   "run reads: name another file",

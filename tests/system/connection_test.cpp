@@ -120,6 +120,24 @@ TEST_F(Connection, ObservationsNeverGoToOneOfSeveralInputs) {
   EXPECT_FALSE(fs::exists(path("map.yaml")));
 }
 
+TEST_F(Connection, NothingGoesBesideAMapThatIsNoFile) {
+  film({{0, 1, 2}});
+  fs::create_symlink("/dev/null", path("map.yaml"));
+  write_text(path("map.camera.yaml"), "somebody's\n");  // and no word of it
+  const std::set<std::string> before = names_in(folder_);
+  const nlohmann::json summary = run_for_json(words({}));
+  EXPECT_EQ(names_in(folder_), before);
+  EXPECT_FALSE(summary.contains("observations"));
+  EXPECT_EQ(summary["warnings"].dump().find("map.camera.yaml"), std::string::npos) << summary["warnings"];
+
+  auto to_stdout = words({});
+  to_stdout.back() = "/dev/stdout";
+  const ProgramRun run = run_program(to_stdout);
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("observations: \"not written\""), std::string::npos) << run.out;
+  EXPECT_FALSE(fs::exists("/dev/stdout.detections.csv"));
+}
+
 TEST_F(Connection, PartsOfAnEarlierRunAreTold) {
   film({{0, 1, 2}});
   write_text(path("parts/part_2.yaml"), "of an earlier run\n");

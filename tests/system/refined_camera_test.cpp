@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -82,6 +83,17 @@ TEST_F(RefinedCamera, IsNotMadeUnaskedWhereNothingTellsItsResolution) {
   EXPECT_THAT(run, EndsWith(0, "so the intrinsics stay as they are"));
   EXPECT_THAT(run.err, HasSubstr("with other intrinsics")) << "that they are wrong is told";
   EXPECT_TRUE(fs::exists(path("map.yaml")));
+  EXPECT_FALSE(fs::exists(path("map.camera.yaml")));
+}
+
+TEST_F(RefinedCamera, IsWarnedOfWhereItHasNoPlaceBesideTheMap) {
+  fs::create_symlink("/dev/null", path("map.yaml"));
+  std::vector<std::string> all = of_detections({"--intrinsics", "refine"});
+  write_text(path("camera.yaml"), pinhole_entry("cam0", 520.0));
+  std::ranges::replace(all, path("camera.json"), path("camera.yaml"));
+  EXPECT_THAT(run_program(all),
+              EndsWith(0, "a camera that this run refined or estimated, which is not written: " +
+                              path("map.yaml") + " is no file"));
   EXPECT_FALSE(fs::exists(path("map.camera.yaml")));
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/staged_files.h"
 #include "write_target.h"
 
 namespace apriltrack {

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/staged_files.h"
 
 namespace apriltrack {
 namespace fs = std::filesystem;

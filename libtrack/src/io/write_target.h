@@ -8,7 +8,4 @@ namespace apriltrack {
 /// chain does not end.
 std::filesystem::path follow_links(const std::filesystem::path& path);
 
-/// What nothing can be written beside, to take its place: a device, a FIFO, /dev/stdout, /dev/fd/N.
-bool is_written_directly(const std::filesystem::path& path);
-
 }  // namespace apriltrack

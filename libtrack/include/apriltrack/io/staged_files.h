@@ -10,6 +10,9 @@ namespace apriltrack {
 /// links followed, so that two names of one file give the same. Throws Error(kIo) for links without end.
 std::filesystem::path written_file(const std::filesystem::path& path);
 
+/// What nothing can be written beside, to take its place: a device, a FIFO, /dev/stdout, /dev/fd/N.
+bool is_written_directly(const std::filesystem::path& path);
+
 /// Files that belong together: all are written aside first, and put in place when the last is complete, so
 /// that a run which fails in between replaces none of them.
 ///
