@@ -9,6 +9,7 @@
 
 #include "apriltrack/base/error.h"
 #include "frame_loop.h"
+#include "inputs.h"
 #include "patch_keeper.h"
 #include "rig_detections.h"
 #include "takes.h"
@@ -48,7 +49,9 @@ std::vector<Recording> parse_recordings(const std::vector<std::string>& inputs, 
           "--camera-name",
           fmt::format("is '{}', but the input {} names its camera: leave one out", camera_name, input));
     if (!camera_name.empty()) recording = {camera_name, input, true};
-    recording.camera = recording.is_named ? rig.find(recording.camera).name : rig.cameras.front().name;
+    const std::string where = camera_name.empty() ? input : "--camera-name";
+    recording.camera =
+        recording.is_named ? camera_named(rig, recording.camera, where).name : rig.cameras.front().name;
     recordings.push_back(std::move(recording));
   }
   return recordings;
@@ -91,6 +94,7 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
 
 Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig& rig,
                          const std::string& camera_name) {
+  if (!camera_name.empty()) camera_named(rig, camera_name, "--camera-name");
   Sightings all;
   Takes takes;
   for (const std::string& path : paths) {
@@ -98,16 +102,14 @@ Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig&
     if (!camera_name.empty())
       std::erase_if(frames, [&](const FrameDetections& frame) { return frame.camera != camera_name; });
     const std::vector<std::string> cameras = camera_names(frames);
-    for (const std::string& name : cameras) rig.find(name);
+    check_cameras_and_tags(path, rig, frames);
     check_corner_places(path, rig, frames);  // calibrate_map warns; here errors have their line
     takes.add(path, {cameras.begin(), cameras.end()}, std::move(frames));
   }
   bring_to_one_clock(takes, all);
   all.counts.readable = all.frames.size();
-  if (!camera_name.empty() && all.frames.empty()) {
-    rig.find(camera_name);
+  if (!camera_name.empty() && all.frames.empty())
     throw no_result("calibrate", fmt::format("the detection files have no rows of camera {}", camera_name));
-  }
   if (all.frames.empty())
     throw no_result("calibrate", fmt::format("no rows below the header of {}: nothing was detected",
                                              fmt::join(paths, ", ")));

@@ -46,7 +46,7 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
                     bool with_patches, const Console& console);
 
 /// Reads detection files with read_rig_detections. camera_name: only this camera's rows; empty: all. Throws
-/// as Takes and check_picture_sizes do.
+/// as Takes, check_cameras_and_tags and check_picture_sizes do.
 Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig& rig,
                          const std::string& camera_name);
 

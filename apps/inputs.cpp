@@ -32,11 +32,19 @@ std::vector<std::string> camera_inputs(const std::string& given, const std::vect
   return all;
 }
 
+const Camera& camera_named(const CameraRig& rig, const std::string& name, std::string_view where) {
+  try {
+    return rig.find(name);
+  } catch (const Error& error) {
+    throw Error(error.kind(), where, error.cause());
+  }
+}
+
 Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console,
                    bool may_have_auto_response) {
   const CameraRig rig = may_have_auto_response ? read_cameras_to_estimate(path, console.log()).rig
                                                : read_cameras(path, console.log());
-  return name.empty() ? rig.cameras.front() : rig.find(name);
+  return name.empty() ? rig.cameras.front() : camera_named(rig, name, path.string());
 }
 
 std::optional<std::string> rolling_shutter_warning(const Camera& camera) {

@@ -21,9 +21,13 @@ std::filesystem::path file_or_own(const std::string& given, const std::optional<
 /// knows these own files themselves.
 std::vector<std::string> camera_inputs(const std::string& given, const std::vector<std::string>& inputs);
 
+/// Throws Error(kInvalidInput) that lists the names there are. where: the option, the line or the file whose
+/// camera is looked for, which the message begins with.
+const Camera& camera_named(const CameraRig& rig, const std::string& name, std::string_view where);
+
 /// The camera called `name`, or the file's first where `name` is empty; odd values are told to the console.
 /// may_have_auto_response: `response: auto` is taken for sRGB, and not refused.
-/// Throws as read_cameras and CameraRig::find do.
+/// Throws as read_cameras and camera_named do.
 Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console,
                    bool may_have_auto_response = false);
 

@@ -1,15 +1,21 @@
 #include "rig_detections.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <set>
 
+#include "apriltrack/base/error.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/detect/picture_size.h"
 #include "apriltrack/io/csv.h"
+#include "apriltrack/tags/tag_key_fault.h"
+#include "inputs.h"
 
 namespace apriltrack::app {
 namespace {
 
-/// "detections.csv:17"; only asked for where a message needs it.
+/// "detections.csv:17"; only asked for where a message needs it, as all places are.
 std::string line_of(const std::string& path, const FrameDetections& frame, const Detection& detection) {
   const CsvTable table = CsvTable::read_file(path, {"timestamp_ns", "family", "id", "c0x", "c0y"});
   for (std::size_t row = 0; row < table.num_rows(); ++row) {
@@ -23,6 +29,18 @@ std::string line_of(const std::string& path, const FrameDetections& frame, const
   return path;
 }
 
+/// The first line of a camera.
+std::string line_of_camera(const std::string& path, const std::string& name) {
+  const CsvTable table = CsvTable::read_file(path, {"camera"});
+  for (std::size_t row = 0; row < table.num_rows(); ++row)
+    if (table.text(row, "camera") == name) return table.where(row);
+  return path;
+}
+
+bool has_camera(const CameraRig& rig, const std::string& name) {
+  return std::ranges::any_of(rig.cameras, [&](const Camera& camera) { return camera.name == name; });
+}
+
 }  // namespace
 
 std::vector<FrameDetections> read_rig_detections(const std::string& path, const CameraRig& rig) {
@@ -30,6 +48,24 @@ std::vector<FrameDetections> read_rig_detections(const std::string& path, const 
   if (rig.cameras.size() == 1 && camera_names(frames).size() == 1)
     for (FrameDetections& frame : frames) frame.camera = rig.cameras.front().name;
   return frames;
+}
+
+void check_cameras_and_tags(const std::string& path, const CameraRig& rig,
+                            const std::vector<FrameDetections>& frames) {
+  for (const std::string& name : camera_names(frames))
+    if (!has_camera(rig, name)) camera_named(rig, name, line_of_camera(path, name) + ": camera");
+  std::set<TagKey> good;
+  for (const FrameDetections& frame : frames) {
+    for (const Detection& detection : frame.detections) {
+      if (good.contains(detection.tag)) continue;
+      if (const auto fault = fault_of_key(detection.tag))
+        throw invalid_input(
+            line_of(path, frame, detection),
+            fmt::format("tag {}, which no map can hold: {}; name what is printed, or leave the line out",
+                        to_string(detection.tag), *fault));
+      good.insert(detection.tag);
+    }
+  }
 }
 
 std::vector<std::string> check_corner_places(const std::string& path, const CameraRig& rig,

@@ -13,6 +13,11 @@ namespace apriltrack::app {
 /// to pass it over would give corners another camera's lens. Throws as read_detections_csv does.
 std::vector<FrameDetections> read_rig_detections(const std::string& path, const CameraRig& rig);
 
+/// Throws Error(kInvalidInput) with file and line unless each camera is one of `rig`, and each tag one that
+/// is printed: no map can hold another.
+void check_cameras_and_tags(const std::string& path, const CameraRig& rig,
+                            const std::vector<FrameDetections>& frames);
+
 /// check_picture_sizes of the frames of `path`, with file and line.
 std::vector<std::string> check_corner_places(const std::string& path, const CameraRig& rig,
                                              const std::vector<FrameDetections>& frames);

@@ -246,8 +246,9 @@ std::string told_of_frame_log(const TrackArguments& arguments, bool is_written) 
 void run(const CLI::App& command, const TrackArguments& arguments) {
   check_track_arguments(command, arguments);
   const CameraRig rig = read_cameras(camera_file(arguments), arguments.console.log());
-  const Camera& camera =
-      arguments.camera_name.empty() ? rig.cameras.front() : rig.find(arguments.camera_name);
+  const Camera& camera = arguments.camera_name.empty()
+                             ? rig.cameras.front()
+                             : camera_named(rig, arguments.camera_name, "--camera-name");
   const TagMap map = read_tag_map(map_file(arguments));
   if (const auto warning = rolling_shutter_warning(camera)) arguments.console.warning(*warning);
   const Method method = make_method(arguments.method_options(), camera, map, arguments.console);

@@ -6,7 +6,7 @@
 #include "apriltrack/calib/map_constraints.h"
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/io/yaml_reader.h"
-#include "apriltrack/tags/tag_family.h"
+#include "apriltrack/tags/tag_key_fault.h"
 
 namespace apriltrack {
 namespace {
@@ -23,8 +23,8 @@ TagKey read_tag_name(const YamlNode& node) {
   if (!id || *id < 0 || *id > kMostId || std::to_string(*id) != digits)
     node.fail(fmt::format("'{}' is no tag: write ID or family/ID, such as 7 or tag36h11/7", text));
   TagKey key{slash == std::string::npos ? "" : text.substr(0, slash), static_cast<int>(*id)};
-  if (slash != std::string::npos && !TagFamily::is_known(key.family))
-    node.fail(fmt::format("unknown family '{}' (apriltrack detect --help lists them)", key.family));
+  if (slash == std::string::npos) return key;
+  if (const auto fault = fault_of_key(key)) node.fail(*fault);
   return key;
 }
 

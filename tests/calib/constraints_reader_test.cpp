@@ -87,8 +87,12 @@ TEST(ConstraintsReader, NamesLineKeyAndValueOfWhatIsWrong) {
               HasSubstr("different tags (is 1 twice)"));
   EXPECT_THAT(complaint(kHead + "  - {type: distance, tags: [1, 2, 3], distance_m: 1, sigma_m: 0.1}\n"),
               HasSubstr("must name two tags (names 3)"));
-  EXPECT_THAT(complaint(kHead + "  - {type: distance, tags: [1, wall/2], distance_m: 1, sigma_m: 0.1}\n"),
-              HasSubstr("unknown family 'wall'"));
+  EXPECT_THAT(
+      complaint(kHead + "  - {type: distance, tags: [1, wall/2], distance_m: 1, sigma_m: 0.1}\n"),
+      HasSubstr("measured.yaml:3: constraints[0].tags[1]: unknown tag family 'wall' (known: tag16h5"));
+  EXPECT_THAT(
+      complaint(kHead + "  - {type: distance, tags: [1, tag36h11/587], distance_m: 1, sigma_m: 0.1}\n"),
+      HasSubstr("measured.yaml:3: constraints[0].tags[1]: tag36h11 has ids 0 to 586 (is 587)"));
   EXPECT_THAT(complaint(kHead + "  - {type: distance, tags: [1, -2], distance_m: 1, sigma_m: 0.1}\n"),
               HasSubstr("'-2' is no tag"));
   EXPECT_THAT(complaint(kHead + "  - {type: position, tag: 1, position_m: {}, sigma_m: 0.1}\n"),

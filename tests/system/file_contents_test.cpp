@@ -87,6 +87,47 @@ TEST_F(FileContents, BadDetectionsNameLineAndColumn) {
   EXPECT_THAT(run_program(words), EndsWith(2, "c3y"));
 }
 
+TEST_F(FileContents, DetectionsOfNoSuchTagOrCameraNameLineValueAndWayOut) {
+  write_text(path("camera.yaml"),
+             std::string(kGoodCamera) + replaced(kGoodCamera, "cam0", "cam1") +
+                 "  T_cn_cnm1: [[1, 0, 0, 0.1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n");
+  const auto calibrate_row = [&](const std::string& row, const std::vector<std::string>& more = {}) {
+    const std::string corners = ",10,50,40,50,40,20,10,20\n";
+    write_text(path("d.csv"),
+               "timestamp_ns,camera,family,id,c0x,c0y,c1x,c1y,c2x,c2y,c3x,c3y\n1,cam0,tag36h11,0" + corners +
+                   "1," + row + corners);
+    std::vector<std::string> words = {"calibrate", "--detections",      path("d.csv"),
+                                      "--camera",  path("camera.yaml"), "--tag-size",
+                                      "0.16",      "--output",          path("new_map.yaml")};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(words);
+  };
+  const ProgramRun id = calibrate_row("cam0,tag36h11,9999"), family = calibrate_row("cam0,aruco,3"),
+                   camera = calibrate_row("cam7,tag36h11,1");
+  EXPECT_THAT(id,
+              EndsWith(2, path("d.csv") + ":3: tag tag36h11/9999, which no map can hold: tag36h11 has ids 0 "
+                                          "to 586 (is 9999); name what is printed"));
+  EXPECT_THAT(family,
+              EndsWith(2, path("d.csv") + ":3: tag aruco/3, which no map can hold: unknown tag family "
+                                          "'aruco' (known: tag16h5, "));
+  EXPECT_THAT(camera,
+              EndsWith(2, path("d.csv") + ":3: camera: there is no camera 'cam7'; the camera file has "
+                                          "cam0, cam1"));
+  EXPECT_THAT(calibrate_row("cam0,tag36h11,1", {"--camera-name", "cam7"}),
+              EndsWith(2, "--camera-name: there is no camera 'cam7'; the camera file has cam0, cam1"));
+}
+
+TEST_F(FileContents, AnInputOfNoSuchCameraIsNamed) {
+  EXPECT_THAT(
+      run_program({"calibrate", "cam7=" + path("frames"), "--camera", path("camera.yaml"), "--tag-size",
+                   "0.16", "--output", path("new_map.yaml")}),
+      EndsWith(2, "cam7=" + path("frames") + ": there is no camera 'cam7'; the camera file has cam0"));
+  EXPECT_THAT(calibrate({"--camera-name", "cam7"}), EndsWith(2, "--camera-name: there is no camera 'cam7'"));
+  EXPECT_THAT(track({"--camera-name", "cam7"}), EndsWith(2, "--camera-name: there is no camera 'cam7'"));
+  EXPECT_THAT(detect({"--camera-name", "cam7"}),
+              EndsWith(2, path("camera.yaml") + ": there is no camera 'cam7'; the camera file has cam0"));
+}
+
 /// One tag in the upper left of the camera's picture, and from the second frame on one as in a larger
 /// picture.
 std::string corners_of_larger_pictures() {

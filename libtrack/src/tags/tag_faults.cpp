@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "apriltrack/tags/tag_family.h"
+#include "apriltrack/tags/tag_key_fault.h"
+#include "family_source.h"
 
 namespace apriltrack {
 namespace {
@@ -35,6 +37,10 @@ std::optional<std::string> fault_of_id(const TagKey& key) {
   const int num_codes = TagFamily::get(key.family).num_codes();
   if (key.id >= 0 && key.id < num_codes) return std::nullopt;
   return fmt::format("{} has ids 0 to {} (is {})", key.family, num_codes - 1, key.id);
+}
+
+std::optional<std::string> fault_of_key(const TagKey& key) {
+  return TagFamily::is_known(key.family) ? fault_of_id(key) : unknown_family_message(key.family);
 }
 
 std::optional<std::string> fault_of_covariance(const Matrix6d& covariance) {
