@@ -11,6 +11,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/tags/tag_key_fault.h"
 #include "calibrate_output.h"
 #include "choice_option.h"
 #include "inputs.h"
@@ -187,6 +188,22 @@ void check_files(const CalibrateOptions& a, const std::vector<std::string>& read
   check_parts(a, read);
 }
 
+/// As it is written: without a family where that is left to what is seen. Said before the work: a tag that is
+/// none is never seen, and what was seen instead does not tell why.
+TagKey written_held_tag(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  const bool has_family = slash != std::string::npos;
+  const auto id = parse_integer(has_family ? text.substr(slash + 1) : text);
+  constexpr int kMaxId = std::numeric_limits<int>::max();
+  if (!id || *id < 0 || *id > kMaxId)
+    throw invalid_input("--held-tag",
+                        fmt::format("must be ID or family/ID, ID from 0 to {} (is '{}')", kMaxId, text));
+  const TagKey key{has_family ? text.substr(0, slash) : "", static_cast<int>(*id)};
+  const auto fault = has_family ? fault_of_key(key) : std::nullopt;
+  if (fault) throw invalid_input("--held-tag", fmt::format("'{}' is no tag: {}", text, *fault));
+  return key;
+}
+
 }  // namespace
 
 void check(const CLI::App& command, const CalibrateOptions& a) {
@@ -204,6 +221,7 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
     refuse_beside_detections(
         command, {"--step", "--max-frames", "--rate", "--family", "--decimate", "--no-refine", "--response"});
   check_families(a.detector.families);
+  if (!a.held_tag.empty()) written_held_tag(a.held_tag);
   a.detector.check();
   a.calibration.check();
   std::vector<std::string> inputs;
@@ -231,24 +249,18 @@ std::string name_of_intrinsics(Intrinsics intrinsics) {
 }
 
 TagKey parse_held_tag(const CalibrateOptions& a, const Sightings& sightings) {
-  const std::string& text = a.held_tag;
-  const std::size_t slash = text.find('/');
-  const auto id = parse_integer(slash == std::string::npos ? text : text.substr(slash + 1));
-  constexpr int kMaxId = std::numeric_limits<int>::max();
-  if (!id || *id < 0 || *id > kMaxId)
-    throw invalid_input("--held-tag",
-                        fmt::format("must be ID or family/ID, ID from 0 to {} (is '{}')", kMaxId, text));
-  if (slash != std::string::npos) return {text.substr(0, slash), static_cast<int>(*id)};
+  const TagKey written = written_held_tag(a.held_tag);
+  if (!written.family.empty()) return written;
   std::set<std::string> families;
   for (const FrameDetections& frame : sightings.frames) {
     for (const Detection& detection : frame.detections) {
-      if (detection.tag.id == *id) families.insert(detection.tag.family);
+      if (detection.tag.id == written.id) families.insert(detection.tag.family);
     }
   }
   if (families.size() > 1)
     throw invalid_input("--held-tag", fmt::format("id {} was seen of several families ({}); say family/ID",
-                                                  *id, fmt::join(families, ", ")));
-  return {families.empty() ? a.detector.families.front() : *families.begin(), static_cast<int>(*id)};
+                                                  written.id, fmt::join(families, ", ")));
+  return {families.empty() ? a.detector.families.front() : *families.begin(), written.id};
 }
 
 }  // namespace apriltrack::app

@@ -89,6 +89,17 @@ TEST_F(OptionValues, AHeldTagBeyondAllIdsIsNotTakenForAnother) {
   EXPECT_THAT(calibrate({"--held-tag", "2147483647"}), EndsWith(1, "no tags were seen"));
 }
 
+TEST_F(OptionValues, AHeldTagThatIsNoneIsToldBeforeAnythingIsSeen) {
+  EXPECT_THAT(
+      calibrate({"--held-tag", "aruco/3"}),
+      EndsWith(2, "--held-tag: 'aruco/3' is no tag: unknown tag family 'aruco' (known: tag16h5, tag25h9, "));
+  EXPECT_THAT(calibrate({"--held-tag", "/3"}),
+              EndsWith(2, "--held-tag: '/3' is no tag: unknown tag family ''"));
+  EXPECT_THAT(calibrate({"--origin", "tag36h11/587"}),
+              EndsWith(2, "--held-tag: 'tag36h11/587' is no tag: tag36h11 has ids 0 to 586 (is 587)"));
+  EXPECT_THAT(calibrate({"--held-tag", "tag36h11/586"}), EndsWith(1, "no tags were seen"));
+}
+
 TEST_F(OptionValues, TheLargestSeedIsTaken) {
   EXPECT_EQ(run_program({"simulate", "--scene", "single", "--frames", "1", "--seed", "18446744073709551615",
                          "--output", path("s")})
