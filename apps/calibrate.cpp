@@ -1,14 +1,20 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/calib/calibrate_map.h"
 #include "apriltrack/calib/refine_map.h"
 #include "apriltrack/camera/auto_response.h"
+#include "apriltrack/io/yaml_reader.h"
 #include "blank_images.h"
 #include "calibrate_camera.h"
 #include "calibrate_input.h"
@@ -53,6 +59,36 @@ TagSizes tag_sizes(const CalibrateOptions& a) {
 Sightings gather(const CalibrateOptions& a, const CameraRig& rig, const std::vector<Recording>& recordings) {
   if (!a.detections.empty()) return read_sightings(a.detections, rig, a.camera_name);
   return detect_in(recordings, rig, a.detector, a.source, a.num_threads, !a.no_refine, a.console);
+}
+
+/// An id mistyped in the file leaves the tag that was meant with another size, and nothing else tells of it.
+void warn_of_unseen_sizes(const CalibrateOptions& a, const Sightings& sightings) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(a.tag_sizes, ignored)) return;  // a pipe cannot be read again
+  if (sightings.counts.is_interrupted) return;
+  std::set<std::string> seen;  // by both names that the file may have for a tag
+  for (const FrameDetections& frame : sightings.frames) {
+    for (const Detection& detection : frame.detections)
+      seen.insert({std::to_string(detection.tag.id), to_string(detection.tag)});
+  }
+  const auto named = YamlNode::read_file(a.tag_sizes).find("sizes");
+  if (seen.empty() || !named) return;
+  constexpr std::size_t kMostNamed = 10;
+  std::vector<std::string> unseen;
+  std::size_t others = 0;
+  for (const auto& [name, size] : named->entries()) {
+    if (seen.contains(name)) continue;
+    if (unseen.size() < kMostNamed) {
+      unseen.push_back(fmt::format("{} ({})", name, size.where()));
+    } else {
+      ++others;
+    }
+  }
+  if (unseen.empty()) return;
+  a.console.warning(fmt::format(
+      "--tag-sizes names tags that were never seen, whose sizes change nothing: {}{}; is an id or "
+      "family mistyped?",
+      fmt::join(unseen, ", "), others > 0 ? fmt::format(" and {} more", others) : ""));
 }
 
 /// Of the cameras that may take part.
@@ -114,6 +150,7 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
       std::ranges::all_of(sightings.frames, [](const auto& one) { return one.detections.empty(); }))
     throw no_result("calibrate", told_of_blank_images(sightings.counts.readable));
 
+  warn_of_unseen_sizes(a, sightings);
   complete_resolutions(a, camera, recordings, rig);  // not before: images are held against the file's own
   check_responses(a, rig, sizes, sightings, responses);
   a.calibration.num_threads = a.num_threads;

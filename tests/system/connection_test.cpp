@@ -182,6 +182,24 @@ TEST_F(Connection, ARollingShutterIsWarnedOfWithItsCost) {
   EXPECT_EQ(run.err.find("rolling shutter"), run.err.rfind("rolling shutter")) << "told more than once";
 }
 
+TEST_F(Connection, SizesOfTagsThatWereNeverSeenAreToldWithTheirLines) {
+  film({{0, 1, 2}});
+  const auto run_with_sizes = [&](const std::string& sizes) {
+    write_text(path("sizes.yaml"), "default: 0.16\nsizes:\n" + sizes);
+    return run_program(words({"--tag-sizes", path("sizes.yaml")}));
+  };
+  EXPECT_THAT(
+      run_with_sizes("  0: 0.16\n  7: 0.1\n  tag36h11/1: 0.16\n  tag25h9/1: 0.2\n"),
+      EndsWith(0, "warning: --tag-sizes names tags that were never seen, whose sizes change nothing: 7 (" +
+                      path("sizes.yaml") + ":4), tag25h9/1 (" + path("sizes.yaml") + ":6); is an id"));
+  const ProgramRun all_seen = run_with_sizes("  0: 0.16\n  tag36h11/1: 0.16\n");
+  EXPECT_EQ(all_seen.status, 0) << all_seen.err;
+  EXPECT_EQ(all_seen.err.find("never seen"), std::string::npos) << all_seen.err;
+  std::string many;
+  for (int id = 100; id < 112; ++id) many += "  " + std::to_string(id) + ": 0.1\n";
+  EXPECT_THAT(run_with_sizes(many), EndsWith(0, "sizes.yaml:12) and 2 more; is an id"));
+}
+
 TEST_F(Connection, TheHeldTagChoosesThePart) {
   film({{10, 11}, {0, 1, 2}});
   const ProgramRun run = run_program(words({"--held-tag", "11"}));
