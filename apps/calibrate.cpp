@@ -14,6 +14,7 @@
 #include "apriltrack/calib/calibrate_map.h"
 #include "apriltrack/calib/refine_map.h"
 #include "apriltrack/camera/auto_response.h"
+#include "apriltrack/detect/picture_size.h"
 #include "apriltrack/io/yaml_reader.h"
 #include "blank_images.h"
 #include "calibrate_camera.h"
@@ -109,7 +110,12 @@ CalibrationResult solve(CalibrateOptions& a, const Sightings& sightings, const C
                         const TagSizes& sizes) {
   if (!sightings.counts.is_interrupted) a.calibration.should_stop = a.refinement.should_stop = is_interrupted;
   try {
-    return calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
+    CalibrationResult result = calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
+    if (sightings.are_corner_places_told) {
+      for (const std::string& warning : check_picture_sizes(sightings.frames, rig))
+        std::erase(result.warnings, warning);
+    }
+    return result;
   } catch (const Stopped&) {
     throw no_result("calibrate", "interrupted while the map was solved: no map was written");
   }

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -103,7 +105,9 @@ Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig&
       std::erase_if(frames, [&](const FrameDetections& frame) { return frame.camera != camera_name; });
     const std::vector<std::string> cameras = camera_names(frames);
     check_cameras_and_tags(path, rig, frames);
-    check_corner_places(path, rig, frames);  // calibrate_map warns; here errors have their line
+    std::vector<std::string> odd_corners = check_corner_places(path, rig, frames);
+    all.are_corner_places_told = all.are_corner_places_told || !odd_corners.empty();
+    std::ranges::move(odd_corners, std::back_inserter(all.warnings));
     takes.add(path, {cameras.begin(), cameras.end()}, std::move(frames));
   }
   bring_to_one_clock(takes, all);

@@ -27,7 +27,10 @@ struct Recording {
 struct Sightings {
   std::vector<FrameDetections> frames;  ///< In the order of time, by one clock (see Takes).
   FrameCounts counts;
-  std::vector<std::string> warnings;  ///< What to know of their times.
+  std::vector<std::string> warnings;  ///< What to know of their times and, of detection files, corners.
+  /// Corners outside the cameras' pictures are among these, with file and line: calibrate_map, which warns
+  /// of them too, knows neither.
+  bool are_corner_places_told = false;
 };
 
 /// `cam1=PATH` names the camera. A path in which an = merely occurs has none: something of that very name is

@@ -182,6 +182,22 @@ TEST_F(Connection, ARollingShutterIsWarnedOfWithItsCost) {
   EXPECT_EQ(run.err.find("rolling shutter"), run.err.rfind("rolling shutter")) << "told more than once";
 }
 
+TEST_F(Connection, CornersOutsideThePictureAreWarnedOfOnceWithTheirLine) {
+  film({{0, 1, 2}});
+  std::string csv = read_text(path("d.csv"));
+  csv += "2000000000,cam0,tag36h11,0,900.5,640,930,640,930,610,900,610\n";  // of one frame in eleven
+  write_text(path("d.csv"), csv);
+  const ProgramRun run = run_program(words({}));
+  EXPECT_THAT(run,
+              EndsWith(0,
+                       "warning: 1 of 11 frames of camera 'cam0' have corners far outside its pictures, as "
+                       "misread tags and pictures of another size have: " +
+                           path("d.csv") +
+                           ":32: corner 0 of tag36h11/0 lies at (900.5, 640.0), and camera 'cam0' is "
+                           "calibrated for 640 x 480 pixels"));
+  EXPECT_EQ(run.err.find("far outside"), run.err.rfind("far outside")) << run.err;
+}
+
 TEST_F(Connection, SizesOfTagsThatWereNeverSeenAreToldWithTheirLines) {
   film({{0, 1, 2}});
   const auto run_with_sizes = [&](const std::string& sizes) {
