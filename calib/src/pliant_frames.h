@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "tag_probe.h"
+#include "tag_fit.h"
 
 namespace apriltrack {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "tag_probe.h"
+#include "tag_fit.h"
 
 namespace apriltrack {
 

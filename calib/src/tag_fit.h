@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tag_probe.h"
+
+namespace apriltrack {
+
+/// What each further unknown must gain, of half the sum of squares, to be preferred.
+inline constexpr double kFeeOfUnknown = 2.0;
+
+/// A tag as it might be: not quite as large as stated, not quite square, not quite flat.
+struct TagShape {
+  double size_m = 0.0;
+  double log_scale = 0.0;  ///< Of both sides.
+  double aspect = 0.0;     ///< Width over height is 1 + aspect.
+  double twist = 0.0;      ///< Corners lie by this share of the size before and behind the plane, by turns.
+
+  std::array<Eigen::Vector3d, 4> corners() const;
+};
+
+enum class ShapeFreedom {
+  kNone,
+  kSize,
+  kWidth,  ///< Of one side alone: a print that curls about the other is shorter along it.
+  kHeight,
+  kBend  ///< Size, aspect and twist: a curled print is shorter along one side.
+};
+
+struct TagFit {
+  Pose T_map_tag;
+  TagShape shape;
+  double cost = 0.0;                                                ///< Half the robust sum of squares.
+  Matrix6d covariance = Matrix6d::Zero();                           ///< Of the pose.
+  double scale_sigma = 0.0, aspect_sigma = 0.0, twist_sigma = 0.0;  ///< Where they were free.
+  bool is_aspect_clear = false, is_twist_clear = false;             ///< Beyond doubt.
+  bool is_clear_together = false;  ///< It is the three that leave no doubt, not the one that is clear.
+};
+
+/// Robustly; from `start`.
+TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom freedom);
+/// From the best of the poses that the largest views propose. size_m: as stated.
+TagFit fit_tag_anew(const std::vector<ProbeView>& views, double size_m);
+/// The whitened residual's derivatives by a tag's scale, aspect and twist, where it is as stated; zero where
+/// the tag cannot be projected.
+Eigen::Matrix<double, 8, 3> residual_by_shape(const ProbeView& probe, const Pose& T_map_tag, double size_m);
+/// Of one view.
+double probe_cost(const ProbeView& view, const Pose& T_map_tag, const TagShape& shape);
+/// What a view costs that errs as expected.
+double usual_probe_cost();
+
+}  // namespace apriltrack
