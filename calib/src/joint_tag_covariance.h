@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "apriltrack/calib/joint_covariance.h"
-#include "constrained_map.h"
+#include "joint_change.h"
 #include "tag_covariance.h"
 
 namespace apriltrack {
