@@ -20,7 +20,7 @@ namespace apriltrack {
 namespace {
 
 constexpr double kOtherFocalLengths[] = {-0.07, -0.035, 0.035, 0.07};  // shares
-constexpr double kMost = 0.9;                                          // of the views
+constexpr double kMostOfViews = 0.9;                                   // of the views
 constexpr double kClearlyMore = 0.03;                                  // of them
 
 /// Of the views, but for those of culprits.
@@ -53,7 +53,7 @@ std::optional<AdjustedPart> adjust_with_other_focal_length(const PartTask& task,
     try {
       AdjustedPart solved = adjust_part({other, candidates, task.options}, part, held_tag, parallel);
       const double of_this = kept_share(task.observations, part, solved);
-      if (of_this < share + kClearlyMore || of_this < kMost || noise_of(solved) > noise) continue;
+      if (of_this < share + kClearlyMore || of_this < kMostOfViews || noise_of(solved) > noise) continue;
       share = of_this;
       best = std::move(solved);
     } catch (const Error&) {  // nor does this one fit
@@ -89,7 +89,8 @@ AdjustedPart adjust_without_contradictions(const PartTask& task, const Part& par
   } catch (const Error& error) {  // one tag may be the cause, or the camera file
     failure = error;
   }
-  if (solved && !solved->contradictions.are_there() && kept_share(task.observations, part, solved) > kMost)
+  if (solved && !solved->contradictions.are_there() &&
+      kept_share(task.observations, part, solved) > kMostOfViews)
     return std::move(*solved);
   const Contradictions contradictions = solved ? solved->contradictions : Contradictions{};
   std::optional<AdjustedPart> without;
@@ -99,7 +100,7 @@ AdjustedPart adjust_without_contradictions(const PartTask& task, const Part& par
     require_held_tag_that_fits(task, part, contradictions, held_tag, parallel, log);
   const double share =
       std::max(kept_share(task.observations, part, solved), kept_share(task.observations, part, without));
-  if (task.options.intrinsics != Intrinsics::kKeep && share < kMost) {
+  if (task.options.intrinsics != Intrinsics::kKeep && share < kMostOfViews) {
     if (auto other = adjust_with_other_focal_length(task, part, held_tag, share, noise_of(solved), parallel))
       return std::move(*other);
   }

@@ -9,23 +9,24 @@
 namespace apriltrack {
 namespace {
 
-constexpr Eigen::Index kBlocks = 8;           // long ones: what lasts a minute is seen
-constexpr std::size_t kLeastFrames = 40;      // fewer say nothing of blocks
-constexpr std::size_t kMostBlocksUnseen = 3;  // a tag that few blocks show follows each of them
-constexpr std::size_t kMostTags = 60;         // are asked how they scatter
+constexpr Eigen::Index kScatterBlocks = 8;        // long ones: what lasts a minute is seen
+constexpr std::size_t kLeastFramesInBlocks = 40;  // fewer say nothing of blocks
+constexpr std::size_t kMostBlocksUnseen = 3;      // a tag that few blocks show follows each of them
+constexpr std::size_t kMostScatteringTags = 60;   // are asked how they scatter
 // The factor 1 counts as this many numbers beside those of the blocks.
-constexpr double kPriorStrength = 4.0;
+constexpr double kScatterPriorStrength = 4.0;
 // The residuals of a block hide what the solution follows of its pull: a parameter by its own mean, which
 // centred scores know; a tag by its pose as well.
-constexpr double kSeen = static_cast<double>(kBlocks - 1) / static_cast<double>(kBlocks);
+constexpr double kSeen = static_cast<double>(kScatterBlocks - 1) / static_cast<double>(kScatterBlocks);
 
 std::map<int, Eigen::Index> blocks_of_frames(const std::vector<LinearView>& views) {
   std::set<int> frames;
   for (const LinearView& view : views) frames.insert(view.frame);
   std::map<int, Eigen::Index> blocks;
-  if (frames.size() < kLeastFrames) return blocks;
+  if (frames.size() < kLeastFramesInBlocks) return blocks;
   Eigen::Index rank = 0;
-  for (const int frame : frames) blocks[frame] = rank++ * kBlocks / static_cast<Eigen::Index>(frames.size());
+  for (const int frame : frames)
+    blocks[frame] = rank++ * kScatterBlocks / static_cast<Eigen::Index>(frames.size());
   return blocks;
 }
 
@@ -69,8 +70,8 @@ Eigen::MatrixXd about_mean(Eigen::MatrixXd columns) {
 /// scatter by, summed over blocks, and over `numbers`.
 double factor(double squares, double numbers, double seen) {
   const double per_number = squares / (numbers * kSeen);  // about their mean over blocks
-  const double count = numbers * static_cast<double>(kBlocks - 1);
-  return std::max(1.0, (kPriorStrength + count * per_number / seen) / (kPriorStrength + count));
+  const double count = numbers * static_cast<double>(kScatterBlocks - 1);
+  return std::max(1.0, (kScatterPriorStrength + count * per_number / seen) / (kScatterPriorStrength + count));
 }
 
 }  // namespace
@@ -85,7 +86,7 @@ BlockScatter::BlockScatter(const std::vector<LinearView>& views, const PoseInfor
 }
 
 Eigen::MatrixXd BlockScatter::scores(const PoseInformation& poses) const {
-  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(poses.size(), kBlocks);
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(poses.size(), kScatterBlocks);
   for (std::size_t v = 0; v < views_.size(); ++v) {
     if (const auto offset = poses.offset_of(views_[v].tag))
       scores.col(block_of_view_[v]).segment<6>(*offset) += views_[v].by_tag.transpose() * residuals_[v];
@@ -114,7 +115,8 @@ BlockScatter::SeenTags BlockScatter::seen_tags() const {
       std::ranges::max_element(views_of_tag, {}, [](const auto& tag) { return tag.second; })->first;
   for (const auto& [tag, blocks] : blocks_of_tag) {
     seen.all.push_back(tag);
-    if (tag != seen.most_seen && blocks.size() + kMostBlocksUnseen >= static_cast<std::size_t>(kBlocks))
+    if (tag != seen.most_seen &&
+        blocks.size() + kMostBlocksUnseen >= static_cast<std::size_t>(kScatterBlocks))
       seen.lasting.push_back(tag);
   }
   return seen;
@@ -123,7 +125,7 @@ BlockScatter::SeenTags BlockScatter::seen_tags() const {
 double BlockScatter::tags_factor_about(const PoseInformation& poses, const SeenTags& seen,
                                        double noise_variance) const {
   const Eigen::MatrixXd pulled = about_mean(poses.solve(scores(poses)));
-  const std::size_t step = (seen.lasting.size() + kMostTags - 1) / kMostTags;
+  const std::size_t step = (seen.lasting.size() + kMostScatteringTags - 1) / kMostScatteringTags;
   double squares = 0.0, numbers = 0.0;
   for (std::size_t i = 0; i < seen.lasting.size(); i += step) {
     const Eigen::Index offset = *poses.offset_of(seen.lasting[i]);

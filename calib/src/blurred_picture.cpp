@@ -8,7 +8,7 @@ namespace apriltrack {
 namespace {
 
 /// Beyond so many sigmas a Gaussian weighs less than 1e-6.
-constexpr double kReach = 5.0;
+constexpr double kBlurReach = 5.0;
 /// Under a blur that reaches farther, cells cannot be told apart: what is cut off then hardly matters.
 constexpr int kMaxCells = 16;
 
@@ -57,8 +57,8 @@ CellShares cell_shares(const PrintedAxis& axis, double place) {
 
 PrintedAxis printed_axis(const TagPattern& pattern, double sigma) {
   const double cell = pattern.cell_size();
-  return {&NormalTable::get(), -pattern.half_extent(), cell, pattern.cells().width(), 1.0 / cell,
-          1.0 / sigma,         kReach * sigma / cell};
+  return {&NormalTable::get(), -pattern.half_extent(),   cell, pattern.cells().width(), 1.0 / cell,
+          1.0 / sigma,         kBlurReach * sigma / cell};
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kManyRejected = 0.1;
+constexpr double kManyRejectedOfTag = 0.1;
 
 /// Into observations.frames, each once.
 std::vector<int> frames_of(const Observations& observations, const std::vector<std::size_t>& views) {
@@ -91,7 +91,7 @@ TagMap to_map(const Observations& observations, const PartSolution& solution, co
     tag.statistics = TagStatistics{views[t], solution.residual_rms_px[i], {}};
     const std::optional<Matrix6d> by_noise = covariance ? std::optional(covariance->by_noise) : std::nullopt;
     flag_weak(is_weak(tag, views[t], by_noise, constrained), *tag.statistics);
-    if (1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t] > kManyRejected)
+    if (1.0 - static_cast<double>(views[t]) / solution.views_offered_by_tag[t] > kManyRejectedOfTag)
       tag.statistics->flags.emplace_back("outliers");
     if (std::ranges::find(solution.findings, static_cast<int>(t), &TagFinding::tag) !=
         solution.findings.end())  // others with a fault are not in the map

@@ -11,7 +11,7 @@ namespace apriltrack {
 namespace {
 
 constexpr int kMostIterations = 60;
-constexpr double kStill = 1e-11;       // m or rad
+constexpr double kStillPose = 1e-11;   // m or rad
 constexpr double kStillEnough = 1e-8;  // at the last iteration
 constexpr double kMostTurn_rad = 0.5;  // of a step
 constexpr double kRankTolerance = 1e-10;
@@ -217,7 +217,7 @@ ConstrainedFit fit_constraints(std::span<const BoundConstraint> constraints, con
     system.linearise_at(moved);
     system.solve(false);
     step = system.advance(moved);
-    if (step < kStill) break;
+    if (step < kStillPose) break;
   }
   system.linearise_at(moved);
   system.solve(true);

@@ -12,10 +12,10 @@ namespace {
 
 // The expected sigma counts as this many residuals beside those of the fit, as in the localizer: many views
 // speak for themselves, while a few, whose residuals may all be small by chance, claim no more than is known.
-constexpr double kPriorStrength = 3.0;
-constexpr double kBiasPriorStrength = 16.0;  // numbers: two tags' worth
-constexpr std::size_t kMostTags = 60;        // are asked what they keep
-constexpr std::size_t kLeastViews = 5;
+constexpr double kNoisePriorStrength = 3.0;
+constexpr double kBiasPriorStrength = 16.0;        // numbers: two tags' worth
+constexpr std::size_t kMostTagsOfKeptErrors = 60;  // are asked what they keep
+constexpr std::size_t kLeastViewsOfKeptError = 5;
 
 /// Residuals beyond what the unknowns (each frame's pose, and the tags' but one) can make vanish.
 double degrees_of_freedom(const std::vector<LinearView>& views) {
@@ -33,7 +33,7 @@ double residual_variance(const std::vector<LinearView>& views) {
   double squares = 0.0;
   for (const LinearView& view : views) squares += view.residual.squaredNorm();
   const double freedom = std::max(0.0, degrees_of_freedom(views));
-  return std::max(kMinScale * kMinScale, (kPriorStrength + squares) / (kPriorStrength + freedom));
+  return std::max(kMinScale * kMinScale, (kNoisePriorStrength + squares) / (kNoisePriorStrength + freedom));
 }
 
 /// Views of one tag, in the order of time.
@@ -60,11 +60,12 @@ Eigen::MatrixXd mean_by_errors(const std::vector<const LinearView*>& views, cons
 double bias_variance(const std::vector<LinearView>& views, const PoseInformation& poses,
                      double noise_variance, double expected) {
   const auto tags = by_tag(views);
-  const std::size_t step = std::max<std::size_t>(1, (tags.size() + kMostTags - 1) / kMostTags);
+  const std::size_t step =
+      std::max<std::size_t>(1, (tags.size() + kMostTagsOfKeptErrors - 1) / kMostTagsOfKeptErrors);
   double squares = kBiasPriorStrength * expected, count = kBiasPriorStrength;
   std::size_t rank = 0;
   for (const auto& [tag, of_tag] : tags) {
-    if (rank++ % step != 0 || of_tag.size() < kLeastViews) continue;
+    if (rank++ % step != 0 || of_tag.size() < kLeastViewsOfKeptError) continue;
     LinearView::Residual mean = LinearView::Residual::Zero(of_tag.front()->residual.size());
     for (const LinearView* view : of_tag) mean += view->residual;
     mean /= static_cast<double>(of_tag.size());

@@ -12,12 +12,12 @@
 namespace apriltrack {
 namespace {
 
-constexpr CauchyLoss kViewLoss{8.0};   // of a view's whitened norm; a good one's is sqrt(8)
-constexpr double kFarOff = 8.0 * 9.0;  // squares: three sigmas in the mean
-constexpr double kUnseen = 400.0;      // cost of a view that cannot be projected
+constexpr CauchyLoss kViewLoss{8.0};             // of a view's whitened norm; a good one's is sqrt(8)
+constexpr double kFarSquaresOfView = 8.0 * 9.0;  // squares: three sigmas in the mean
+constexpr double kUnseen = 400.0;                // cost of a view that cannot be projected
 constexpr int kMaxSettleSteps = 6;
 constexpr double kSettledCost = 1e-3;  // whether a minimum is another one is told by more
-constexpr std::size_t kMaxTrials = 3;
+constexpr std::size_t kMaxTriedPoses = 3;
 
 }  // namespace
 
@@ -37,7 +37,7 @@ double FrameViews::cost() const {
 }
 
 bool FrameViews::has_far_view() const {
-  return std::ranges::any_of(views_, [&](std::size_t v) { return squares_of(v) > kFarOff; });
+  return std::ranges::any_of(views_, [&](std::size_t v) { return squares_of(v) > kFarSquaresOfView; });
 }
 
 // A step may lead uphill where views are far from linear.
@@ -93,7 +93,7 @@ std::vector<Pose> FrameViews::best_proposals() {
     }
   }
   std::ranges::stable_sort(all, {}, &std::pair<double, Pose>::first);
-  all.resize(std::min(all.size(), kMaxTrials));
+  all.resize(std::min(all.size(), kMaxTriedPoses));
   std::vector<Pose> best;
   for (const auto& [of_this, pose] : all) best.push_back(pose);
   return best;

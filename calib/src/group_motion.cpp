@@ -16,7 +16,7 @@ namespace {
 
 constexpr CauchyLoss kMotionLoss{8.0};  // of a view's whitened norm; a good one's is sqrt(8)
 constexpr double kFailedProjection = 1e4;
-constexpr int kMaxSteps = 40, kFirstSteps = 4;
+constexpr int kMaxGroupSteps = 40, kFirstSteps = 4;
 constexpr double kLeastDecrease = 1e-6;
 constexpr double kPatience = 12.0;  // steps like the last one
 constexpr double kMostDamping = 1e8;
@@ -110,7 +110,7 @@ class GroupFit {
   void descend(Motion& best, const EnoughOfMotion& enough) const {
     best.cost = cost(best);
     double damping = 1e-4;
-    for (int step = 0; step < kMaxSteps && damping < kMostDamping; ++step) {
+    for (int step = 0; step < kMaxGroupSteps && damping < kMostDamping; ++step) {
       const Equations equations = linearise(best);
       std::optional<Motion> next;
       for (; damping < kMostDamping && !next; damping *= next ? 1.0 : 10.0) {

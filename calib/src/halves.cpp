@@ -17,9 +17,9 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::size_t kBlocks = 20;
+constexpr std::size_t kBlocksOfHalves = 20;
 constexpr std::size_t kLeastOfBlock = 5;  // moments: neighbours repeat their errors
-constexpr std::size_t kLeastMoments = 20;
+constexpr std::size_t kLeastMomentsToHalve = 20;
 
 struct Half {
   Part part;
@@ -42,7 +42,8 @@ std::vector<int> moments_of(const Observations& observations, const std::vector<
 std::array<std::vector<std::size_t>, 2> split_by_blocks(const Observations& observations,
                                                         const std::vector<std::size_t>& views) {
   const std::vector<int> moments = moments_of(observations, views);
-  const std::size_t length = std::max(kLeastOfBlock, (moments.size() + kBlocks - 1) / kBlocks);
+  const std::size_t length =
+      std::max(kLeastOfBlock, (moments.size() + kBlocksOfHalves - 1) / kBlocksOfHalves);
   std::map<int, std::size_t> half_of;
   for (std::size_t i = 0; i < moments.size(); ++i) half_of[moments[i]] = i / length % 2;
   std::array<std::vector<std::size_t>, 2> halves;
@@ -168,9 +169,9 @@ CrossValidation cross_validate(const Observations& observations, const PartSolut
     return result;
   }
   const std::size_t num_moments = moments_of(observations, solution.part.views).size();
-  if (num_moments < kLeastMoments) {
-    result.why_not =
-        fmt::format("{} moments are too few to be cut in two ({} are needed)", num_moments, kLeastMoments);
+  if (num_moments < kLeastMomentsToHalve) {
+    result.why_not = fmt::format("{} moments are too few to be cut in two ({} are needed)", num_moments,
+                                 kLeastMomentsToHalve);
     return result;
   }
   const auto views = split_by_blocks(observations, solution.part.views);

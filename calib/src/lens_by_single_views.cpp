@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kMostViewsForLens = 2000;
 constexpr double kPlace_px = 24.0;  // a tag that is seen there again says the same once more
 constexpr int kMostLensSteps = 30;
-constexpr double kStill = 0.01;             // of what a number is known by
+constexpr double kStillLens = 0.01;         // of what a number is known by
 constexpr std::size_t kViewsPerNumber = 5;  // of a lens, at least
 constexpr double kClearly = 10.0;     // chi squared that a number of the lens explains; chance makes it one
 constexpr double kOtherSize = 0.2;    // logarithm of a picture's scale
@@ -69,7 +69,7 @@ Lens descended(LensFit& fit, Lens lens) {
   for (int i = 0; i < kMostLensSteps; ++i) {
     const double noise = fit.noise(lens);
     const Eigen::VectorXd step = fit.step(lens, noise).by;
-    if (!fit.move(step, noise, lens) || step.cwiseAbs().maxCoeff() < kStill) break;
+    if (!fit.move(step, noise, lens) || step.cwiseAbs().maxCoeff() < kStillLens) break;
   }
   return lens;
 }

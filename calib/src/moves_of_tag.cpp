@@ -9,7 +9,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::size_t kLeastViews = 3;  // at the first place, and at the last
+constexpr std::size_t kLeastViewsOfPlace = 3;  // at the first place, and at the last
 constexpr std::size_t kMostMoments = 24;
 constexpr double kLeastInformed = 1e-4;  // of what the tag's own views say; less is what rounding leaves
 
@@ -64,10 +64,10 @@ Move MovesOfTag::all() const {
 }
 
 void MovesOfTag::choose_moments() {
-  if (views_.size() < 2 * kLeastViews) return;
-  const std::size_t choices = views_.size() - 2 * kLeastViews + 1;
+  if (views_.size() < 2 * kLeastViewsOfPlace) return;
+  const std::size_t choices = views_.size() - 2 * kLeastViewsOfPlace + 1;
   const std::size_t tried = std::min(choices, kMostMoments);
-  for (std::size_t i = 0; i < tried; ++i) moments_.push_back(kLeastViews + i * choices / tried);
+  for (std::size_t i = 0; i < tried; ++i) moments_.push_back(kLeastViewsOfPlace + i * choices / tried);
 }
 
 std::vector<ParameterView> MovesOfTag::columns() const {

@@ -13,7 +13,7 @@ namespace apriltrack {
 namespace {
 
 /// Squared standard deviations per unknown, of noise alone: nobody sees a smaller step.
-constexpr double kSettled = 0.02;
+constexpr double kSettledWorth = 0.02;
 /// What a slow adjustment may leave, as all of its steps together are soon less than a standard deviation.
 constexpr double kNearlySettled = 0.5;
 /// Steps before views that disagree with all others are dropped.
@@ -191,7 +191,7 @@ std::optional<double> PhotometricAdjustment::settle(const PhotometricFreedom& fr
   for (int done = 1; done <= max_steps; ++done) {
     if (!step(freedom, pixels, &worth)) return std::nullopt;
     if (is_first && done == kStepsBeforeOutliers) drop_outliers(look(false, pixels));
-    if (worth < kSettled && !(is_first && done <= 2 * kStepsBeforeOutliers)) break;
+    if (worth < kSettledWorth && !(is_first && done <= 2 * kStepsBeforeOutliers)) break;
   }
   return worth;
 }

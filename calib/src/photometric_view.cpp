@@ -18,7 +18,7 @@ constexpr std::size_t kLeastPixels = 150;
 /// long.
 constexpr double kMostPixels = 8000.0;
 /// Of a residual, in robust standard deviations: hands and glare are not the tag.
-constexpr double kReach = 4.0;
+constexpr double kResidualReach = 4.0;
 constexpr int kRoundsOfWeights = 4;
 constexpr double kLeastScaleOfContrast = 0.01;
 /// Less is a tag half hidden, or another.
@@ -126,7 +126,7 @@ class PixelFit {
       gains_ = A.ldlt().solve(weighted.transpose() * seen_);
       residuals_ = seen_ - colours_ * gains_;
       scale_ = std::max({1.4826 * median_size(), kLeastScaleOfContrast * std::abs(gains_[0]), 1e-6});
-      weights_ = (1.0 + (residuals_ / (kReach * scale_)).array().square()).square().inverse();
+      weights_ = (1.0 + (residuals_ / (kResidualReach * scale_)).array().square()).square().inverse();
     }
   }
 

@@ -8,7 +8,7 @@ namespace apriltrack {
 namespace {
 
 // Of the usual cost of a view: it seems far off; and it is explained.
-constexpr double kFarOff = 4.0, kExplained = 2.0;
+constexpr double kFarInUsualCosts = 4.0, kExplained = 2.0;
 
 /// What the view costs beside the others of its frame, which may take any pose.
 double cost_beside_others(const PartTask& task, MapState& state, const ProbeView& probe) {
@@ -30,7 +30,7 @@ std::vector<ProbeView> without_pliant_frames(const PartTask& task, const Adjuste
   MapState state = solved.state;
   std::vector<ProbeView> witnesses = probes;
   std::erase_if(witnesses, [&](const ProbeView& probe) {
-    if (probe_cost(probe, one.T_map_tag, one.shape) < kFarOff * usual_probe_cost()) return false;
+    if (probe_cost(probe, one.T_map_tag, one.shape) < kFarInUsualCosts * usual_probe_cost()) return false;
     state.T_map_tag[static_cast<std::size_t>(probe.view->tag)] = one.T_map_tag;
     return cost_beside_others(task, state, probe) < kExplained * usual_probe_cost();
   });

@@ -19,14 +19,15 @@
 namespace apriltrack {
 namespace {
 
-constexpr int kMostSteps = 30;
-constexpr int kHeldOut = 4;  ///< Every so many moments, one.
-constexpr int kLeastMoments = 8;
+constexpr int kMostRefinementSteps = 30;
+constexpr int kMomentsPerHeldOut = 4;  ///< Every so many moments, one.
+constexpr int kLeastMomentsToRefine = 8;
 
 /// The moments that are held out, or the others.
 std::vector<bool> moments_where(int num_moments, bool is_held_out) {
   std::vector<bool> chosen(static_cast<std::size_t>(num_moments));
-  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = (i % kHeldOut == kHeldOut - 1) == is_held_out;
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    chosen[i] = (i % kMomentsPerHeldOut == kMomentsPerHeldOut - 1) == is_held_out;
   return chosen;
 }
 
@@ -50,7 +51,7 @@ class Refinement {
   std::string judge(RefinementResult& result) {
     PhotometricAdjustment others(input_.scene, input_.start, parallel_);
     others.choose_moments(moments_where(input_.num_moments, false));
-    if (!others.run({.held_tag = input_.held_tag}, kMostSteps))
+    if (!others.run({.held_tag = input_.held_tag}, kMostRefinementSteps))
       return "the refinement of three moments of four does not settle";
     trained_ = others.state();
     follow_tags(input_.start.T_map_tag, moments_where(input_.num_moments, true), trained_);
@@ -81,7 +82,7 @@ class Refinement {
   /// From all moments; why not, or empty. `result` is as it was then.
   std::string refine(const RefinementOptions& options, RefinementResult& result) {
     PhotometricAdjustment all(input_.scene, trained_, parallel_);
-    if (!all.run({.held_tag = input_.held_tag}, kMostSteps))
+    if (!all.run({.held_tag = input_.held_tag}, kMostRefinementSteps))
       return "the refinement of all pictures does not settle";
     const std::vector<LinearView> views = all.linear_views();
     if (views.empty()) return "too few pictures are explained by the refined map";
@@ -155,7 +156,8 @@ class Refinement {
   std::optional<std::vector<std::optional<double>>> disagreements2_of_held_out(PhotometricState state) const {
     PhotometricAdjustment held_out(input_.scene, std::move(state), parallel_);
     held_out.choose_moments(moments_where(input_.num_moments, true));
-    if (!held_out.run({.held_tag = std::nullopt, .is_light_free = false}, kMostSteps)) return std::nullopt;
+    if (!held_out.run({.held_tag = std::nullopt, .is_light_free = false}, kMostRefinementSteps))
+      return std::nullopt;
     return held_out.disagreements2();
   }
 
@@ -178,9 +180,9 @@ std::string refine_on_pictures(const CalibrationResult& calibration, std::span<c
                                RefinementResult& result) {
   const ParallelFor parallel = stoppable(parallel_for(options.num_threads), options.should_stop);
   const RefinementInput input = refinement_input(calibration, frames, rig, options.max_moments, parallel);
-  if (input.num_moments < kLeastMoments)
+  if (input.num_moments < kLeastMomentsToRefine)
     return fmt::format("too few pictures: {} moments show two tags or more, {} are needed", input.num_moments,
-                       kLeastMoments);
+                       kLeastMomentsToRefine);
   const std::vector<TagKey> tags = tags_with_views(calibration.map, input);
   log(LogLevel::kInfo, fmt::format("refining {} tags on {} pictures", tags.size(), input.scene.views.size()));
   if (std::string why = why_constrained_tag_is_needed(tags, calibration.constraints); !why.empty())
@@ -193,8 +195,9 @@ std::string refine_on_pictures(const CalibrationResult& calibration, std::span<c
 }  // namespace
 
 void RefinementOptions::check() const {
-  if (max_moments < kLeastMoments)
-    throw invalid_input("max_moments", fmt::format("must be {} or more (is {})", kLeastMoments, max_moments));
+  if (max_moments < kLeastMomentsToRefine)
+    throw invalid_input("max_moments",
+                        fmt::format("must be {} or more (is {})", kLeastMomentsToRefine, max_moments));
   if (!(picture_bias_px >= 0.0 && picture_bias_px <= 100.0))
     throw invalid_input("picture_bias_px", fmt::format("must be in [0, 100] (is {})", picture_bias_px));
   if (num_threads < 0)

@@ -9,7 +9,7 @@ namespace apriltrack {
 namespace {
 
 constexpr double kLowestExponent = 0.3, kHighestExponent = 4.5;
-constexpr int kMostRounds = 25;
+constexpr int kMostResponseRounds = 25;
 constexpr int kRoundsOfNoise = 4;  // it is measured anew in so many, and kept then
 constexpr double kMostRoundStep = 0.4;
 constexpr double kSettledStep = 2e-4;
@@ -70,7 +70,7 @@ double sigma_of(const Equations& equations, const std::vector<ResponseView>& vie
 std::optional<FittedExponent> fit_exponent(std::vector<ResponseView>& views, double first,
                                            const ParallelFor& parallel) {
   double exponent = first;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMostResponseRounds; ++round) {
     const CodeCurve curve = CodeCurve::gamma(exponent);
     const Equations equations = settle_all(views, curve, round < kRoundsOfNoise, parallel);
     double h = 0.0, g = 0.0;

@@ -13,8 +13,8 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kReach = 2.0;   ///< Of a tag's scatter at a place.
-constexpr double kMoving = 0.1;  ///< Of a tag's views at a place, where it is no outlier any more.
+constexpr double kPlaceReach = 2.0;  ///< Of a tag's scatter at a place.
+constexpr double kMoving = 0.1;      ///< Of a tag's views at a place, where it is no outlier any more.
 
 /// A tag in a camera.
 using Sight = std::pair<int, int>;
@@ -181,7 +181,7 @@ class PlaceMerge {
     std::set<Sight> moving;
     for (const auto& [sight, views] : by_sight) {
       const CornersPx& central = central_px[sight] = central_of(views, same_place_px_);
-      const double reach = reach_px[sight] = std::max(same_place_px_, kReach * scatter_px(views));
+      const double reach = reach_px[sight] = std::max(same_place_px_, kPlaceReach * scatter_px(views));
       const auto far = std::ranges::count_if(
           views, [&](const TagView* one) { return distance_px(one->corners_px, central) > reach; });
       if (static_cast<double>(far) > kMoving * static_cast<double>(views.size())) moving.insert(sight);

@@ -21,7 +21,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::size_t kMostTold = 6, kMostAsked = 60;
+constexpr std::size_t kMostSplitsTold = 6, kMostAsked = 60;
 // Of half the robust sum of squares, of a frame: by how much it must cost more where the map has the tag,
 // whatever the frame's pose.
 constexpr double kPlainlyElsewhere = 20.0;
@@ -165,7 +165,7 @@ std::vector<std::string> words_of_split_links(const PartTask& task, const Part& 
     const std::set<int>& joint = joint_at(link.tag);
     if (told.contains(link.tag) || joint.empty() || joint.contains(link.beside)) continue;
     if (!asked_of.insert(std::minmax(link.tag, link.beside)).second) continue;
-    if (words.size() == kMostTold || ++asked > kMostAsked) break;
+    if (words.size() == kMostSplitsTold || ++asked > kMostAsked) break;
     const auto place = place_by(of_links, link, state);
     if (!place) continue;
     told.insert(joint.begin(), joint.end());

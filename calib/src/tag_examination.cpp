@@ -25,7 +25,7 @@ namespace apriltrack {
 namespace {
 
 constexpr int kMostFaults = 4;
-constexpr std::size_t kMostSuspects = 6;
+constexpr std::size_t kMostSuspectsExamined = 6;
 
 struct Absence {
   TagFinding finding;  ///< Of the tag that was left out.
@@ -245,7 +245,7 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
   }
   for (int round = 0; round < kMostFaults; ++round) {
     std::vector<int> suspects = suspects_in(task, part, solved, known, parallel);
-    suspects.resize(std::min(suspects.size(), kMostSuspects));
+    suspects.resize(std::min(suspects.size(), kMostSuspectsExamined));
     std::unique_ptr<Absence> best = best_absence(task, part, solved, suspects, known, parallel);
     if (!best) break;
     if (best->finding.kind == TagFinding::Kind::kLoose)

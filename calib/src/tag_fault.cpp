@@ -15,10 +15,10 @@ using Kind = TagFinding::Kind;
 constexpr std::size_t kLeastProbes = 4;
 constexpr double kClearOfKept = 4.5;   // of the errors that a tag keeps
 constexpr double kTwistPerEdge = 2.0;  // a twist shows where the tag is seen from aside, and there by half
-constexpr double kClearGain = 20.0;    // of half the sum of squares
-constexpr double kClearShare = 0.25;   // of what is beyond the usual
-constexpr double kMostLeft = 2.5;      // of the usual
-constexpr double kNearlyAll = 0.8;     // of what is beyond the usual: a shape that explains it is no chance
+constexpr double kClearGainOfFault = 20.0;  // of half the sum of squares
+constexpr double kClearShare = 0.25;        // of what is beyond the usual
+constexpr double kMostLeft = 2.5;           // of the usual
+constexpr double kNearlyAll = 0.8;  // of what is beyond the usual: a shape that explains it is no chance
 // Misfit of one place, below which no second one is asked for.
 constexpr double kMisfitOfTwo = 1.2;
 constexpr double kMisfitOfMoved = 2.5;           // lens errors look like small moves
@@ -138,7 +138,7 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
   TagLook look{one.cost / usual, std::nullopt};
   const auto hypotheses = hypotheses_about(probes, one, look.misfit, task.options.corner_bias_px);
   const auto best = std::ranges::min_element(hypotheses, {}, &Hypothesis::cost);
-  const double least_gain = std::max(kClearGain, kClearShare * (one.cost - usual));
+  const double least_gain = std::max(kClearGainOfFault, kClearShare * (one.cost - usual));
   const auto is_explanation = [&](const Hypothesis& it) {
     const bool is_shape = it.kind == Kind::kSize || it.kind == Kind::kNotFlat;
     return one.cost - it.cost > least_gain &&

@@ -13,7 +13,7 @@ namespace apriltrack {
 namespace {
 
 // Scales of Cauchy's loss on a view's whitened norm; a good one's is sqrt(8).
-constexpr double kProbeLoss = 8.0, kCoarseLoss = 100.0;
+constexpr double kProbeLoss = 8.0, kCoarseProbeLoss = 100.0;
 constexpr double kUnseenCost = 400.0;
 constexpr int kMaxTagSteps = 30;
 constexpr std::size_t kMaxProposals = 8;
@@ -203,7 +203,7 @@ TagFit fit_tag_anew(const std::vector<ProbeView>& views, double size_m) {
   const TagFit direct = fit_tag(views, start, ShapeFreedom::kNone);
   if (direct.cost < usual_probe_cost() * static_cast<double>(views.size())) return direct;
   // Few views, some of them at an angle to the others: the pose that pleases most of them may be a trap.
-  TagFit coarse = descended(views, start, ShapeFreedom::kNone, kCoarseLoss);
+  TagFit coarse = descended(views, start, ShapeFreedom::kNone, kCoarseProbeLoss);
   const TagFit indirect = fit_tag(views, std::move(coarse), ShapeFreedom::kNone);
   return indirect.cost < direct.cost ? indirect : direct;
 }

@@ -15,8 +15,8 @@ constexpr std::size_t kLeastOfMoved = 3;  // views at each of the places
 constexpr std::size_t kLeastOfCopy = 2;   // of two wrong views, hardly any agree on a place
 constexpr double kMostOfPlace = 2.5, kLeastElsewhere = 40.0;  // of the usual cost
 // Apart: by so much, so clearly.
-constexpr double kClearSquares = 45.0;  // of six numbers: chance in a million
-constexpr double kClearMove = 0.02;     // of the tag's size; and at least
+constexpr double kClearSquares = 45.0;      // of six numbers: chance in a million
+constexpr double kClearMoveInSizes = 0.02;  // of the tag's size; and at least
 constexpr double kClearMove_m = 0.003;
 constexpr double kClearTurn_rad = 1.0 * kRadPerDeg;
 // Of the size: prints with their margins do not overlap; about an edge of two walls their centres may be
@@ -103,7 +103,7 @@ bool is_a_place(const TagFit& fit, const TagFit& other, const std::vector<ProbeV
 
 double least_shift_m(const Pose& change, double size_m) {
   const double turn_rad = rotation_angle_rad(change.rotation(), Eigen::Quaterniond::Identity());
-  return turn_rad > kClearTurn_rad ? 0.0 : std::max(kClearMove * size_m, kClearMove_m);
+  return turn_rad > kClearTurn_rad ? 0.0 : std::max(kClearMoveInSizes * size_m, kClearMove_m);
 }
 
 double least_between_tags_m(const Pose& change, double size_m) {
@@ -201,7 +201,7 @@ std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const 
 
 // A frame that rests on one tag may be mirrored with it: where others are enough, it does not count.
 bool is_loose(const std::vector<ProbeView>& all_probes, const TagFit& one) {
-  constexpr double kFarOff = 30.0, kAsUsual = 12.0;  // squares; 8 and 2 are expected
+  constexpr double kFarSquaresOfProbe = 30.0, kAsUsual = 12.0;  // squares; 8 and 2 are expected
   constexpr std::size_t kEnough = 8;
   std::vector<ProbeView> probes;
   std::ranges::copy_if(all_probes, std::back_inserter(probes), &ProbeView::is_frame_sure);
@@ -209,7 +209,7 @@ bool is_loose(const std::vector<ProbeView>& all_probes, const TagFit& one) {
   std::size_t far = 0, explained = 0;
   for (const ProbeView& probe : probes) {
     const double cost = probe_cost(probe, one.T_map_tag, one.shape);
-    if (cost < usual_probe_cost() * kFarOff / 8.0 * 0.8) continue;
+    if (cost < usual_probe_cost() * kFarSquaresOfProbe / 8.0 * 0.8) continue;
     ++far;
     const TagFit alone = fit_tag_anew({probe}, one.shape.size_m);
     if (alone.cost < usual_probe_cost() * kAsUsual / 8.0) ++explained;

@@ -14,7 +14,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kDoubtful = 0.051;  // of a second pose; the least that equation (1) gives is 0.05
+constexpr double kDoubtfulSecondPose = 0.051;  // of a second pose; the least that equation (1) gives is 0.05
 constexpr int kMaxFrameSteps = 4;
 
 /// The poses and information of frames that show `tag`, by their other kept views.
@@ -54,7 +54,8 @@ std::optional<Pose> pose_by_one(const PartTask& task, const AdjustedPart& solved
   const std::size_t largest = *std::ranges::max_element(
       views, {}, [&](std::size_t v) { return mean_edge_px(task.observations.views[v].corners_px); });
   const auto& candidates = task.candidates[largest].candidates;
-  if (candidates.empty() || (candidates.size() > 1 && candidates[1].weight > kDoubtful)) return std::nullopt;
+  if (candidates.empty() || (candidates.size() > 1 && candidates[1].weight > kDoubtfulSecondPose))
+    return std::nullopt;
   const TagView& view = task.observations.views[largest];
   return solved.state.T_map_tag[static_cast<std::size_t>(view.tag)] * candidates.front().T_rig_tag.inverse();
 }

@@ -14,7 +14,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kMostTags = 1.0 / 3.0;       // more of them, and it is the lens that is wrong
+constexpr double kMostMisshapen = 1.0 / 3.0;  // more of them, and it is the lens that is wrong
 constexpr std::size_t kMostTagsShaped = 200;  // the system is solved anew for each
 constexpr double kMedianOfNormal = 0.6745;    // of the sizes of standard normal numbers
 constexpr double kMedianOfThree = 1.538;      // of the lengths of three of them
@@ -218,7 +218,7 @@ std::optional<TagFinding> find_odd_shape(const PartTask& task, const AdjustedPar
   compare_with_others(shapes);
   const double num_tags = static_cast<double>(shapes.size());
   std::erase_if(shapes, [](const ShapeEstimate& one) { return !one.is_clear(); });
-  if (shapes.empty() || static_cast<double>(shapes.size()) > kMostTags * num_tags) return std::nullopt;
+  if (shapes.empty() || static_cast<double>(shapes.size()) > kMostMisshapen * num_tags) return std::nullopt;
   return to_finding(task, *std::ranges::max_element(shapes, {}, &ShapeEstimate::gain));
 }
 

@@ -10,7 +10,7 @@ namespace apriltrack {
 namespace {
 
 constexpr double kSuspicious = 2.5;
-constexpr double kManyRejected = 1.0 / 3.0;  // of a tag's views
+constexpr double kManyRejectedOfSuspect = 1.0 / 3.0;  // of a tag's views
 
 /// Tags of the map of which many views were rejected.
 std::set<int> tags_rejected_often(const Observations& observations, const Part& part,
@@ -19,7 +19,7 @@ std::set<int> tags_rejected_often(const Observations& observations, const Part& 
       count_views(observations, narrowed_to(observations, part, solved.part.tags));
   std::set<int> tags;
   for (const auto& [tag, kept] : count_views(observations, solved.part)) {
-    if (offered.at(tag) - kept > kManyRejected * offered.at(tag)) tags.insert(tag);
+    if (offered.at(tag) - kept > kManyRejectedOfSuspect * offered.at(tag)) tags.insert(tag);
   }
   return tags;
 }
@@ -39,9 +39,9 @@ struct Disagreement {
 }  // namespace
 
 bool does_disturb(const PartTask& task, const Part& part, const AdjustedPart& solved, int tag) {
-  constexpr double kFewRejected = 0.03, kMuchMoreRejected = 2.0, kWorse = 1.3;
+  constexpr double kFewRejectedShare = 0.03, kMuchMoreRejected = 2.0, kWorse = 1.3;
   constexpr std::size_t kEnough = 20;
-  constexpr std::size_t kLeastFrames = 3;  // a corner that is off, or covered, is soon over
+  constexpr std::size_t kLeastFramesOfRejected = 3;  // a corner that is off, or covered, is soon over
   constexpr double kExpected = 8.0;  // of a view's squares, where others are too few to tell what is usual
   if (!std::ranges::binary_search(solved.part.tags, tag)) return true;
   std::set<int> frames_of_tag;
@@ -62,8 +62,9 @@ bool does_disturb(const PartTask& task, const Part& part, const AdjustedPart& so
     one.squares += whitened_residual(task.observations, view, solved.state, is_valid).squaredNorm();
   }
   const double usual = elsewhere.kept < kEnough ? kExpected : elsewhere.mean_square();
-  const double usual_share = std::max(kFewRejected, kMuchMoreRejected * elsewhere.rejected_share());
-  return (beside.frames_of_rejected.size() >= kLeastFrames && beside.rejected_share() > usual_share) ||
+  const double usual_share = std::max(kFewRejectedShare, kMuchMoreRejected * elsewhere.rejected_share());
+  return (beside.frames_of_rejected.size() >= kLeastFramesOfRejected &&
+          beside.rejected_share() > usual_share) ||
          beside.mean_square() > kWorse * usual;
 }
 

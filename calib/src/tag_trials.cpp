@@ -16,12 +16,12 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::size_t kMostSuspects = 8;
+constexpr std::size_t kMostSuspectsTried = 8;
 constexpr double kAsMany = 0.8;        // a partner, whatever share of its views that is
 constexpr double kLeastShare = 0.08;   // of the tag's views
 constexpr double kBeyondOthers = 1.5;  // times the share that half of the tags lose
 constexpr double kShareOfMost = 0.2;   // of what the first lost
-constexpr std::size_t kLeastGivenUp = 3, kLeastViews = 4;
+constexpr std::size_t kLeastGivenUp = 3, kLeastViewsOfSuspect = 4;
 constexpr std::size_t kMostFramesTried = 120;  // of a tag; and as many others
 constexpr double kSureFrames = 0.7;            // of those that were given up
 constexpr double kNoClearLead = 100.0;         // of half the squares: less than two views that are given up
@@ -87,7 +87,7 @@ std::vector<Suspect> find_suspects(const PartTask& task, const Part& part, const
   std::set<int> told;
   std::ranges::copy_if(suspected, std::inserter(told, told.end()), is_told);
   std::erase_if(suspected, [&](int tag) { return told.contains(tag); });
-  suspected.resize(std::min(suspected.size(), kMostSuspects));
+  suspected.resize(std::min(suspected.size(), kMostSuspectsTried));
   std::vector<Suspect> suspects;
   if (suspected.empty()) return suspects;
   std::erase_if(others, [&](int tag) { return told.contains(tag); });
@@ -95,7 +95,7 @@ std::vector<Suspect> find_suspects(const PartTask& task, const Part& part, const
                                          kMostFramesTried);
   for (const int tag : suspected) {
     Suspect suspect = to_suspect(task.observations, neighbourhoods, tag);
-    if (suspect.views.size() >= kLeastViews) suspects.push_back(std::move(suspect));
+    if (suspect.views.size() >= kLeastViewsOfSuspect) suspects.push_back(std::move(suspect));
   }
   return suspects;
 }
@@ -210,7 +210,7 @@ TagFinding places_or_loose(const PartTask& task, const Part& part, const Adjuste
   const TagNeighbourhoods neighbourhoods(task.observations, narrowed_to(task.observations, part, tags),
                                          kMostFramesTried);
   const Suspect suspect = to_suspect(task.observations, neighbourhoods, loose.tag);
-  if (suspect.views.size() < kLeastViews) return loose;
+  if (suspect.views.size() < kLeastViewsOfSuspect) return loose;
   const auto trial = FaultTrials(task, suspect, solved).best();
   const bool has_places =
       trial && (trial->kind == TagFinding::Kind::kMoved || trial->kind == TagFinding::Kind::kTwoPlaces);
