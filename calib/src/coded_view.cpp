@@ -8,6 +8,7 @@
 
 #include "blurred_picture.h"
 #include "plane_ray.h"
+#include "upper_median.h"
 
 namespace apriltrack {
 namespace {
@@ -22,12 +23,6 @@ constexpr double kLeastBlur_px = 0.1, kMostBlur_px = 5.0;
 constexpr double kIsBlack = 0.1, kIsWhite = 0.9;
 constexpr std::size_t kLeastOfColour = 10;
 constexpr int kFirstColour = 7;
-
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -94,8 +89,8 @@ bool CodedView::begin(const CodeCurve& curve) {
     if (share > kIsWhite) white.push_back(light);
   }
   if (std::min(black.size(), white.size()) < kLeastOfColour) return false;
-  const double black_light = middle_of(std::move(black));
-  colours_ << middle_of(std::move(white)) - black_light, black_light, 0.0, 0.0;
+  const double black_light = upper_median(std::move(black));
+  colours_ << upper_median(std::move(white)) - black_light, black_light, 0.0, 0.0;
   return colours_[0] > 0.0;
 }
 
@@ -143,7 +138,7 @@ void CodedView::measure_noise() {
   std::vector<double> sizes(static_cast<std::size_t>(residuals_.size()));
   for (std::size_t i = 0; i < sizes.size(); ++i)
     sizes[i] = std::abs(residuals_[static_cast<Eigen::Index>(i)]);
-  noise_ = std::max(1.4826 * middle_of(std::move(sizes)), kLeastNoise);
+  noise_ = std::max(1.4826 * upper_median(std::move(sizes)), kLeastNoise);
 }
 
 double CodedView::correlation() const {

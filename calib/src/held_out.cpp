@@ -1,8 +1,10 @@
 #include "held_out.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
+
+#include "upper_median.h"
 
 namespace apriltrack {
 namespace {
@@ -25,7 +27,7 @@ std::optional<HeldOutComparison> compare_held_out(const std::vector<PhotometricV
     if (before[i] && after[i]) of_both.push_back(*after[i]);
   }
   if (of_both.empty()) return std::nullopt;
-  const double lost2 = kOutlierOfMedian2 * middle_of(of_both);
+  const double lost2 = kOutlierOfMedian2 * upper_median(std::move(of_both));
   double squares_before = 0.0, squares_after = 0.0, count = 0.0;
   std::map<int, PicturesOfTag> tags;
   for (std::size_t i = 0; i < views.size(); ++i) {

@@ -9,6 +9,7 @@
 
 #include "apriltrack/base/error.h"
 #include "cauchy_loss.h"
+#include "upper_median.h"
 
 namespace apriltrack {
 namespace {
@@ -73,9 +74,8 @@ Lens LensFit::lens_of(const RigCamera& start) {
 double LensFit::noise(const Lens& lens) const {
   std::vector<double> squares;
   for (const std::size_t v : views_) squares.push_back(squares_of(lens.state, v));
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-  std::ranges::nth_element(squares, middle);
-  return std::sqrt(std::max(1.0, *middle / (2.0 * std::log(2.0))));  // of chi squared with two degrees
+  const double median = upper_median(std::move(squares));
+  return std::sqrt(std::max(1.0, median / (2.0 * std::log(2.0))));  // of chi squared with two degrees
 }
 
 double LensFit::cost(const Lens& lens, double noise) const {

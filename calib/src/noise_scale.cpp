@@ -10,6 +10,7 @@
 
 #include "corner_views.h"
 #include "error_scale.h"
+#include "upper_median.h"
 
 namespace apriltrack {
 namespace {
@@ -52,13 +53,6 @@ double share_left_by_tags(const std::vector<LinearView>& views, double beyond_fr
   return beyond_frames > 0.0 ? std::max(0.0, 1.0 - of_tags / beyond_frames) : 0.0;
 }
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 NoiseScale measure_noise(const Observations& observations, const std::vector<std::size_t>& views,
@@ -78,7 +72,8 @@ NoiseScale measure_noise(const Observations& observations, const std::vector<std
   }
   const double left = share_left_by_tags(linear, counts[0] + counts[1]);
   const auto scale = [&](std::size_t kind, double before) {
-    const double measured = before * kSigmaPerMedian * median(magnitudes[kind]);
+    const double median = magnitudes[kind].empty() ? 0.0 : upper_median(magnitudes[kind]);
+    const double measured = before * kSigmaPerMedian * median;
     const double count = left * counts[kind];
     // What the tags take away makes the numbers smaller, too.
     const double squares = count * measured * measured / std::max(left, 0.1);

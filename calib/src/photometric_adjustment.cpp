@@ -8,6 +8,7 @@
 #include "apriltrack/tags/tag_corners.h"
 #include "reduced_equations.h"
 #include "tags_that_hang_together.h"
+#include "upper_median.h"
 
 namespace apriltrack {
 namespace {
@@ -46,12 +47,6 @@ void put_tag(int tag, const Pose& T_map_tag, PhotometricState& state) {
   for (Pose& pose : state.T_map_tag) pose = move * pose;
   for (Pose& pose : state.T_map_rig) pose = move * pose;
   state.T_map_tag[static_cast<std::size_t>(tag)] = T_map_tag;
-}
-
-double middle_of(std::vector<double> numbers) {
-  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
-  std::nth_element(numbers.begin(), middle, numbers.end());
-  return *middle;
 }
 
 /// A view that is explained, with its equations.
@@ -124,7 +119,7 @@ void PhotometricAdjustment::drop_outliers(const std::vector<SeenView>& seen) {
   if (seen.empty()) return;
   std::vector<double> disagreements;
   for (const SeenView& one : seen) disagreements.push_back(one.disagreement2());
-  const double most = kOutlierOfMedian2 * middle_of(std::move(disagreements));
+  const double most = kOutlierOfMedian2 * upper_median(std::move(disagreements));
   for (const SeenView& one : seen) {
     if (one.disagreement2() > most) takes_part_[one.view] = false;
   }

@@ -30,8 +30,6 @@ void put_tag(int tag, const Pose& T_map_tag, PhotometricState& state);
 
 /// Views that disagree by more than this times the median of all, squared, are not of the tag alone.
 inline constexpr double kOutlierOfMedian2 = 25.0;
-/// The upper one of two. Not empty.
-double middle_of(std::vector<double> numbers);
 
 /// What of the state may move. Poses of moments always do.
 struct PhotometricFreedom {

@@ -3,9 +3,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "blurred_picture.h"
 #include "plane_ray.h"
+#include "upper_median.h"
 
 namespace apriltrack {
 namespace {
@@ -131,10 +134,9 @@ class PixelFit {
   }
 
   double median_size() const {
-    Eigen::VectorXd sizes = residuals_.cwiseAbs();
-    double* middle = sizes.data() + sizes.size() / 2;
-    std::nth_element(sizes.data(), middle, sizes.data() + sizes.size());
-    return *middle;
+    std::vector<double> sizes(residuals_.begin(), residuals_.end());
+    for (double& size : sizes) size = std::abs(size);
+    return upper_median(std::move(sizes));
   }
 
   const PhotometricView& view_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apriltrack/calib/camera_places.h"
+#include "upper_median.h"
 
 namespace apriltrack {
 namespace {
@@ -73,9 +74,7 @@ CornersPx median_of(const std::vector<const TagView*>& views) {
   for (std::size_t i = 0; i < median.size(); ++i) {
     for (const int axis : {0, 1}) {
       std::ranges::transform(views, values.begin(), [&](const TagView* v) { return v->corners_px[i][axis]; });
-      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-      std::ranges::nth_element(values, middle);
-      median[i][axis] = *middle;
+      median[i][axis] = upper_median(values);
     }
   }
   return median;
@@ -96,9 +95,7 @@ double scatter_px(const std::vector<const TagView*>& views) {
   std::vector<double> steps_px;
   for (std::size_t i = 1; i < views.size(); ++i)
     steps_px.push_back(distance_px(views[i - 1]->corners_px, views[i]->corners_px));
-  const auto middle = steps_px.begin() + static_cast<std::ptrdiff_t>(steps_px.size() / 2);
-  std::ranges::nth_element(steps_px, middle);
-  return *middle / std::numbers::sqrt2;
+  return upper_median(std::move(steps_px)) / std::numbers::sqrt2;
 }
 
 /// Merges the moments of one place; `is_dropped`, of each view, gains those that are in a mean, or no use.

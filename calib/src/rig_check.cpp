@@ -13,6 +13,7 @@
 
 #include "apriltrack/base/degrees.h"
 #include "apriltrack/base/error.h"
+#include "upper_median.h"
 
 namespace apriltrack {
 namespace {
@@ -98,12 +99,6 @@ std::map<std::pair<int, int>, SeenPlaces> seen_places(const Apart& apart, const 
   return places;
 }
 
-double middle_value(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 /// How far `seen` are from a pose, the median of each: m, rad.
 std::pair<double, double> distance_from(const std::vector<Pose>& seen, const Pose& pose) {
   std::vector<double> lengths, turns;
@@ -111,7 +106,7 @@ std::pair<double, double> distance_from(const std::vector<Pose>& seen, const Pos
     lengths.push_back((one.translation() - pose.translation()).norm());
     turns.push_back(rotation_angle_rad(one.rotation(), pose.rotation()));
   }
-  return {middle_value(lengths), middle_value(turns)};
+  return {upper_median(std::move(lengths)), upper_median(std::move(turns))};
 }
 
 /// The one that is nearest to all others.
@@ -158,7 +153,7 @@ void require_place(const RigCamera& other, const RigCamera& camera, const SeenPl
   const Pose middle = middle_of(seen);
   const auto [off_m, off_rad] = distance_from(seen, stated);
   const auto [scatter_m, scatter_rad] = distance_from(seen, middle);
-  const double allowed_m = kFar_m + kLensError * middle_value(places.distances_m) + kScatters * scatter_m;
+  const double allowed_m = kFar_m + kLensError * upper_median(places.distances_m) + kScatters * scatter_m;
   const double allowed_rad = kFar_rad + kLensError + kScatters * scatter_rad;
   if (off_m <= tolerance * allowed_m && off_rad <= tolerance * allowed_rad) return;
   throw no_result(

@@ -14,6 +14,7 @@
 #include "tag_fault_words.h"
 #include "tag_neighbourhoods.h"
 #include "tag_places.h"
+#include "upper_median.h"
 
 namespace apriltrack {
 namespace {
@@ -65,9 +66,7 @@ double median_of_others(const std::vector<Suspicion>& suspicions, const std::set
     if (!own.contains(one.once.tag) && one.is_asked) others.push_back(value(one));
   }
   if (others.size() < kLeastOthers) return std::numeric_limits<double>::infinity();
-  const auto middle = others.begin() + static_cast<std::ptrdiff_t>(others.size() / 2);
-  std::ranges::nth_element(others, middle);
-  return *middle;
+  return upper_median(std::move(others));
 }
 
 /// Over 1: clear.

@@ -12,6 +12,7 @@
 #include "fault_trials.h"
 #include "tag_fault_words.h"
 #include "tag_neighbourhoods.h"
+#include "upper_median.h"
 
 namespace apriltrack {
 namespace {
@@ -56,9 +57,9 @@ std::vector<int> tags_given_up(const Observations& observations, const Part& par
                                const AdjustedPart& solved) {
   std::vector<GivenUp> all = count_given_up(observations, part, solved);
   if (all.empty()) return {};
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  std::ranges::nth_element(all, middle, {}, &GivenUp::share);
-  const double of_others = kBeyondOthers * middle->share();
+  std::vector<double> shares;
+  for (const GivenUp& one : all) shares.push_back(one.share());
+  const double of_others = kBeyondOthers * upper_median(std::move(shares));
   std::size_t most = 0;
   for (const GivenUp& one : all) most = std::max(most, one.is_all() ? 0 : one.views);
   std::erase_if(all, [&](const GivenUp& one) {

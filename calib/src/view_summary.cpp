@@ -9,6 +9,7 @@
 
 #include "apriltrack/base/degrees.h"
 #include "observations.h"
+#include "upper_median.h"
 
 namespace apriltrack {
 namespace {
@@ -18,12 +19,6 @@ constexpr double kOneSide_rad = 12.0 / kDegPerRad;
 constexpr double kOneDistance = 1.25;  // of the farthest view over the nearest
 constexpr double kSmall_px = 30.0;
 constexpr int kFewTogether = 10;
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 /// Directions to the camera in the tag's frame, distances, and edges in the image.
 struct Places {
@@ -78,8 +73,8 @@ std::string summary_of_views(const MapEvidence& evidence, int tag, const std::st
   words += angles_in_words(places);
   const auto [nearest, farthest] = std::ranges::minmax(places.distances_m);
   if (farthest < kOneDistance * nearest)
-    words += fmt::format(", all from {:.2g} m", median_of(places.distances_m));
-  const double edge_px = median_of(places.edges_px);
+    words += fmt::format(", all from {:.2g} m", upper_median(places.distances_m));
+  const double edge_px = upper_median(places.edges_px);
   if (edge_px < kSmall_px) words += fmt::format(", small in them ({:.0f} px)", edge_px);
   if (frames_together < kFewTogether)
     words += fmt::format("; together with {} in {} {}", neighbour, frames_together,

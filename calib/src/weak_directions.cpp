@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "apriltrack/base/degrees.h"
+#include "upper_median.h"
 #include "view_summary.h"
 
 namespace apriltrack {
@@ -111,11 +113,10 @@ void mark_weak_ones(std::vector<WeakDirection>& directions) {
   if (directions.empty()) return;
   std::vector<double> weaknesses;
   for (const WeakDirection& one : directions) weaknesses.push_back(one.weakness);
-  const auto middle = weaknesses.begin() + static_cast<std::ptrdiff_t>(weaknesses.size() / 2);
-  std::ranges::nth_element(weaknesses, middle);
+  const double usual = upper_median(std::move(weaknesses));
   for (WeakDirection& one : directions) {
     one.is_weak =
-        one.weakness > 1.0 || (one.weakness > kWorthTelling && one.weakness > kClearlyWeaker * *middle);
+        one.weakness > 1.0 || (one.weakness > kWorthTelling && one.weakness > kClearlyWeaker * usual);
     one.words = words_of(one);
   }
 }
