@@ -46,7 +46,7 @@ double cost_of_solved(const AdjustedWorld& one) {
 
 // Between its two poses a frame of small tags is linear nowhere near: the steps that it allows are short, and
 // all others would have to take them, too. Of these 12 starts plain steps, 100 of them, reach a minimum
-// from 7.
+// from 7; these from all.
 TEST(BundleAdjustment, FramesBetweenTwoPosesDoNotHoldUpTheOthers) {
   const test::SyntheticWorld world = make_far_wall();
   std::vector<FrameDetections> frames = exact_detections(world);
@@ -70,7 +70,7 @@ TEST(BundleAdjustment, FramesBetweenTwoPosesDoNotHoldUpTheOthers) {
     converged += adjust_in(100, state).has_converged ? 1 : 0;
   }
   EXPECT_GE(converged, 9);
-  // 1.10; the joint steps alone leave more than twice as much.
+  // 1.08. The joint steps alone leave 1.09, though fewer converge: it is the count above that tells.
   EXPECT_LT(cost_of_50, 1.2 * 12.0 * cost_of_solved(one));
 }
 
