@@ -129,11 +129,11 @@ TEST(CameraRefinement, CountsAnEdgeOffsetThatFewFramesDoNotDecide) {
   Filmed filmed = film(test::perspective_camera(), 0.05, 14);
   const CalibrationOptions options{.corner_bias_px = 0.0, .edge_offset_sigma_px = 0.2};
   const double without_offset = mean_normalised_error(filmed, options);
-  EXPECT_GT(without_offset, 0.1) << "claims far less than it knows";
+  EXPECT_GT(without_offset, 0.2) << "claims far less than it knows";  // 0.99; seven other seeds 0.44 to 1.14
   EXPECT_LT(without_offset, 2.0);
   move_edges_inward(0.1, filmed.frames);
   const double counted = mean_normalised_error(filmed, options);
-  EXPECT_GT(counted, 0.1);
+  EXPECT_GT(counted, 0.2);  // 0.84; seven other seeds 0.47 to 0.93
   EXPECT_LT(counted, 2.0);
   EXPECT_GT(mean_normalised_error(filmed, {.corner_bias_px = 0.0}), 2.0 * counted)
       << "it makes no difference";
@@ -146,7 +146,7 @@ TEST(CameraRefinement, CountsALensThatFewFramesDoNotDecide) {
   scale_focal_length(filmed.stated.rig.cameras[0], 1.04);
   const CalibrationOptions options{.corner_bias_px = 0.0};
   const double counted = mean_normalised_error(filmed, options);
-  EXPECT_GT(counted, 0.05) << "claims far less than it knows";
+  EXPECT_GT(counted, 0.2) << "claims far less than it knows";  // 0.70; seven other seeds 0.41 to 0.98
   EXPECT_LT(counted, 3.0);
   const CalibrationResult result = calibrate(filmed.stated, filmed.frames, options);
   EXPECT_THAT(result.warnings, ::testing::Contains(HasSubstr("the views look as if the lens were another")));

@@ -57,7 +57,7 @@ TEST(RenderedRoom, CovarianceIsTheScatterOfAMapFromPictures) {
   const CalibrationResult result = calibrate_map(frames, rig, sizes, {});
   ASSERT_EQ(result.map.tags.size(), scene.map.tags.size());
   const std::vector<double> errors = normalised_errors(scene.map, result);
-  EXPECT_GT(mean(errors), 0.1);
+  EXPECT_GT(mean(errors), 0.13);  // 0.34; two other seeds of the noise 0.26 and 0.31
   EXPECT_LT(mean(errors), 1.5);
   EXPECT_LT(*std::ranges::max_element(errors), 4.0);
 
