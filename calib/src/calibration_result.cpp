@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "camera_words.h"
 #include "part_evidence.h"
 #include "tag_flags.h"
 

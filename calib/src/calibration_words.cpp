@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "apriltrack/base/degrees.h"
+#include "camera_words.h"
 #include "rejected_stands.h"
 
 namespace apriltrack {
@@ -20,14 +20,6 @@ constexpr double kManyOfAllRejected = 0.1;
 constexpr int kFewRejected = 3;
 constexpr double kUsuallyRejected = 0.01;
 constexpr double kLogRare = 6.0;  // once in 400
-constexpr double kToldOff = 3.0;  // standard deviations
-
-std::string in_words(const CameraCorrection& one) {
-  if (one.parameter == "focal length" || one.parameter == "fy / fx")
-    return fmt::format("{} {:+.2f} % (sigma {:.2f})", one.parameter, 100.0 * one.value, 100.0 * one.sigma);
-  return fmt::format("{} {:+.4g} {}(sigma {:.2g})", one.parameter, one.value,
-                     one.unit == "1" ? "" : one.unit + " ", one.sigma);
-}
 
 /// Many, or more than others by more than chance: a few views that agree on another place may be right.
 bool is_rejected_often(int offered, int rejected, double share_of_others) {
@@ -75,61 +67,6 @@ void report_findings(const Observations& observations, const PartSolution& solut
             findings);
 }
 
-/// "frames that were held out agree better (1.21 sigmas before, 0.92 after)".
-std::string gain_of(const CameraRefinement& cameras) {
-  return fmt::format("frames that were held out agree better ({:.2f} sigmas before, {:.2f} after)",
-                     cameras.held_out_before, cameras.held_out_after);
-}
-
-/// "cam1 0.012 m and 0.3 degrees": how far the places of cameras are from the file's.
-std::string places_in_words(const Observations& observations, const CameraRefinement& cameras) {
-  std::map<int, std::pair<double, double>> squares;
-  for (const EstimatedParameter& one : cameras.estimates) {
-    if (one.parameter.kind == CameraParameter::Kind::kTranslation)
-      squares[one.parameter.camera].first += one.value * one.value;
-    if (one.parameter.kind == CameraParameter::Kind::kRotation)
-      squares[one.parameter.camera].second += one.value * one.value;
-  }
-  std::string words;
-  for (const auto& [camera, of] : squares)
-    words += fmt::format("{}{} {:.2g} m and {:.2g} degrees", words.empty() ? "" : ", ",
-                         observations.cameras[static_cast<std::size_t>(camera)].name, std::sqrt(of.first),
-                         std::sqrt(of.second) * kDegPerRad);
-  return words;
-}
-
-std::string in_words(const Observations& observations, const EstimatedParameter& one) {
-  const RigCamera& camera = observations.cameras[static_cast<std::size_t>(one.parameter.camera)];
-  return camera.name + ": " +
-         in_words(CameraCorrection{camera.name, name_of(one.parameter, camera), unit_of(one.parameter),
-                                   one.value, one.sigma});
-}
-
-/// By what the map may be wrong, though it is not by more than its covariances say.
-void report_open_cameras(const Observations& observations, const PartSolution& solution, Findings& findings) {
-  if (!solution.cameras.open) return;
-  std::vector<std::string> edges, lenses;
-  for (const EstimatedParameter& one : solution.cameras.open->estimates) {
-    if (std::abs(one.value) <= kToldOff * one.sigma) continue;
-    (one.parameter.is_of_lens() ? lenses : edges).push_back(in_words(observations, one));
-  }
-  const std::string_view is_counted =
-      "and too few frames tell whether: the map is without it, and its covariances count it";
-  if (!lenses.empty() && solution.cameras.lens_not_taken) return;  // frames do tell: that is said already
-  if (!lenses.empty())
-    findings.warnings.push_back(
-        fmt::format("the views look as if the lens were another one than the camera file's ({}), {}. Is the "
-                    "file of this camera, zoom and resolution? Film more frames, from near and far and from "
-                    "the side, or calibrate the camera",
-                    fmt::join(lenses, "; "), is_counted));
-  else if (!edges.empty())
-    findings.warnings.push_back(fmt::format(
-        "corners look as if edges lay inside the true ones, or outside ({}), which moves tags and "
-        "scales the map, {}. Film more frames, from near and far; for corners without such an "
-        "error --edge-offset-sigma 0",
-        fmt::join(edges, "; "), is_counted));
-}
-
 /// What was asked for in vain, and what was not to be taken.
 void report_cameras(const Observations& observations, const PartSolution& solution,
                     const CalibrationOptions& options, Findings& findings) {
@@ -145,7 +82,8 @@ void report_cameras(const Observations& observations, const PartSolution& soluti
         "Check T_cn_cnm1 (metres; of a point in camera n-1 it makes one in camera n), or take what fits by "
         "--extrinsics refine",
         places_in_words(observations, *places), gain_of(*places)));
-  report_open_cameras(observations, solution, findings);
+  const std::string open = open_cameras_in_words(observations, solution.cameras);
+  if (!open.empty()) findings.warnings.push_back(open);
   const std::string what = options.intrinsics != Intrinsics::kRefine ? "places of the cameras"
                            : options.refine_extrinsics               ? "intrinsics and places of the cameras"
                                                                      : "intrinsics";
@@ -246,26 +184,6 @@ void warn_of_edges(const std::vector<CameraCorrection>& corrections, const Calib
         "(--edge-offset-sigma 0)",
         one.camera, one.value, one.sigma, options.edge_offset_sigma_px));
   }
-}
-
-std::string corrections_in_words(const CameraRefinement& cameras,
-                                 const std::vector<CameraCorrection>& corrections) {
-  std::string words;
-  for (const CameraCorrection& one : corrections)
-    words += fmt::format("{}{}: {}", words.empty() ? "" : "; ", one.camera, in_words(one));
-  const auto has = [&](bool (CameraParameter::*is_of)() const) {
-    return std::ranges::any_of(cameras.estimates,
-                               [&](const EstimatedParameter& one) { return (one.parameter.*is_of)(); });
-  };
-  const bool has_lens = has(&CameraParameter::is_of_lens), has_places = has(&CameraParameter::is_of_place);
-  const std::string what = !has_places ? "intrinsics" : has_lens ? "intrinsics and places" : "places";
-  const std::string why = cameras.held_out_before > 0.0
-                              ? fmt::format("with other {}, {}", what, gain_of(cameras))
-                              : std::string("with another lens, far more of the views agree");
-  return fmt::format(
-      "the camera file does not fit: {}. The map rests on these {}: {}. Track with the refined camera, or "
-      "calibrate it anew{}",
-      why, what, words, has_lens ? "; --intrinsics keep takes the file as it is" : "");
 }
 
 }  // namespace apriltrack

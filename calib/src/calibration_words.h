@@ -33,7 +33,4 @@ void report_resting_frames(const RestingFrames& resting, std::size_t moments_bef
 void warn_of_edges(const std::vector<CameraCorrection>& corrections, const CalibrationOptions& options,
                    Findings& findings);
 
-std::string corrections_in_words(const CameraRefinement& cameras,
-                                 const std::vector<CameraCorrection>& corrections);
-
 }  // namespace apriltrack

@@ -141,6 +141,18 @@ TEST(CameraRefinement, CountsAnEdgeOffsetThatFewFramesDoNotDecide) {
               ::testing::Contains(HasSubstr("corners look as if edges lay inside")));
 }
 
+TEST(CameraRefinement, IsInDoubtWhereConstraintsContradictAMapOfOpenEdges) {
+  Filmed filmed = film(test::perspective_camera(), 0.05, 14);
+  move_edges_inward(0.1, filmed.frames);
+  const MapTag &a = filmed.truth.map.tags.front(), &b = filmed.truth.map.tags.back();
+  const double distance_m = 1.2 * (a.T_map_tag.translation() - b.T_map_tag.translation()).norm();
+  CalibrationOptions options{.corner_bias_px = 0.0, .edge_offset_sigma_px = 0.2};
+  options.constraints = {{DistanceConstraint{a.key, b.key, distance_m, 0.001}}};
+  const std::string message =
+      test::error_of(ErrorKind::kNoResult, [&] { calibrate(filmed.stated, filmed.frames, options); });
+  EXPECT_THAT(message, HasSubstr("this is in doubt, and may be why: corners look as if edges lay inside"));
+}
+
 TEST(CameraRefinement, CountsALensThatFewFramesDoNotDecide) {
   Filmed filmed = film(test::perspective_camera(), 0.1, 12);
   scale_focal_length(filmed.stated.rig.cameras[0], 1.04);
