@@ -67,11 +67,11 @@ void warn_of_unseen_sizes(const CalibrateOptions& a, const Sightings& sightings)
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(a.tag_sizes, ignored)) return;  // a pipe cannot be read again
   if (sightings.counts.is_interrupted) return;
+  std::set<TagKey> tags;
+  for (const FrameDetections& frame : sightings.frames)
+    for (const Detection& detection : frame.detections) tags.insert(detection.tag);
   std::set<std::string> seen;  // by both names that the file may have for a tag
-  for (const FrameDetections& frame : sightings.frames) {
-    for (const Detection& detection : frame.detections)
-      seen.insert({std::to_string(detection.tag.id), to_string(detection.tag)});
-  }
+  for (const TagKey& tag : tags) seen.insert({std::to_string(tag.id), to_string(tag)});
   const auto named = YamlNode::read_file(a.tag_sizes).find("sizes");
   if (seen.empty() || !named) return;
   constexpr std::size_t kMostNamed = 10;
@@ -106,15 +106,24 @@ void warn_of_shutters(const CameraRig& rig, const std::string& camera_name,
 }
 
 /// By what was read before Ctrl-C, if it came so early; if it comes now, without a result.
+/// Warnings of calibrate_map that were given with file and line.
+std::set<std::string> told_already(const Sightings& sightings, const CameraRig& rig) {
+  CameraRig of_told;
+  for (const std::string& camera : sightings.cameras_told) of_told.cameras.push_back(rig.find(camera));
+  const std::vector<std::string> warnings = check_picture_sizes(sightings.frames, of_told);
+  return {warnings.begin(), warnings.end()};
+}
+
 CalibrationResult solve(CalibrateOptions& a, const Sightings& sightings, const CameraRig& rig,
                         const TagSizes& sizes) {
   if (!sightings.counts.is_interrupted) a.calibration.should_stop = a.refinement.should_stop = is_interrupted;
   try {
-    CalibrationResult result = calibrate_map(sightings.frames, rig, sizes, a.calibration, a.console.log());
-    if (sightings.are_corner_places_told) {
-      for (const std::string& warning : check_picture_sizes(sightings.frames, rig))
-        std::erase(result.warnings, warning);
-    }
+    const std::set<std::string> told = told_already(sightings, rig);
+    const LogSink log = [&, to_console = a.console.log()](LogLevel level, std::string_view message) {
+      if (!told.contains(std::string(message))) to_console(level, message);
+    };
+    CalibrationResult result = calibrate_map(sightings.frames, rig, sizes, a.calibration, log);
+    std::erase_if(result.warnings, [&](const std::string& warning) { return told.contains(warning); });
     return result;
   } catch (const Stopped&) {
     throw no_result("calibrate", "interrupted while the map was solved: no map was written");

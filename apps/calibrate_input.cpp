@@ -105,9 +105,11 @@ Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig&
       std::erase_if(frames, [&](const FrameDetections& frame) { return frame.camera != camera_name; });
     const std::vector<std::string> cameras = camera_names(frames);
     check_cameras_and_tags(path, rig, frames);
-    std::vector<std::string> odd_corners = check_corner_places(path, rig, frames);
-    all.are_corner_places_told = all.are_corner_places_told || !odd_corners.empty();
-    std::ranges::move(odd_corners, std::back_inserter(all.warnings));
+    for (const std::string& camera : cameras) {
+      std::vector<std::string> odd_corners = check_corner_places(path, {{rig.find(camera)}}, frames);
+      if (!odd_corners.empty()) all.cameras_told.insert(camera);
+      std::ranges::move(odd_corners, std::back_inserter(all.warnings));
+    }
     takes.add(path, {cameras.begin(), cameras.end()}, std::move(frames));
   }
   bring_to_one_clock(takes, all);

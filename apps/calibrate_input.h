@@ -28,9 +28,9 @@ struct Sightings {
   std::vector<FrameDetections> frames;  ///< In the order of time, by one clock (see Takes).
   FrameCounts counts;
   std::vector<std::string> warnings;  ///< What to know of their times and, of detection files, corners.
-  /// Corners outside the cameras' pictures are among these, with file and line: calibrate_map, which warns
-  /// of them too, knows neither.
-  bool are_corner_places_told = false;
+  /// The cameras of which corners at odd places are among these: calibrate_map, which warns of them too,
+  /// knows no file and no line.
+  std::set<std::string> cameras_told;
 };
 
 /// `cam1=PATH` names the camera. A path in which an = merely occurs has none: something of that very name is

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
+#include <system_error>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/detections_csv.h"
@@ -15,8 +17,15 @@
 namespace apriltrack::app {
 namespace {
 
+/// A pipe cannot be read again.
+bool has_lines_still(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
+}
+
 /// "detections.csv:17"; only asked for where a message needs it, as all places are.
 std::string line_of(const std::string& path, const FrameDetections& frame, const Detection& detection) {
+  if (!has_lines_still(path)) return path;
   const CsvTable table = CsvTable::read_file(path, {"timestamp_ns", "family", "id", "c0x", "c0y"});
   for (std::size_t row = 0; row < table.num_rows(); ++row) {
     const bool is_it = table.integer(row, "timestamp_ns") == frame.timestamp.ns &&
@@ -31,6 +40,7 @@ std::string line_of(const std::string& path, const FrameDetections& frame, const
 
 /// The first line of a camera.
 std::string line_of_camera(const std::string& path, const std::string& name) {
+  if (!has_lines_still(path)) return path;
   const CsvTable table = CsvTable::read_file(path, {"camera"});
   for (std::size_t row = 0; row < table.num_rows(); ++row)
     if (table.text(row, "camera") == name) return table.where(row);

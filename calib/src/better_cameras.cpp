@@ -218,8 +218,7 @@ std::optional<Again> solve_again(const PartTask& task, const Part& part, const A
 /// contradicted the others by the file's cameras are asked again.
 void solve_by_refined_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
                               const LogSink& log, AdjustedPart& solved, BetterCameras& cameras) {
-  if (most_sigmas_off(cameras.refined) < kOff && (solved.culprits.empty() || !cameras.refined.is_accepted))
-    return;
+  if (!is_far_from_file(cameras.refined) && (solved.culprits.empty() || !cameras.refined.is_accepted)) return;
   for (int i = 0; i < kMostLenses; ++i) {
     std::optional<Again> again = solve_again(task, part, solved, cameras.refined, parallel, log);
     if (!again) break;
@@ -336,6 +335,10 @@ void add_to(std::vector<int>& tags, const std::vector<int>& more) {
 }
 
 }  // namespace
+
+bool is_far_from_file(const CameraRefinement& cameras) {
+  return most_sigmas_off(cameras) >= kOff;
+}
 
 BetterCameras improve_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
                               const LogSink& log, AdjustedPart& solved) {

@@ -15,9 +15,13 @@ struct BetterCameras {
   std::optional<CameraRefinement> lens_not_taken, places_not_taken;
   /// What is not among `refined`, and which the views propose, but frames that were held out do not decide.
   std::optional<CameraRefinement> open;
-  /// The views' candidates by a lens far from the file's; none where the file's will do.
+  /// The views' candidates by these cameras, where all was solved again by them; none where those by the
+  /// file's will do.
   std::vector<ViewCandidates> candidates;
 };
+
+/// Whether a lens or a place is farther off than files of the same camera usually are.
+bool is_far_from_file(const CameraRefinement& cameras);
 
 /// Estimates edge offsets, lenses, and where it is asked for the cameras' places, and takes them into
 /// `solved` where the views agree better with them. A wrong lens makes views outliers, two-fold or noisy

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -71,19 +72,7 @@ void report_findings(const Observations& observations, const PartSolution& solut
 void report_cameras(const Observations& observations, const PartSolution& solution,
                     const CalibrationOptions& options, Findings& findings) {
   const CameraRefinement& cameras = solution.cameras.refined;
-  if (const auto& lens = solution.cameras.lens_not_taken)
-    findings.warnings.push_back(fmt::format(
-        "the camera file does not fit: with other intrinsics, {}. It is kept, as --intrinsics keep says: "
-        "calibrate the camera anew, or leave that option away",
-        gain_of(*lens)));
-  if (const auto& places = solution.cameras.places_not_taken)
-    findings.warnings.push_back(fmt::format(
-        "the rig of the camera file does not fit: with the cameras at other places ({} from the file's), {}. "
-        "Check T_cn_cnm1 (metres; of a point in camera n-1 it makes one in camera n), or take what fits by "
-        "--extrinsics refine",
-        places_in_words(observations, *places), gain_of(*places)));
-  const std::string open = open_cameras_in_words(observations, solution.cameras);
-  if (!open.empty()) findings.warnings.push_back(open);
+  std::ranges::move(doubts_of_cameras(observations, solution.cameras), std::back_inserter(findings.warnings));
   const std::string what = options.intrinsics != Intrinsics::kRefine ? "places of the cameras"
                            : options.refine_extrinsics               ? "intrinsics and places of the cameras"
                                                                      : "intrinsics";

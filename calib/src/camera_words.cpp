@@ -30,13 +30,7 @@ std::string in_words(const Observations& observations, const EstimatedParameter&
                                    one.value, one.sigma});
 }
 
-}  // namespace
-
-std::string gain_of(const CameraRefinement& cameras) {
-  return fmt::format("frames that were held out agree better ({:.2f} sigmas before, {:.2f} after)",
-                     cameras.held_out_before, cameras.held_out_after);
-}
-
+/// "cam1 0.012 m and 0.3 degrees": how far the places of cameras are from the file's.
 std::string places_in_words(const Observations& observations, const CameraRefinement& cameras) {
   std::map<int, std::pair<double, double>> squares;
   for (const EstimatedParameter& one : cameras.estimates) {
@@ -53,6 +47,7 @@ std::string places_in_words(const Observations& observations, const CameraRefine
   return words;
 }
 
+/// By what the map may be wrong, though it is not by more than its covariances say.
 std::string open_cameras_in_words(const Observations& observations, const BetterCameras& cameras) {
   if (!cameras.open) return "";
   std::vector<std::string> edges, lenses;
@@ -75,6 +70,31 @@ std::string open_cameras_in_words(const Observations& observations, const Better
       "scales the map, {}. Film more frames, from near and far; for corners without such an "
       "error --edge-offset-sigma 0",
       fmt::join(edges, "; "), is_counted);
+}
+
+}  // namespace
+
+std::string gain_of(const CameraRefinement& cameras) {
+  return fmt::format("frames that were held out agree better ({:.2f} sigmas before, {:.2f} after)",
+                     cameras.held_out_before, cameras.held_out_after);
+}
+
+std::vector<std::string> doubts_of_cameras(const Observations& observations, const BetterCameras& cameras) {
+  std::vector<std::string> doubts;
+  if (const auto& lens = cameras.lens_not_taken)
+    doubts.push_back(fmt::format(
+        "the camera file does not fit: with other intrinsics, {}. It is kept, as --intrinsics keep says: "
+        "calibrate the camera anew, or leave that option away",
+        gain_of(*lens)));
+  if (const auto& places = cameras.places_not_taken)
+    doubts.push_back(fmt::format(
+        "the rig of the camera file does not fit: with the cameras at other places ({} from the file's), {}. "
+        "Check T_cn_cnm1 (metres; of a point in camera n-1 it makes one in camera n), or take what fits by "
+        "--extrinsics refine",
+        places_in_words(observations, *places), gain_of(*places)));
+  if (std::string open = open_cameras_in_words(observations, cameras); !open.empty())
+    doubts.push_back(std::move(open));
+  return doubts;
 }
 
 std::string corrections_in_words(const CameraRefinement& cameras,

@@ -11,12 +11,8 @@ namespace apriltrack {
 /// "frames that were held out agree better (1.21 sigmas before, 0.92 after)".
 std::string gain_of(const CameraRefinement& cameras);
 
-/// "cam1 0.012 m and 0.3 degrees": how far the places of cameras are from the file's.
-std::string places_in_words(const Observations& observations, const CameraRefinement& cameras);
-
-/// By what the map may be wrong, though it is not by more than its covariances say; empty where nothing is
-/// that is worth telling.
-std::string open_cameras_in_words(const Observations& observations, const BetterCameras& cameras);
+/// What of the cameras is not as it should be and was not taken, or is open: by which the map may be wrong.
+std::vector<std::string> doubts_of_cameras(const Observations& observations, const BetterCameras& cameras);
 
 std::string corrections_in_words(const CameraRefinement& cameras,
                                  const std::vector<CameraCorrection>& corrections);

@@ -8,6 +8,7 @@
 #include "contradicted_tags.h"
 #include "culprit_search.h"
 #include "honest_edges.h"
+#include "part_without.h"
 #include "tag_examination.h"
 #include "undecided_tags.h"
 
@@ -64,24 +65,28 @@ bool has_lens(const CameraRefinement& cameras) {
 }
 
 /// A tag pulls no lens away by more than files of the same camera are off.
-bool has_lens_near_file(const BetterCameras& cameras) {
-  return cameras.refined.is_accepted && has_lens(cameras.refined) && cameras.candidates.empty();
+bool has_lens_near_file(const CameraRefinement& cameras) {
+  return cameras.is_accepted && has_lens(cameras) && !is_far_from_file(cameras);
 }
 
-/// By the file's lens, a few faulty tags are all that is wrong.
+/// By the file's lens: few tags had to go, and without them the views ask for no other. num_tags: before.
 bool is_explained_by_tags(const ImprovedPart& by_file, std::size_t num_tags) {
-  const double num_faulty = static_cast<double>(by_file.findings.size() + by_file.contradicted.size());
-  if (by_file.findings.empty() || num_faulty > kMostTagsInstead * static_cast<double>(num_tags)) return false;
+  const std::size_t num_left = by_file.solved.part.tags.size();
+  if (by_file.findings.empty() || num_left >= num_tags) return false;
+  if (static_cast<double>(num_tags - num_left) > kMostTagsInstead * static_cast<double>(num_tags))
+    return false;
   const BetterCameras& cameras = by_file.cameras;
   return !cameras.lens_not_taken && !(cameras.open && has_lens(*cameras.open));
 }
 
-/// The same with the lens that the file states. nullopt where that does not do, whatever tags are faulty.
+/// The same with the lens that the file states, whichever tag is held by wish. nullopt where that does not
+/// do, whatever tags are faulty.
 std::optional<ImprovedPart> improved_by_file(const PartTask& task, const Part& part, AdjustedPart solved,
                                              Observations& observations, const ParallelFor& parallel,
                                              const LogSink& log) {
   CalibrationOptions options = task.options;
   options.intrinsics = Intrinsics::kKeep;
+  options.held_tag.reset();
   const std::size_t num_tags = solved.part.tags.size();
   try {
     ImprovedPart by_file = improve_once({task.observations, task.candidates, options}, part,
@@ -92,21 +97,31 @@ std::optional<ImprovedPart> improved_by_file(const PartTask& task, const Part& p
   return std::nullopt;
 }
 
+void require_sound_held_tag(const PartTask& task, const ImprovedPart& improved) {
+  for (const TagFinding& finding : improved.findings)
+    if (finding.is_left_out && is_held_by_wish(task, finding.tag)) fail_by_held_tag(finding.words);
+}
+
 }  // namespace
 
 ImprovedPart improve_part(const PartTask& task, const Part& part, AdjustedPart solved,
                           const CameraRefinement* estimated, Observations& observations,
                           const ParallelFor& parallel, const LogSink& log) {
-  const bool may_lens_stand_for_tags = !estimated && task.options.intrinsics == Intrinsics::kAuto &&
-                                       !have_other_lenses(solved.state.cameras, task.observations.cameras);
-  const AdjustedPart start = solved;
-  const std::vector<TagView> views = observations.views;
-  ImprovedPart improved = improve_once(task, part, std::move(solved), estimated, observations, parallel, log);
-  if (!may_lens_stand_for_tags || !has_lens_near_file(improved.cameras)) return improved;
-  std::vector<TagView> views_by_lens = std::exchange(observations.views, views);
-  // A lens may stand for a tag of another size, or a bent one, and then holds nowhere else.
-  if (auto by_file = improved_by_file(task, part, start, observations, parallel, log)) return *by_file;
-  observations.views = std::move(views_by_lens);
+  if (estimated || task.options.intrinsics != Intrinsics::kAuto ||
+      have_other_lenses(solved.state.cameras, task.observations.cameras))
+    return improve_once(task, part, std::move(solved), estimated, observations, parallel, log);
+  const int held_tag = solved.held_tag;
+  AdjustedPart start = solved;
+  std::vector<TagView> views = observations.views;
+  ImprovedPart improved = improve_once(task, part, std::move(solved), nullptr, observations, parallel, log);
+  if (!has_lens_near_file(improved.cameras.refined)) return improved;
+  std::swap(observations.views, views);
+  // A lens may stand for a tag of another size, and then holds nowhere else.
+  auto by_file = improved_by_file(task, part, std::move(start), observations, parallel, log);
+  if (by_file) require_sound_held_tag(task, *by_file);
+  if (by_file && (by_file->solved.held_tag == held_tag || !is_held_by_wish(task, held_tag)))
+    return std::move(*by_file);
+  std::swap(observations.views, views);
   return improved;
 }
 

@@ -14,7 +14,6 @@
 #include "camera_gravity.h"
 #include "camera_words.h"
 #include "corner_views.h"
-#include "culprit_search.h"
 #include "error_scale.h"
 #include "improved_part.h"
 #include "joint_tag_covariance.h"
@@ -104,8 +103,7 @@ void keep_to_constraints(const Observations& observations, const CovarianceOpera
   map.doubts = solution.lost_links;
   for (const TagFinding& finding : solution.findings)
     if (finding.may_fold_map) map.doubts.push_back(finding.words);
-  if (std::string open = open_cameras_in_words(observations, solution.cameras); !open.empty())
-    map.doubts.push_back(std::move(open));
+  std::ranges::move(doubts_of_cameras(observations, solution.cameras), std::back_inserter(map.doubts));
   solution.constrained = constrain_map(solution.constraints, map, joint);
   keep_to(solution.constrained->change, solution.joint);
   solution.state.T_map_tag = solution.constrained->T_map_tag;

@@ -37,13 +37,6 @@ void disturb(Pose& pose, double distance_m, RandomStream& random) {
   pose = pose * there * Pose::exp(off) * there.inverse();
 }
 
-double cost_of_solved(const AdjustedWorld& one) {
-  MapState state = one.solved.state;
-  return adjust(one.observations, one.solved.part.views, free_tags(one.solved.part, one.solved.held_tag), {},
-                state)
-      .cost;
-}
-
 // Between its two poses a frame of small tags is linear nowhere near: the steps that it allows are short, and
 // all others would have to take them, too. Of these 12 starts plain steps, 100 of them, reach a minimum
 // from 7; these from all.
@@ -55,23 +48,18 @@ TEST(BundleAdjustment, FramesBetweenTwoPosesDoNotHoldUpTheOthers) {
   test::add_edge_noise(frames, 0.25, 0.0, noise);
   const AdjustedWorld one(world, frames);
   int converged = 0;
-  double cost_of_50 = 0.0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     MapState state = one.solved.state;
     RandomStream random(seed);
     for (const int tag : free_tags(one.solved.part, one.solved.held_tag))
       disturb(state.T_map_tag[static_cast<std::size_t>(tag)], 0.0, random);
     for (Pose& pose : state.T_map_rig) disturb(pose, 5.0, random);
-    const auto adjust_in = [&](int max_iterations, MapState from) {
-      return adjust(one.observations, one.solved.part.views, free_tags(one.solved.part, one.solved.held_tag),
-                    {.loss_scale = 0.0, .max_iterations = max_iterations}, from);
-    };
-    cost_of_50 += adjust_in(50, state).cost;
-    converged += adjust_in(100, state).has_converged ? 1 : 0;
+    const auto adjusted =
+        adjust(one.observations, one.solved.part.views, free_tags(one.solved.part, one.solved.held_tag),
+               {.loss_scale = 0.0, .max_iterations = 100}, state);
+    converged += adjusted.has_converged ? 1 : 0;
   }
   EXPECT_GE(converged, 11);
-  // 1.08. The joint steps alone leave 1.09, though fewer converge: it is the count above that tells.
-  EXPECT_LT(cost_of_50, 1.2 * 12.0 * cost_of_solved(one));
 }
 
 }  // namespace

@@ -141,16 +141,31 @@ TEST(CameraRefinement, CountsAnEdgeOffsetThatFewFramesDoNotDecide) {
               ::testing::Contains(HasSubstr("corners look as if edges lay inside")));
 }
 
+/// Between the first tag and the last, 20 % too long.
+MapConstraint false_distance(const SyntheticWorld& world) {
+  const MapTag &a = world.map.tags.front(), &b = world.map.tags.back();
+  const double distance_m = 1.2 * (a.T_map_tag.translation() - b.T_map_tag.translation()).norm();
+  return {DistanceConstraint{a.key, b.key, distance_m, 0.001}};
+}
+
 TEST(CameraRefinement, IsInDoubtWhereConstraintsContradictAMapOfOpenEdges) {
   Filmed filmed = film(test::perspective_camera(), 0.05, 14);
   move_edges_inward(0.1, filmed.frames);
-  const MapTag &a = filmed.truth.map.tags.front(), &b = filmed.truth.map.tags.back();
-  const double distance_m = 1.2 * (a.T_map_tag.translation() - b.T_map_tag.translation()).norm();
   CalibrationOptions options{.corner_bias_px = 0.0, .edge_offset_sigma_px = 0.2};
-  options.constraints = {{DistanceConstraint{a.key, b.key, distance_m, 0.001}}};
+  options.constraints = {false_distance(filmed.truth)};
   const std::string message =
       test::error_of(ErrorKind::kNoResult, [&] { calibrate(filmed.stated, filmed.frames, options); });
   EXPECT_THAT(message, HasSubstr("this is in doubt, and may be why: corners look as if edges lay inside"));
+}
+
+TEST(CameraRefinement, IsInDoubtWhereConstraintsContradictAMapByALensThatIsKept) {
+  Filmed filmed = film(test::perspective_camera());
+  scale_focal_length(filmed.stated.rig.cameras[0], 1.03);
+  CalibrationOptions options{.intrinsics = Intrinsics::kKeep};
+  options.constraints = {false_distance(filmed.truth)};
+  const std::string message =
+      test::error_of(ErrorKind::kNoResult, [&] { calibrate(filmed.stated, filmed.frames, options); });
+  EXPECT_THAT(message, HasSubstr("may be why: the camera file does not fit: with other intrinsics"));
 }
 
 TEST(CameraRefinement, CountsALensThatFewFramesDoNotDecide) {

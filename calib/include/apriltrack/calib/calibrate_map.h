@@ -19,8 +19,8 @@
 namespace apriltrack {
 
 enum class Intrinsics {
-  kKeep,  ///< As given.
-  kAuto,  ///< Refined where the file is clearly wrong: frames that were held out agree better by 5 % or more.
+  kKeep,   ///< As given.
+  kAuto,   ///< Refined where held-out frames agree better by 5 % or more, and no faulty tag is why.
   kRefine  ///< Refined where such frames agree better at all, by more than chance.
 };
 
