@@ -257,27 +257,44 @@ bool is_of_edges(const CameraParameter& parameter) {
   return parameter.kind == CameraParameter::Kind::kEdgeOffset;
 }
 
-/// A lens that is clearly off with all else that is unsure; or edges that are farther off than expected.
+using IsMeant = bool (*)(const CameraParameter&);
+
+bool is_any_off(const CameraRefinement& cameras, double sigmas, IsMeant is_meant) {
+  return std::ranges::any_of(cameras.estimates, [&](const EstimatedParameter& one) {
+    return is_meant(one.parameter) && std::abs(one.value) > sigmas * one.sigma;
+  });
+}
+
+/// Where one that is meant is off by more than `sigmas`.
+std::optional<CameraRefinement> open_where_off(const PartTask& task, const Parameters& parameters,
+                                               double sigmas, IsMeant is_meant, const AdjustedPart& solved) {
+  auto open = open_parameters(task, parameters, solved);
+  return open && is_any_off(*open, sigmas, is_meant) ? open : std::nullopt;
+}
+
+/// A lens, or places of a rig's cameras, that are clearly off with all else that is unsure; or places or
+/// edges that are farther off than expected: no rig is known to a hair, and its baseline scales the map.
 std::optional<CameraRefinement> find_what_is_open(const PartTask& task, const CameraRefinement& refined,
                                                   const AdjustedPart& solved) {
   const Parameters known = parameters_of(refined);
   const std::vector<int> cameras = cameras_of(task.observations, solved.part);
-  Parameters edges;
+  Parameters edges, lenses, places;
   if (task.options.edge_offset_sigma_px > 0.0 && std::ranges::none_of(known, is_of_edges))
     edges = edge_offset_parameters(cameras, task.options.edge_offset_sigma_px);
-  const auto is_off = [](double sigmas) {
-    return [sigmas](const EstimatedParameter& one) { return std::abs(one.value) > sigmas * one.sigma; };
-  };
-  if (std::ranges::none_of(known, &CameraParameter::is_of_lens)) {
-    auto all = open_parameters(task, known + edges + intrinsic_parameters(cameras, task.observations.cameras),
-                               solved);
-    const auto is_lens_off = [&](const EstimatedParameter& one) {
-      return one.parameter.is_of_lens() && is_off(kClearlyOff)(one);
-    };
-    if (all && std::ranges::any_of(all->estimates, is_lens_off)) return all;
+  if (std::ranges::none_of(known, &CameraParameter::is_of_lens))
+    lenses = intrinsic_parameters(cameras, task.observations.cameras);
+  if (std::ranges::none_of(known, &CameraParameter::is_of_place)) places = extrinsic_parameters(cameras);
+  const IsMeant is_of_lens = [](const CameraParameter& one) { return one.is_of_lens(); };
+  const IsMeant is_of_place = [](const CameraParameter& one) { return one.is_of_place(); };
+  const IsMeant is_in_file = [](const CameraParameter& one) { return one.is_of_lens() || one.is_of_place(); };
+  std::optional<CameraRefinement> open;
+  if (!places.empty()) {
+    open = open_where_off(task, known + edges + lenses + places, kClearlyOff, is_in_file, solved);
+    if (!open) open = open_where_off(task, known + edges + places, kAsExpected, is_of_place, solved);
   }
-  auto of_edges = open_parameters(task, edges, solved);
-  return of_edges && std::ranges::any_of(of_edges->estimates, is_off(kAsExpected)) ? of_edges : std::nullopt;
+  if (!open && !lenses.empty())
+    open = open_where_off(task, known + edges + lenses, kClearlyOff, is_of_lens, solved);
+  return open ? open : open_where_off(task, edges, kAsExpected, is_of_edges, solved);
 }
 
 /// What the user's own choices keep out, though the views agree better with it, and what is left open.

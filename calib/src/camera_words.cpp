@@ -47,17 +47,44 @@ std::string places_in_words(const Observations& observations, const CameraRefine
   return words;
 }
 
-/// By what the map may be wrong, though it is not by more than its covariances say.
+/// Of what is open, the numbers that are worth telling.
+std::vector<std::string> told_of(const Observations& observations, const CameraRefinement& open,
+                                 bool (*is_meant)(const CameraParameter&)) {
+  std::vector<std::string> told;
+  for (const EstimatedParameter& one : open.estimates)
+    if (is_meant(one.parameter) && std::abs(one.value) > kToldOff * one.sigma)
+      told.push_back(in_words(observations, one));
+  return told;
+}
+
+/// By what the map may be wrong, though it is not by more than its covariances say. Where frames do tell,
+/// that is said already.
 std::string open_cameras_in_words(const Observations& observations, const BetterCameras& cameras) {
   if (!cameras.open) return "";
-  std::vector<std::string> edges, lenses;
-  for (const EstimatedParameter& one : cameras.open->estimates) {
-    if (std::abs(one.value) <= kToldOff * one.sigma) continue;
-    (one.parameter.is_of_lens() ? lenses : edges).push_back(in_words(observations, one));
-  }
+  const auto lenses = told_of(observations, *cameras.open, [](const auto& one) { return one.is_of_lens(); });
+  const auto places = told_of(observations, *cameras.open, [](const auto& one) { return one.is_of_place(); });
+  const auto edges = told_of(observations, *cameras.open,
+                             [](const auto& one) { return !one.is_of_lens() && !one.is_of_place(); });
   const std::string_view is_counted =
       "and too few frames tell whether: the map is without it, and its covariances count it";
-  if (!lenses.empty() && cameras.lens_not_taken) return "";  // frames do tell: that is said already
+  if (!places.empty())
+    return cameras.places_not_taken
+               ? ""
+               : fmt::format(
+                     "the cameras look as if they sat at other places than the camera file's ({}): the map "
+                     "is "
+                     "without it, and its covariances count it. Check T_cn_cnm1, or take what fits by "
+                     "--extrinsics refine",
+                     fmt::join(places, "; "));
+  const bool are_places_open = std::ranges::any_of(
+      cameras.open->estimates, [](const EstimatedParameter& one) { return one.parameter.is_of_place(); });
+  if (lenses.empty() && are_places_open)
+    return edges.empty() ? ""
+                         : fmt::format(
+                               "an edge offset goes with the places of the cameras ({} with others), "
+                               "which scale the map, and its covariances count both. Check T_cn_cnm1",
+                               fmt::join(edges, "; "));
+  if (!lenses.empty() && cameras.lens_not_taken) return "";
   if (!lenses.empty())
     return fmt::format(
         "the views look as if the lens were another one than the camera file's ({}), {}. Is the "
