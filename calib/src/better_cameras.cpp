@@ -309,6 +309,9 @@ void find_what_is_not_taken(const PartTask& task, const Part& to_map, const Adju
                   solved, parallel);
   if (!cameras.lens_not_taken)
     cameras.places_not_taken = places_not_taken(task, to_map, cameras.refined, solved, parallel);
+  // What frames do tell is open all the more, though to first order it may look as expected.
+  if (!cameras.open && cameras.places_not_taken)
+    cameras.open = open_parameters(task, parameters_of(*cameras.places_not_taken), solved);
 }
 
 /// Lenses and places that are not among what is refined: what is left out now may have hidden them.
