@@ -17,6 +17,7 @@ namespace apriltrack::app {
 namespace {
 
 bool g_has_answered_machines = false;
+bool g_is_stdout_an_output = false;
 // A signal handler may touch it as it needs no lock; threads at work ask it.
 std::atomic<bool> g_interrupted = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
@@ -80,17 +81,23 @@ LogSink Console::log() const {
 }
 
 void Console::finish(nlohmann::json summary, std::string_view text) const {
+  std::ostream& stream = g_is_stdout_an_output ? std::cerr : std::cout;
   if (json_) {
     g_has_answered_machines = true;
     summary["warnings"] = warnings();
     // A file's name may be any bytes; JSON is UTF-8, and what is not becomes U+FFFD.
-    std::cout << summary.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    stream << summary.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   } else {
-    std::cout << text << '\n';
+    stream << text << '\n';
   }
-  std::cout.flush();
-  const bool is_silenced = std::cout.rdbuf() == nullptr;
-  if (!std::cout && !is_silenced) throw io_error("standard output", "cannot be written");
+  stream.flush();
+  const bool is_silenced = stream.rdbuf() == nullptr;
+  if (!stream && !is_silenced)
+    throw io_error(g_is_stdout_an_output ? "standard error" : "standard output", "cannot be written");
+}
+
+void leave_stdout_to_output() {
+  g_is_stdout_an_output = true;
 }
 
 AnswersAsTalk::AnswersAsTalk(const Console& console) : stdout_buffer_(std::cout.rdbuf()) {

@@ -34,8 +34,8 @@ class Console {
   const std::vector<std::string>& warnings() const { return *warnings_; }
 
   /// The end of a command: `summary` on stdout as JSON under --json, else `text` on stdout (even under
-  /// --quiet, which hushes talk and not answers). `summary`, an object, gets warnings() as "warnings". Throws
-  /// Error(kIo) when stdout cannot be written.
+  /// --quiet, which hushes talk and not answers); after leave_stdout_to_output() on stderr. `summary`, an
+  /// object, gets warnings() as "warnings". Throws Error(kIo) when stdout cannot be written.
   void finish(nlohmann::json summary, std::string_view text) const;
 
  private:
@@ -44,6 +44,10 @@ class Console {
   bool quiet_ = false;
   std::shared_ptr<std::vector<std::string>> warnings_ = std::make_shared<std::vector<std::string>>();
 };
+
+/// From now on answers go to stderr: stdout is a command's --output, or the file that it is sent to, and
+/// takes what is written there alone.
+void leave_stdout_to_output();
 
 /// Whether finish() answered in JSON: there is one answer.
 bool has_answered_machines();

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/staged_files.h"
+#include "console.h"
 
 namespace apriltrack::app {
 namespace {
@@ -78,10 +80,21 @@ bool is_same_file(const fs::path& a, const fs::path& b) {
   return written_file(a) == written_file(b);
 }
 
+/// By whatever name: /dev/stdout, /dev/fd/1, or the file that it is sent to.
+bool is_stdout(const fs::path& path) {
+  struct stat of_path {
+  }, of_stdout{}, of_nothing{};
+  if (::stat(path.c_str(), &of_path) != 0 || ::fstat(STDOUT_FILENO, &of_stdout) != 0) return false;
+  const bool is_nothing = ::stat("/dev/null", &of_nothing) == 0 && of_nothing.st_rdev == of_path.st_rdev &&
+                          S_ISCHR(of_path.st_mode);
+  return !is_nothing && of_path.st_dev == of_stdout.st_dev && of_path.st_ino == of_stdout.st_ino;
+}
+
 }  // namespace
 
 void check_output(const std::string& output, std::string_view option,
                   const std::vector<std::string>& inputs) {
+  if (is_stdout(output)) leave_stdout_to_output();
   if (output.empty()) throw invalid_input(option, "is empty: name the file to write");
   const fs::path path = output;
   const fs::path folder = written_file(path).parent_path();

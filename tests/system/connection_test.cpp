@@ -135,6 +135,9 @@ TEST_F(Connection, NothingGoesBesideAMapThatIsNoFile) {
   const ProgramRun run = run_program(to_stdout);
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_NE(run.out.find("observations: \"not written\""), std::string::npos) << run.out;
+  EXPECT_NE(run.err.find("residual"), std::string::npos) << "the summary is no part of the map: " << run.err;
+  write_text(path("piped.yaml"), run.out);
+  EXPECT_EQ(read_tag_map(path("piped.yaml")).tags.size(), 3u);
   EXPECT_FALSE(fs::exists("/dev/stdout.detections.csv"));
 }
 

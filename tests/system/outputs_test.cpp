@@ -184,6 +184,7 @@ TEST_F(Outputs, StandardOutputIsAddedToAndLinksStay) {
   const std::string text = read_text(log);
   EXPECT_EQ(text.substr(0, 8), "earlier\n");
   EXPECT_GT(std::count(text.begin(), text.end(), '\n'), 3);
+  EXPECT_EQ(text.find("frames"), std::string::npos) << "the summary is no part of the trajectory: " << text;
 
   fs::create_symlink("later.tum", folder_ / "link.tum");
   EXPECT_EQ(run_program(track(folder_ / "link.tum")).status, 0);
