@@ -15,8 +15,8 @@
 namespace apriltrack {
 namespace {
 
-// Of the tags that are mapped: where more had to go for the file's lens to do, it does not.
-constexpr double kMostTagsInstead = 0.25;
+// Of tags and of their views: where more had to go for the file's lens to do, it does not.
+constexpr double kMostInstead = 0.25;
 
 /// Looks at each tag for faults, and leaves out what cannot be trusted. Whether that is any.
 bool leave_out_faulty(const PartTask& task, const Part& part, const ParallelFor& parallel,
@@ -69,11 +69,16 @@ bool has_lens_near_file(const CameraRefinement& cameras) {
   return cameras.is_accepted && has_lens(cameras) && !is_far_from_file(cameras);
 }
 
-/// By the file's lens: few tags had to go, and without them the views ask for no other. num_tags: before.
-bool is_explained_by_tags(const ImprovedPart& by_file, std::size_t num_tags) {
-  const std::size_t num_left = by_file.solved.part.tags.size();
-  if (by_file.findings.empty() || num_left >= num_tags) return false;
-  if (static_cast<double>(num_tags - num_left) > kMostTagsInstead * static_cast<double>(num_tags))
+bool is_most_left(std::size_t left, std::size_t before) {
+  return static_cast<double>(left) >= (1.0 - kMostInstead) * static_cast<double>(before);
+}
+
+/// By the file's lens: few tags and views had to go, and without them the views ask for no other.
+bool is_explained_by_tags(const ImprovedPart& by_file, const Part& before) {
+  const Part& left = by_file.solved.part;
+  if (by_file.findings.empty() || left.tags.size() >= before.tags.size()) return false;
+  if (!is_most_left(left.tags.size(), before.tags.size()) ||
+      !is_most_left(left.views.size(), before.views.size()))
     return false;
   const BetterCameras& cameras = by_file.cameras;
   return !cameras.lens_not_taken && !(cameras.open && has_lens(*cameras.open));
@@ -87,11 +92,11 @@ std::optional<ImprovedPart> improved_by_file(const PartTask& task, const Part& p
   CalibrationOptions options = task.options;
   options.intrinsics = Intrinsics::kKeep;
   options.held_tag.reset();
-  const std::size_t num_tags = solved.part.tags.size();
+  const Part before = solved.part;
   try {
     ImprovedPart by_file = improve_once({task.observations, task.candidates, options}, part,
                                         std::move(solved), nullptr, observations, parallel, log);
-    if (is_explained_by_tags(by_file, num_tags)) return by_file;
+    if (is_explained_by_tags(by_file, before)) return by_file;
   } catch (const Error&) {  // there is a map by the other lens
   }
   return std::nullopt;
