@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <utility>
+
 #include "support/error_message.h"
 
 namespace apriltrack {
@@ -101,6 +103,51 @@ TEST(PictureSize, PicturesHalfAsLargeAreDoubted) {
 TEST(PictureSize, ACornerOfThePictureAloneIsNoDoubt) {
   std::vector<FrameDetections> frames = frames_of(300, 100);  // neither shape nor sides of a scaled picture
   EXPECT_THAT(check_picture_sizes(frames, rig_of(640, 480)), IsEmpty());
+}
+
+/// Three tags, before which the camera moves by `speed_px` a frame.
+std::vector<FrameDetections> frames_of_three(double speed_px) {
+  std::vector<FrameDetections> frames;
+  for (int i = 0; i < 40; ++i) {
+    frames.push_back({Timestamp{1000 + i}, "cam0", {}});
+    const double shift_px = speed_px * (i % 20);
+    int id = 0;
+    for (const auto& [left_px, top_px] : {std::pair(60.0, 40.0), {230.0, 280.0}, {420.0, 400.0}}) {
+      frames.back().detections.push_back(square_at(left_px + shift_px, top_px, 50.0));
+      frames.back().detections.back().tag.id = id++;
+    }
+  }
+  return frames;
+}
+
+/// As pictures of 1 / `scale` of the width have them, about the upper left corner of the first pixel.
+void shrink(FrameDetections& frame, double scale) {
+  for (Detection& detection : frame.detections)
+    for (Eigen::Vector2d& corner : detection.corners_px)
+      corner = ((corner.array() + 0.5) / scale - 0.5).matrix();
+}
+
+TEST(PictureSize, PicturesThatChangeTheirSizeAreRefused) {
+  for (const double scale : {1.25, 2.0}) {
+    std::vector<FrameDetections> shrinking = frames_of_three(6.0), growing = shrinking;
+    for (std::size_t i = 0; i < 40; ++i) shrink(i < 25 ? growing[i] : shrinking[i], scale);
+    for (const auto* frames : {&shrinking, &growing})
+      EXPECT_THAT(message_of([&] { check_picture_sizes(*frames, rig_of(640, 480)); }),
+                  AllOf(HasSubstr("change their size between 1024 and 1025 ns"), HasSubstr("640 x 480")))
+          << scale;
+  }
+}
+
+TEST(PictureSize, NoMovementLooksLikeAnotherSize) {
+  EXPECT_THAT(check_picture_sizes(frames_of_three(6.0), rig_of(640, 480)), IsEmpty());
+  EXPECT_THAT(check_picture_sizes(frames_of_three(9.0), rig_of(640, 480)), IsEmpty()) << "and back at once";
+  std::vector<FrameDetections> zoomed = frames_of_three(0.0);
+  for (std::size_t i = 20; i < 40; ++i) {
+    for (Detection& detection : zoomed[i].detections)
+      for (Eigen::Vector2d& corner : detection.corners_px)
+        corner = Eigen::Vector2d(320.0, 240.0) + 0.5 * (corner - Eigen::Vector2d(320.0, 240.0));
+  }
+  EXPECT_THAT(check_picture_sizes(zoomed, rig_of(640, 480)), IsEmpty()) << "half as large about the middle";
 }
 
 TEST(PictureSize, ACameraWithoutResolutionTakesAnyCorners) {

@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "mixed_pictures.h"
+#include "picture_scales.h"
 
 namespace apriltrack {
 namespace {
@@ -16,9 +17,6 @@ namespace {
 constexpr double kBeyondBorder =
     0.05;  ///< Of width and height: where detectors put corners that are cut off.
 constexpr double kStrayFrames = 0.05;
-/// By which pictures of one sensor differ: 640 x 480 to 800 x 600, 1024 x 768, 1280 x 960, ...
-constexpr std::array<double, 14> kScales = {1.25, 4.0 / 3.0, 1.5, 1.6, 5.0 / 3.0, 2.0, 2.25,
-                                            2.5,  8.0 / 3.0, 3.0, 4.0, 5.0,       6.0, 8.0};
 
 /// All corners of a frame lie in it.
 struct CornerBox {
@@ -92,7 +90,7 @@ std::optional<Eigen::Vector2i> scaled_size(const Camera& camera, double scale) {
 }
 
 std::string advice_on_larger(const Camera& camera, const Eigen::Vector2d& reach_px) {
-  for (const double scale : kScales) {
+  for (const double scale : kPictureScales) {
     const auto size = scaled_size(camera, scale);
     if (!size) continue;
     const Eigen::Vector2d share = reach_px.cwiseQuotient(size->cast<double>());
@@ -137,7 +135,7 @@ std::optional<std::string> smaller_picture(const Camera& camera, const std::vect
   if (boxes.size() < kManyFrames) return std::nullopt;
   CornerBox all;
   for (const CornerBox& box : boxes) all.add(box);
-  for (const double scale : kScales) {
+  for (const double scale : kPictureScales) {
     const auto size = scaled_size(camera, 1.0 / scale);
     if (!size) continue;
     const Eigen::Vector2d sides = size->cast<double>();
@@ -161,6 +159,10 @@ std::vector<std::string> check_picture_sizes(std::span<const FrameDetections> fr
   std::vector<std::string> warnings;
   for (const Camera& camera : rig.cameras) {
     if (camera.width <= 0 || camera.height <= 0) continue;
+    if (const auto change = change_of_picture_size(frames, camera)) {
+      const FrameDetections& after = *change->first_after;
+      throw invalid_input(place ? place(after, after.detections.front()) : "detections", change->words);
+    }
     const Sights sights = corners_of(frames, camera);
     if (!sights.first) {
       if (auto warning = smaller_picture(camera, sights.boxes)) warnings.push_back(std::move(*warning));

@@ -22,7 +22,8 @@ using DetectionPlace = std::function<std::string(const FrameDetections&, const D
 /// in `rig`, are passed over. place: names the detection in messages; by default by its time.
 ///
 /// Throws Error(kInvalidInput) when more than 5 % of a camera's frames are so, with the first such corner,
-/// the size stated and the size seen, and the intrinsics of pictures scaled so. Returns the warnings.
+/// the size stated and the size seen, and the intrinsics of pictures scaled so; and when they change their
+/// size from one frame to the next. frames: in the order of time. Returns the warnings.
 std::vector<std::string> check_picture_sizes(std::span<const FrameDetections> frames, const CameraRig& rig,
                                              const DetectionPlace& place = {});
 
