@@ -72,8 +72,7 @@ std::string open_cameras_in_words(const Observations& observations, const Better
                ? ""
                : fmt::format(
                      "the cameras look as if they sat at other places than the camera file's ({}): the map "
-                     "is "
-                     "without it, and its covariances count it. Check T_cn_cnm1, or take what fits by "
+                     "is without it, and its covariances count it. Check T_cn_cnm1, or take what fits by "
                      "--extrinsics refine",
                      fmt::join(places, "; "));
   const bool are_places_open = std::ranges::any_of(

@@ -2,65 +2,24 @@
 
 #include <algorithm>
 
-#include "calibrating.h"
+#include "filmed_cameras.h"
 
 // Cameras that are not as their file says, and detectors that put edges beside the true ones.
 
 namespace apriltrack {
 namespace {
 
+using test::by;
 using test::calibrate;
 using test::expect_truth;
-using test::SyntheticWorld;
+using test::film;
+using test::film_with_two_cameras;
+using test::Filmed;
+using test::move_edges_inward;
+using test::scale_focal_length;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-
-/// Corners as the true world shows them, with noise; and the world as a wrong camera file has it.
-struct Filmed {
-  SyntheticWorld truth, stated;
-  std::vector<FrameDetections> frames;
-};
-
-Filmed film(const Camera& camera, double sigma_px = 0.1, int num_frames = 120) {
-  Filmed result;
-  result.truth = test::make_room(14, num_frames, camera);
-  result.stated = result.truth;
-  result.frames = test::exact_detections(result.truth);
-  RandomStream random(41);
-  test::add_edge_noise(result.frames, sigma_px, -0.45, random);
-  return result;
-}
-
-void scale_focal_length(Camera& camera, double factor) {
-  Pinhole pinhole = camera.model.pinhole();
-  pinhole.fx *= factor;
-  pinhole.fy *= factor;
-  camera.model = CameraModel(pinhole, camera.model.distortion());
-}
-
-/// By hand: every edge moves along its normal, corners are where neighbours meet.
-void move_edges_inward(double inward_px, std::vector<FrameDetections>& frames) {
-  for (FrameDetections& frame : frames) {
-    for (Detection& detection : frame.detections) {
-      auto corners = detection.corners_px;
-      std::array<Eigen::Vector2d, 4> normals;
-      std::array<double, 4> offsets{};
-      const Eigen::Vector2d middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
-      for (std::size_t e = 0; e < 4; ++e) {
-        const Eigen::Vector2d along = (corners[(e + 1) % 4] - corners[e]).normalized();
-        normals[e] = {-along.y(), along.x()};
-        if (normals[e].dot(middle - corners[e]) < 0.0) normals[e] = -normals[e];
-        offsets[e] = normals[e].dot(corners[e]) + inward_px;
-      }
-      for (std::size_t c = 0; c < 4; ++c) {
-        Eigen::Matrix2d lines;
-        lines << normals[c].transpose(), normals[(c + 3) % 4].transpose();
-        detection.corners_px[c] = lines.inverse() * Eigen::Vector2d(offsets[c], offsets[(c + 3) % 4]);
-      }
-    }
-  }
-}
 
 const CameraCorrection* correction(const CalibrationResult& result, const std::string& parameter) {
   const auto found = std::ranges::find(result.corrections, parameter, &CameraCorrection::parameter);
@@ -115,74 +74,6 @@ TEST(CameraRefinement, FindsAWrongFocalLengthBesideATagOfAWrongSizeAndAnEdgeOffs
   EXPECT_NEAR(offset->value, 0.2, 5.0 * offset->sigma);
   EXPECT_LT(offset->sigma, 0.1);
   expect_truth(filmed.truth, result.map, result.held_tag, 0.02, 0.01);
-}
-
-double mean_normalised_error(const Filmed& filmed, const CalibrationResult& result) {
-  double largest = 0.0;
-  return test::mean_normalised_error(filmed.truth.map, result.held_tag, result.map, &largest);
-}
-
-double error_without_corrections(const Filmed& filmed, const CalibrationOptions& options) {
-  const CalibrationResult result = calibrate(filmed.stated, filmed.frames, options);
-  EXPECT_THAT(result.corrections, IsEmpty());
-  return mean_normalised_error(filmed, result);
-}
-
-/// Too few frames to hold some out: the map is made without the offset, and must know that it may be there.
-TEST(CameraRefinement, CountsAnEdgeOffsetThatFewFramesDoNotDecide) {
-  Filmed filmed = film(test::perspective_camera(), 0.05, 14);
-  const CalibrationOptions options{.corner_bias_px = 0.0, .edge_offset_sigma_px = 0.2};
-  const double without_offset = error_without_corrections(filmed, options);
-  EXPECT_GT(without_offset, 0.2) << "claims far less than it knows";  // 0.99; seven other seeds 0.44 to 1.14
-  EXPECT_LT(without_offset, 2.0);
-  move_edges_inward(0.1, filmed.frames);
-  const double counted = error_without_corrections(filmed, options);
-  EXPECT_GT(counted, 0.2);  // 0.84; seven other seeds 0.47 to 0.93
-  EXPECT_LT(counted, 2.0);
-  EXPECT_GT(error_without_corrections(filmed, {.corner_bias_px = 0.0}), 2.0 * counted)
-      << "it makes no difference";
-  EXPECT_THAT(calibrate(filmed.stated, filmed.frames, options).warnings,
-              ::testing::Contains(HasSubstr("corners look as if edges lay inside")));
-}
-
-/// Between the first tag and the last, 20 % too long.
-MapConstraint false_distance(const SyntheticWorld& world) {
-  const MapTag &a = world.map.tags.front(), &b = world.map.tags.back();
-  const double distance_m = 1.2 * (a.T_map_tag.translation() - b.T_map_tag.translation()).norm();
-  return {DistanceConstraint{a.key, b.key, distance_m, 0.001}};
-}
-
-TEST(CameraRefinement, IsInDoubtWhereConstraintsContradictAMapOfOpenEdges) {
-  Filmed filmed = film(test::perspective_camera(), 0.05, 14);
-  move_edges_inward(0.1, filmed.frames);
-  CalibrationOptions options{.corner_bias_px = 0.0, .edge_offset_sigma_px = 0.2};
-  options.constraints = {false_distance(filmed.truth)};
-  const std::string message =
-      test::error_of(ErrorKind::kNoResult, [&] { calibrate(filmed.stated, filmed.frames, options); });
-  EXPECT_THAT(message, HasSubstr("this is in doubt, and may be why: corners look as if edges lay inside"));
-}
-
-TEST(CameraRefinement, IsInDoubtWhereConstraintsContradictAMapByALensThatIsKept) {
-  Filmed filmed = film(test::perspective_camera());
-  scale_focal_length(filmed.stated.rig.cameras[0], 1.03);
-  CalibrationOptions options{.intrinsics = Intrinsics::kKeep};
-  options.constraints = {false_distance(filmed.truth)};
-  const std::string message =
-      test::error_of(ErrorKind::kNoResult, [&] { calibrate(filmed.stated, filmed.frames, options); });
-  EXPECT_THAT(message, HasSubstr("may be why: the camera file does not fit: with other intrinsics"));
-}
-
-TEST(CameraRefinement, CountsALensThatFewFramesDoNotDecide) {
-  Filmed filmed = film(test::perspective_camera(), 0.1, 12);
-  scale_focal_length(filmed.stated.rig.cameras[0], 1.04);
-  const CalibrationOptions options{.corner_bias_px = 0.0};
-  const double counted = error_without_corrections(filmed, options);
-  EXPECT_GT(counted, 0.2) << "claims far less than it knows";  // 0.70; seven other seeds 0.41 to 0.98
-  EXPECT_LT(counted, 3.0);
-  const CalibrationResult result = calibrate(filmed.stated, filmed.frames, options);
-  EXPECT_THAT(result.warnings, ::testing::Contains(HasSubstr("the views look as if the lens were another")));
-  ASSERT_FALSE(result.open_corrections.empty());
-  EXPECT_EQ(result.open_covariance.rows(), static_cast<Eigen::Index>(result.open_corrections.size()));
 }
 
 /// Cameras are tested and fitted side by side, tags looked at by several maps at once.
@@ -331,23 +222,6 @@ TEST(CameraRefinement, WarnsOfALensThatItIsToKeep) {
   EXPECT_THAT(result.corrections, IsEmpty());
 }
 
-Pose by(double x_m, double y_m, double z_m) {
-  return {Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(x_m, y_m, z_m)};
-}
-
-Filmed film_with_two_cameras(const Pose& T_cam1_cam0) {
-  Filmed filmed;
-  filmed.truth = test::make_room(14, 120, test::perspective_camera());
-  Camera second = test::perspective_camera("cam1");
-  second.T_this_previous = T_cam1_cam0;
-  filmed.truth.rig.cameras.push_back(second);
-  filmed.frames = test::exact_detections(filmed.truth);
-  RandomStream random(42);
-  test::add_edge_noise(filmed.frames, 0.1, -0.45, random);
-  filmed.stated = filmed.truth;
-  return filmed;
-}
-
 TEST(CameraRefinement, FindsWhereTheSecondCameraSits) {
   Filmed filmed = film_with_two_cameras(by(-0.12, 0.0, 0.0));
   filmed.stated.rig.cameras[1].T_this_previous = by(-0.125, 0.002, 0.0);
@@ -369,25 +243,6 @@ TEST(CameraRefinement, SaysThatTheRigDoesNotFit) {
   EXPECT_THAT(result.warnings, ::testing::Contains(::testing::AllOf(
                                    HasSubstr("the rig of the camera file does not fit"),
                                    HasSubstr("cam1 0.012 m"), HasSubstr("--extrinsics refine"))));
-}
-
-/// No rig is known to a hair, and a detector's edges make up for a baseline that is off: the scale follows.
-TEST(CameraRefinement, CountsABaselineThatIsALittleOff) {
-  Filmed filmed = film_with_two_cameras(by(-0.12, 0.0, 0.0));
-  const CalibrationOptions options{.corner_bias_px = 0.0, .edge_offset_sigma_px = 0.2};
-  for (const double off_m : {0.0, 0.0005, 0.002}) {
-    filmed.stated.rig.cameras[1].T_this_previous = by(-0.12 - off_m, 0.0, 0.0);
-    const CalibrationResult result = calibrate(filmed.stated, filmed.frames, options);
-    const double error = mean_normalised_error(filmed, result);
-    EXPECT_GT(error, 0.15) << off_m << " m: claims far less than it knows";
-    EXPECT_LT(error, 2.0) << off_m << " m";
-    if (off_m < 0.001) continue;
-    EXPECT_THAT(result.warnings, ::testing::Contains(::testing::AnyOf(
-                                     HasSubstr("the cameras look as if they sat at other places"),
-                                     HasSubstr("the rig of the camera file does not fit"))));
-    EXPECT_THAT(result.open_corrections,
-                ::testing::Contains(::testing::Field(&CameraCorrection::parameter, "translation x")));
-  }
 }
 
 /// One camera's file is of another lens; the other's is right, and stays.
