@@ -173,6 +173,13 @@ nlohmann::json told(const std::vector<CameraCorrection>& corrections) {
   return list;
 }
 
+nlohmann::json told(const PrintBatches& batches) {
+  return {{"larger", told_keys(batches.larger)},
+          {"smaller", told_keys(batches.smaller)},
+          {"log_ratio", batches.log_ratio},
+          {"sigma", batches.sigma}};
+}
+
 nlohmann::json told(const ResponseFindings& responses) {
   nlohmann::json list = nlohmann::json::array();
   for (const ResponseFinding& one : responses)
@@ -301,6 +308,8 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
   if (files.has_joint_covariance) summary["joint_covariance"] = a.joint_covariance;
   if (!responses.empty()) summary["responses"] = told(responses);
   if (refinement) summary["refinement"] = told(*refinement);
+  if (result.print_batches) summary["print_batches"] = told(*result.print_batches);
+  if (result.print_aspect) summary["print_aspect"] = *result.print_aspect;
   if (files.camera) summary["camera"] = files.camera->string();
   std::string text = fmt::format(
       "{} tags from {} of {} frames ({} unreadable); {} observations, {} rejected; residual {:.3f} px (rms "

@@ -131,6 +131,8 @@ void take_map(const Observations& observations, const PartSolution& solution,
   take_constraints(solution, result, findings);
   take_statistics(observations, solution, options, result);
   result.rig_poses = rig_poses(observations, solution);
+  result.print_batches = solution.print_batches;
+  result.print_aspect = solution.print_aspect;
 }
 
 }  // namespace apriltrack

@@ -110,6 +110,7 @@ void report_quality(const Observations& observations, const PartSolution& soluti
                     solution.part.tags.size(), options.max_tags_with_covariance));
   report_findings(observations, solution, findings);
   report_cameras(observations, solution, options, findings);
+  if (solution.print_batches) findings.warnings.push_back(words_of(*solution.print_batches));
   leave_out(observations, solution.undecided,
             "its views agree with two poses about equally well: film it from further aside, and nearer",
             findings);

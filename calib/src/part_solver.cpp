@@ -19,6 +19,7 @@
 #include "joint_tag_covariance.h"
 #include "lost_links.h"
 #include "part_adjustment.h"
+#include "print_errors.h"
 #include "reduced_equations.h"
 #include "rig_check.h"
 #include "split_links.h"
@@ -76,6 +77,19 @@ std::optional<SharedErrors> errors_of_cameras(const Observations& observations, 
   return SharedErrors(shared);
 }
 
+/// That are not in the noise.
+std::optional<SharedErrors> errors_of_all(const Observations& observations, const PartSolution& solution,
+                                          const std::vector<LinearView>& views,
+                                          const PoseInformation& poses) {
+  auto of_cameras = errors_of_cameras(observations, solution, views, poses);
+  const std::vector<ParameterView> columns =
+      errors_of_prints(observations, solution.part.views, solution.state, solution.print_batches,
+                       solution.print_aspect, aspects_of(solution.cameras.refined));
+  if (columns.empty()) return of_cameras;
+  const SharedErrors of_prints(poses.eliminate_poses(columns), 1.0 / solution.scale.noise_variance);
+  return of_cameras ? together(*of_cameras, of_prints) : of_prints;
+}
+
 /// Each frame anew, the tags as they are.
 void let_frames_follow(const Observations& observations, const Part& part, MapState& state) {
   constexpr int kMostSteps = 10;
@@ -104,6 +118,7 @@ void keep_to_constraints(const Observations& observations, const CovarianceOpera
   for (const TagFinding& finding : solution.findings)
     if (finding.may_fold_map) map.doubts.push_back(finding.words);
   std::ranges::move(doubts_of_cameras(observations, solution.cameras), std::back_inserter(map.doubts));
+  if (solution.print_batches) map.doubts.push_back(words_of(*solution.print_batches));
   solution.constrained = constrain_map(solution.constraints, map, joint);
   keep_to(solution.constrained->change, solution.joint);
   solution.state.T_map_tag = solution.constrained->T_map_tag;
@@ -122,7 +137,10 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
                     "with others");
   const double bias = options.corner_bias_px / options.corner_sigma_px;
   solution.scale = error_scale(views, *poses, bias * bias);
-  const auto shared = errors_of_cameras(observations, solution, views, *poses);
+  solution.print_batches = find_print_batches(observations, solution.part.views, solution.state,
+                                              solution.part.tags, *poses, solution.scale);
+  solution.print_aspect = find_print_aspect(solution.cameras);
+  const auto shared = errors_of_all(observations, solution, views, *poses);
   solution.covariances = tag_covariances(*poses, solution.part.tags, shared);
   scale_by(solution.scale, solution.covariances);
   if (solution.part.tags.size() <= static_cast<std::size_t>(options.max_tags_with_joint_covariance)) {

@@ -6,6 +6,7 @@
 
 #include "better_cameras.h"
 #include "constrained_map.h"
+#include "print_batches.h"
 #include "tag_covariance.h"
 #include "tag_examination.h"
 
@@ -29,7 +30,9 @@ struct PartSolution {
   std::vector<std::size_t> rejected_at_rest;  ///< Rejected views from places where the camera stood.
   std::vector<int> culprits;                  ///< Left out, for the frames contradict each other with them.
   BetterCameras cameras;
-  bool are_cameras_given = false;  ///< Of another part: these views had no share in them.
+  std::optional<PrintBatches> print_batches;
+  std::optional<double> print_aspect;  ///< If it is not the lenses (find_print_aspect).
+  bool are_cameras_given = false;      ///< Of another part: these views had no share in them.
   std::vector<TagFinding> findings;
   std::vector<int> undecided;     ///< Left out, for the views leave them two poses, and no fault says why.
   std::vector<int> contradicted;  ///< Left out, for most of their views were rejected.

@@ -14,6 +14,17 @@ void add(PoseInformation::Blocks& blocks, Eigen::Index offset, const Matrix6x8d&
 
 }  // namespace
 
+std::vector<ParameterView> beside(std::vector<ParameterView> some, const std::vector<ParameterView>& more) {
+  if (some.empty() || more.empty()) return some.empty() ? more : some;
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    Eigen::MatrixXd both(some[i].by_parameter.rows(),
+                         some[i].by_parameter.cols() + more[i].by_parameter.cols());
+    both << some[i].by_parameter, more[i].by_parameter;
+    some[i].by_parameter = std::move(both);
+  }
+  return some;
+}
+
 std::optional<PoseInformation> PoseInformation::of(const std::vector<LinearView>& views,
                                                    const std::vector<int>& tags, int held_tag) {
   PoseInformation information(views);

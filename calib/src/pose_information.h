@@ -16,6 +16,9 @@ struct ParameterView {
   Eigen::Index first = 0;  ///< Of the parameters that the view depends on, side by side.
 };
 
+/// Of the same views, each of which depends on all of them; either may be empty.
+std::vector<ParameterView> beside(std::vector<ParameterView> some, const std::vector<ParameterView>& more);
+
 /// What the views say of such parameters when all poses follow them: the normal equations
 /// information * parameters = -gradient that are left when the poses are eliminated.
 struct ParameterInformation {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "constrained_map.h"
+#include "errors_from_corners.h"
 #include "joint_tag_covariance.h"
-#include "picture_cameras.h"
 #include "tag_flags.h"
 #include "words.h"
 
@@ -59,18 +59,19 @@ class RefinedPlaces {
     const auto poses = PoseInformation::of(views, tags_, anchor_);
     if (!poses) return "the pictures leave places of tags undetermined";
     const ErrorScale scale = error_scale(views, *poses, options.picture_bias_px * options.picture_bias_px);
-    const auto cameras = errors_of_cameras(calibration_, input_.scene, state, views, *poses, scale);
-    Covariances covariances{tag_covariances(*poses, tags_, cameras), {}};
+    const auto shared = errors_from_corners(calibration_, input_.scene, keys_of_scene(result.map), state,
+                                            views, *poses, scale);
+    Covariances covariances{tag_covariances(*poses, tags_, shared), {}};
     covariances.constrained.resize(tags_.size());
     scale_by(scale, covariances.in_pictures);
-    if (!calibration_.evidence.joint.is_empty()) take_joint(*poses, scale, cameras, result);
+    if (!calibration_.evidence.joint.is_empty()) take_joint(*poses, scale, shared, result);
     if (!is_held_tag_refined()) add_error_of_anchor(covariances, result);
     for (std::size_t i = 0; i < tags_.size(); ++i)
       map_tag(tags_[i], result.map).covariance =
           covariances.in_pictures[i].by_noise + covariances.in_pictures[i].by_bias;
     if (!calibration_.constraints.empty()) {
       try {
-        keep_to_constraints(CovarianceOperator(*poses, scale, cameras), covariances, result);
+        keep_to_constraints(CovarianceOperator(*poses, scale, shared), covariances, result);
       } catch (const ConstraintError& error) {  // the pictures claim more than the corners do
         return contradiction_in_words(error);
       }
@@ -81,6 +82,12 @@ class RefinedPlaces {
 
  private:
   MapTag& map_tag(int place, TagMap& map) const { return refined_.in(map, place); }
+  std::vector<TagKey> keys_of_scene(TagMap& map) const {
+    std::vector<TagKey> keys;
+    for (std::size_t place = 0; place < input_.map_index.size(); ++place)
+      keys.push_back(map_tag(static_cast<int>(place), map).key);
+    return keys;
+  }
   bool is_held_tag_refined() const { return anchor_ == input_.held_tag; }
 
   /// Where the held tag has no pictures to be used, places rest on another one, and on what the corners say
@@ -99,13 +106,13 @@ class RefinedPlaces {
   }
 
   void take_joint(const PoseInformation& poses, const ErrorScale& scale,
-                  const std::optional<SharedErrors>& cameras, RefinementResult& result) const {
+                  const std::optional<SharedErrors>& shared, RefinementResult& result) const {
     std::vector<int> tags = tags_;
     if (!is_held_tag_refined() && input_.held_tag >= 0)  // its rows are zero
       tags.insert(std::ranges::lower_bound(tags, input_.held_tag), input_.held_tag);
     std::vector<TagKey> keys;
     for (const int tag : tags) keys.push_back(map_tag(tag, result.map).key);
-    result.joint = joint_tag_covariance(poses, tags, std::move(keys), scale, cameras);
+    result.joint = joint_tag_covariance(poses, tags, std::move(keys), scale, shared);
     // What more views would bring is reckoned for their corners.
     result.joint.noise_variance = calibration_.evidence.joint.noise_variance;
     result.joint.are_errors_of_corners = true;

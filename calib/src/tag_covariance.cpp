@@ -60,6 +60,28 @@ SharedErrors::SharedErrors(const ParameterInformation& information, double varia
       covariance(variance * Eigen::MatrixXd::Identity(poses_by_parameter.cols(), poses_by_parameter.cols())) {
 }
 
+SharedErrors together(const SharedErrors& a, const SharedErrors& b) {
+  const Eigen::Index of_a = a.covariance.rows(), of_b = b.covariance.rows();
+  SharedErrors both = a;
+  both.poses_by_parameter.resize(a.poses_by_parameter.rows(), of_a + of_b);
+  both.poses_by_parameter << a.poses_by_parameter, b.poses_by_parameter;
+  both.covariance = Eigen::MatrixXd::Zero(of_a + of_b, of_a + of_b);
+  both.covariance.topLeftCorner(of_a, of_a) = a.covariance;
+  both.covariance.bottomRightCorner(of_b, of_b) = b.covariance;
+  both.parameters_by_errors.clear();
+  const auto add = [&](const SharedErrors& one, Eigen::Index first) {
+    for (const auto& [tag, errors] : one.parameters_by_errors) {
+      Eigen::MatrixXd& all =
+          both.parameters_by_errors.try_emplace(tag, Eigen::MatrixXd::Zero(of_a + of_b, errors.cols()))
+              .first->second;
+      all.middleRows(first, errors.rows()) = errors;
+    }
+  };
+  add(a, 0);
+  add(b, of_a);
+  return both;
+}
+
 std::vector<TagCovariance> tag_covariances(const PoseInformation& poses, const std::vector<int>& tags,
                                            const std::optional<SharedErrors>& shared) {
   constexpr Eigen::Index kTagsAtOnce = 16;  // of the inverse: few enough to be small, enough to be fast

@@ -38,6 +38,9 @@ struct SharedErrors {
   std::map<int, Eigen::MatrixXd> parameters_by_errors;
 };
 
+/// Of parameters that were estimated independently of each other.
+SharedErrors together(const SharedErrors& a, const SharedErrors& b);
+
 /// In the order of `tags`: what ceres::Covariance gives, at a cost that a thousand frames do not raise. Only
 /// the system of the tags is inverted, a few columns at a time.
 std::vector<TagCovariance> tag_covariances(const PoseInformation& poses, const std::vector<int>& tags,

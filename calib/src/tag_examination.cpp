@@ -14,6 +14,7 @@
 
 #include "apriltrack/base/error.h"
 #include "part_without.h"
+#include "print_batches.h"
 #include "rivals.h"
 #include "tag_moves.h"
 #include "tag_shapes.h"
@@ -101,8 +102,11 @@ std::optional<TagFinding> find_hidden_fault(const PartTask& task, const Adjusted
                                             const ParallelFor& parallel) {
   auto move = find_hidden_move(task, sound, parallel);
   auto shape = find_odd_shape(task, sound);
-  if (!move || !shape) return move ? move : shape;
-  return move->explained > shape->explained ? move : shape;
+  auto& finding = !shape || (move && move->explained > shape->explained) ? move : shape;
+  if (!finding) return std::nullopt;
+  // Where two prints meet, a tag of either looks as if it had another size, or had moved.
+  const auto batches = find_print_batches(task, sound);
+  return batches && batches->explained > finding->explained ? std::nullopt : finding;
 }
 
 /// Tags that were found bent stay in the map; but others are held against a map without them.

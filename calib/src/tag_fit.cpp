@@ -159,12 +159,19 @@ TagFit best_proposal(const std::vector<ProbeView>& views, double size_m) {
 }
 }  // namespace
 
-Eigen::Matrix<double, 8, 3> residual_by_shape(const ProbeView& probe, const Pose& T_map_tag, double size_m) {
+Eigen::Matrix<double, 8, 3> residual_by_shape(const Observations& observations, const TagView& view,
+                                              const MapState& state) {
+  const auto tag = static_cast<std::size_t>(view.tag);
+  ProbeView probe;
+  probe.view = &view;
+  probe.camera = &state.cameras[static_cast<std::size_t>(view.camera)];
+  probe.T_map_rig = state.T_map_rig[static_cast<std::size_t>(view.frame)];
+  probe.whitening = whitening(view, state);
+  TagShape shape;
+  shape.size_m = observations.sizes_m[tag];
   Vector8d residual;
   Matrix8x9d jacobian = Matrix8x9d::Zero();
-  TagShape shape;
-  shape.size_m = size_m;
-  if (!probe_residual(probe, T_map_tag, shape, &residual, &jacobian)) jacobian.setZero();
+  if (!probe_residual(probe, state.T_map_tag[tag], shape, &residual, &jacobian)) jacobian.setZero();
   return jacobian.rightCols<3>();
 }
 

@@ -44,7 +44,8 @@ TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom f
 TagFit fit_tag_anew(const std::vector<ProbeView>& views, double size_m);
 /// The whitened residual's derivatives by a tag's scale, aspect and twist, where it is as stated; zero where
 /// the tag cannot be projected.
-Eigen::Matrix<double, 8, 3> residual_by_shape(const ProbeView& probe, const Pose& T_map_tag, double size_m);
+Eigen::Matrix<double, 8, 3> residual_by_shape(const Observations& observations, const TagView& view,
+                                              const MapState& state);
 /// Of one view.
 double probe_cost(const ProbeView& view, const Pose& T_map_tag, const TagShape& shape);
 /// What a view costs that errs as expected.

@@ -49,19 +49,10 @@ struct ShapeEstimate {
 
 /// How the tag's views, linearised, depend on the three numbers of its shape.
 std::vector<ParameterView> shape_columns(const PartTask& task, const AdjustedPart& solved, int tag) {
-  const auto t = static_cast<std::size_t>(tag);
   std::vector<ParameterView> columns;
   for (std::size_t i = 0; i < solved.part.views.size(); ++i) {
     const TagView& view = task.observations.views[solved.part.views[i]];
-    if (view.tag != tag) continue;
-    const auto frame = static_cast<std::size_t>(view.frame);
-    const ProbeView probe{&view,
-                          &solved.state.cameras[static_cast<std::size_t>(view.camera)],
-                          true,
-                          solved.state.T_map_rig[frame],
-                          task.observations.frames[frame],
-                          whitening(view, solved.state)};
-    columns.push_back({i, residual_by_shape(probe, solved.state.T_map_tag[t], task.observations.sizes_m[t])});
+    if (view.tag == tag) columns.push_back({i, residual_by_shape(task.observations, view, solved.state)});
   }
   return columns;
 }

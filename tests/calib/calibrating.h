@@ -61,4 +61,16 @@ inline double mean_normalised_error(const TagMap& truth, const TagKey& held, con
   return sum / static_cast<double>(map.tags.size() - 1);
 }
 
+inline double mean_normalised_error(const SyntheticWorld& truth, const CalibrationResult& result) {
+  double largest = 0.0;
+  return mean_normalised_error(truth.map, result.held_tag, result.map, &largest);
+}
+
+/// Between the first tag and the last, 20 % too long.
+inline MapConstraint false_distance(const SyntheticWorld& world) {
+  const MapTag &a = world.map.tags.front(), &b = world.map.tags.back();
+  const double distance_m = 1.2 * (a.T_map_tag.translation() - b.T_map_tag.translation()).norm();
+  return {DistanceConstraint{a.key, b.key, distance_m, 0.001}};
+}
+
 }  // namespace apriltrack::test

@@ -209,6 +209,36 @@ TEST(TagCovariance, AgreesWithThePseudoinverseOfAllEquations) {
   }
 }
 
+/// By which all poses move alike.
+SharedErrors alike(const PoseInformation& poses, Eigen::Index num, double follow, double variance) {
+  ParameterInformation information;
+  information.poses_by_parameter = Eigen::MatrixXd::Constant(poses.size(), num, follow);
+  return {information, variance};
+}
+
+TEST(TagCovariance, AddsErrorsThatAreIndependentOfEachOther) {
+  const SyntheticWorld world = test::make_room(6, 30, test::perspective_camera());
+  const Observations observations = observations_of(world, test::exact_detections(world));
+  const std::vector<LinearView> views =
+      corner_views(observations, all_views(observations), true_state(world, observations));
+  const std::vector<int> tags = {0, 1, 2, 3, 4, 5};
+  const auto poses = PoseInformation::of(views, tags, 0);
+  ASSERT_TRUE(poses);
+  SharedErrors a = alike(*poses, 2, 0.3, 4.0);
+  a.parameters_by_errors[1] = Eigen::MatrixXd::Constant(2, 8, 0.2);
+  const SharedErrors b = alike(*poses, 1, 0.7, 0.5);
+  const auto none = tag_covariances(*poses, tags), of_a = tag_covariances(*poses, tags, a),
+             of_b = tag_covariances(*poses, tags, b);
+  for (const SharedErrors& both : {together(a, b), together(b, a)}) {
+    const auto sum = tag_covariances(*poses, tags, both);
+    for (std::size_t i = 1; i < tags.size(); ++i) {
+      const Matrix6d expected = of_a[i].by_noise + of_b[i].by_noise - none[i].by_noise;
+      EXPECT_LT((sum[i].by_noise - expected).norm(), 1e-9 * expected.norm());
+      EXPECT_LT((sum[i].by_bias - of_a[i].by_bias).norm(), 1e-9 * of_a[i].by_bias.norm());
+    }
+  }
+}
+
 TEST(TagCovariance, IsRefusedWhenATagHangsInTheAir) {
   const SyntheticWorld world = test::make_room(7, 16, test::equidistant_camera());
   const Observations observations = observations_of(world, test::exact_detections(world));

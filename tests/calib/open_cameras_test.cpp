@@ -18,15 +18,10 @@ using test::SyntheticWorld;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-double mean_normalised_error(const Filmed& filmed, const CalibrationResult& result) {
-  double largest = 0.0;
-  return test::mean_normalised_error(filmed.truth.map, result.held_tag, result.map, &largest);
-}
-
 double error_without_corrections(const Filmed& filmed, const CalibrationOptions& options) {
   const CalibrationResult result = calibrate(filmed.stated, filmed.frames, options);
   EXPECT_THAT(result.corrections, IsEmpty());
-  return mean_normalised_error(filmed, result);
+  return test::mean_normalised_error(filmed.truth, result);
 }
 
 /// Too few frames to hold some out: the map is made without the offset, and must know that it may be there.
@@ -46,18 +41,11 @@ TEST(OpenCameras, CountsAnEdgeOffsetThatFewFramesDoNotDecide) {
               ::testing::Contains(HasSubstr("corners look as if edges lay inside")));
 }
 
-/// Between the first tag and the last, 20 % too long.
-MapConstraint false_distance(const SyntheticWorld& world) {
-  const MapTag &a = world.map.tags.front(), &b = world.map.tags.back();
-  const double distance_m = 1.2 * (a.T_map_tag.translation() - b.T_map_tag.translation()).norm();
-  return {DistanceConstraint{a.key, b.key, distance_m, 0.001}};
-}
-
 TEST(OpenCameras, IsInDoubtWhereConstraintsContradictAMapOfOpenEdges) {
   Filmed filmed = film(test::perspective_camera(), 0.05, 14);
   move_edges_inward(0.1, filmed.frames);
   CalibrationOptions options{.corner_bias_px = 0.0, .edge_offset_sigma_px = 0.2};
-  options.constraints = {false_distance(filmed.truth)};
+  options.constraints = {test::false_distance(filmed.truth)};
   const std::string message =
       test::error_of(ErrorKind::kNoResult, [&] { calibrate(filmed.stated, filmed.frames, options); });
   EXPECT_THAT(message, HasSubstr("this is in doubt, and may be why: corners look as if edges lay inside"));
@@ -67,7 +55,7 @@ TEST(OpenCameras, IsInDoubtWhereConstraintsContradictAMapByALensThatIsKept) {
   Filmed filmed = film(test::perspective_camera());
   scale_focal_length(filmed.stated.rig.cameras[0], 1.03);
   CalibrationOptions options{.intrinsics = Intrinsics::kKeep};
-  options.constraints = {false_distance(filmed.truth)};
+  options.constraints = {test::false_distance(filmed.truth)};
   const std::string message =
       test::error_of(ErrorKind::kNoResult, [&] { calibrate(filmed.stated, filmed.frames, options); });
   EXPECT_THAT(message, HasSubstr("may be why: the camera file does not fit: with other intrinsics"));
@@ -93,7 +81,7 @@ TEST(OpenCameras, CountsABaselineThatIsALittleOff) {
   for (const double off_m : {0.0, 0.0005, 0.002}) {
     filmed.stated.rig.cameras[1].T_this_previous = by(-0.12 - off_m, 0.0, 0.0);
     const CalibrationResult result = calibrate(filmed.stated, filmed.frames, options);
-    const double error = mean_normalised_error(filmed, result);
+    const double error = test::mean_normalised_error(filmed.truth, result);
     EXPECT_GT(error, 0.15) << off_m << " m: claims far less than it knows";
     EXPECT_LT(error, 2.0) << off_m << " m";
     if (off_m < 0.001) continue;

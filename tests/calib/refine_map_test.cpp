@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -170,6 +171,50 @@ TEST(RefinedMap, FollowsErrorsOfALensThatWasEstimatedWithIt) {
   const auto row = *estimated.joint.row_of(key);
   EXPECT_LT((estimated.joint.block(row, row) - *estimated.map.find(key)->covariance).norm(),
             1e-9 * estimated.map.find(key)->covariance->norm());
+}
+
+TEST(RefinedMap, FollowsPrintsThatMayNotBeAsStated) {
+  // The share of the covariances, against maps refined with the sizes of either print moved both ways.
+  const FilmedRoom& filmed = FilmedRoom::once();
+  constexpr double kLogRatio = 0.002;
+  const CalibrationResult& given = filmed.by_corners;
+  CalibrationResult doubted = given;
+  PrintBatches batches{{}, {}, kLogRatio, 0.0002};
+  for (std::size_t i = 0; i < given.map.tags.size(); ++i)
+    (i % 2 == 0 ? batches.larger : batches.smaller).push_back(given.map.tags[i].key);
+  doubted.print_batches = batches;
+  const auto refined_with = [&](std::size_t print, double log_size) {
+    CalibrationResult moved = given;
+    for (std::size_t i = print; i < moved.map.tags.size(); i += 2)
+      moved.map.tags[i].size_m *= std::exp(log_size);
+    const RefinementResult result = refine_map(moved, filmed.frames, moved.rig, {});
+    EXPECT_TRUE(result.is_accepted) << result.reason;
+    return result.map;
+  };
+  const std::array<TagMap, 2> larger = {refined_with(0, kLogRatio), refined_with(1, kLogRatio)};
+  const std::array<TagMap, 2> smaller = {refined_with(0, -kLogRatio), refined_with(1, -kLogRatio)};
+  const RefinementResult exact = refine_map(given, filmed.frames, given.rig, {});
+  const RefinementResult result = refine_map(doubted, filmed.frames, given.rig, {});
+  ASSERT_TRUE(exact.is_accepted && result.is_accepted) << exact.reason << result.reason;
+
+  double expected2 = 0.0, squared_difference = 0.0;
+  for (const MapTag& tag : exact.map.tags) {
+    double of_tag2 = 0.0;
+    for (std::size_t print = 0; print < 2; ++print) {
+      const Vector6d by_size =
+          0.5 *
+          (smaller[print].find(tag.key)->T_map_tag.inverse() * larger[print].find(tag.key)->T_map_tag).log();
+      of_tag2 += norm_m(by_size) * norm_m(by_size);
+    }
+    const Matrix6d added = *result.map.find(tag.key)->covariance - *tag.covariance;
+    const double added_m =
+        std::sqrt(added.topLeftCorner<3, 3>().trace() + 0.25 * added.bottomRightCorner<3, 3>().trace());
+    expected2 += of_tag2;
+    squared_difference += std::pow(added_m - std::sqrt(of_tag2), 2);
+  }
+  EXPECT_GT(std::sqrt(expected2 / static_cast<double>(exact.map.tags.size())), 1e-3);
+  // A size is counted by the rim of a tag, and pictures weigh its inside as well: .12.
+  EXPECT_LT(std::sqrt(squared_difference / expected2), 0.2);
 }
 
 TEST(RefinedMap, FlagsTagsByTheirPictures) {

@@ -53,6 +53,9 @@ TEST(CsvTable, RefusesWrongTables) {
   EXPECT_THAT(message_of([] { read("a,b\n1\n"); }), HasSubstr("t.csv:2: has 1 fields"));
   EXPECT_THAT(message_of([] { read("\na,b\n1,2\n", {"c"}); }),
               AllOf(HasSubstr("t.csv:2: the column 'c' is missing"), HasSubstr("a, b")));
+  EXPECT_THAT(message_of([] { read("apriltrack_map: 1\npose: [1, 2]\n", {"t"}); }),
+              AllOf(HasSubstr("t.csv:1: the column 't' is missing"), HasSubstr("apriltrack_map: 1")))
+      << "of another file the first line tells";
   EXPECT_THAT(message_of([] { read("a,b,a\n"); }), HasSubstr("t.csv:1: the column 'a' stands twice"));
   EXPECT_THAT(
       message_of([] {

@@ -50,7 +50,7 @@ void for_each_line(std::string_view text, const Function& function) {
   }
 }
 
-/// What other programs write in place of a header that this reader knows.
+/// Before any row is read: other files, and what other programs write, differ here first.
 void require_header(const std::string& where, const std::vector<std::string>& header,
                     const std::vector<std::string>& required_columns) {
   const std::string example = fmt::format("{}", fmt::join(required_columns, ","));
@@ -61,6 +61,15 @@ void require_header(const std::string& where, const std::vector<std::string>& he
     throw invalid_input(
         where,
         fmt::format("the first line is no header, for it has numbers: begin with one such as {}", example));
+  for (auto name = header.begin(); name != header.end(); ++name) {
+    if (std::find(header.begin(), name, *name) != name)
+      throw invalid_input(where, fmt::format("the column '{}' stands twice in the header", *name));
+  }
+  for (const std::string& name : required_columns) {
+    if (std::ranges::find(header, name) == header.end())
+      throw invalid_input(
+          where, fmt::format("the column '{}' is missing; the header has {}", name, fmt::join(header, ", ")));
+  }
 }
 
 }  // namespace
@@ -75,6 +84,7 @@ CsvTable CsvTable::read_file(const std::filesystem::path& path,
     if (header_line == 0) {
       header_line = number;
       table.header_ = split_header(line);
+      require_header(fmt::format("{}:{}", table.name_, number), table.header_, required_columns);
       return;
     }
     Row row{number, split_fields(line)};
@@ -88,17 +98,6 @@ CsvTable CsvTable::read_file(const std::filesystem::path& path,
   if (header_line == 0) {
     throw invalid_input(table.name_, fmt::format("is empty; it must begin with a header line such as {}",
                                                  fmt::join(required_columns, ",")));
-  }
-  const std::string where = fmt::format("{}:{}", table.name_, header_line);
-  require_header(where, table.header_, required_columns);
-  for (auto name = table.header_.begin(); name != table.header_.end(); ++name) {
-    if (std::find(table.header_.begin(), name, *name) != name)
-      throw invalid_input(where, fmt::format("the column '{}' stands twice in the header", *name));
-  }
-  for (const std::string& name : required_columns) {
-    if (!table.has_column(name))
-      throw invalid_input(where, fmt::format("the column '{}' is missing; the header has {}", name,
-                                             fmt::join(table.header_, ", ")));
   }
   return table;
 }

@@ -81,6 +81,14 @@ struct CameraCorrection {
   double sigma = 0.0;     ///< Of lengths and ratios a share of what the camera has now.
 };
 
+/// Tags that look like two prints of different size: alike among themselves, and one larger than the other.
+struct PrintBatches {
+  std::vector<TagKey> larger, smaller;
+  double log_ratio = 0.0;  ///< Of the one to the other, beside what their stated sizes say.
+  double sigma = 0.0;
+  double explained = 0.0;  ///< Half the squares of the residuals, in units of the noise.
+};
+
 struct CalibrationResult {
   TagMap map;  ///< The part with the held tag; tags in the order of their keys.
   std::vector<TagMap>
@@ -111,6 +119,11 @@ struct CalibrationResult {
   /// it.
   std::vector<CameraCorrection> open_corrections;
   Eigen::MatrixXd open_covariance;  ///< About the cameras as they are, in the order and units of these.
+  /// The map is by the stated sizes, and its covariances count that either print may be as stated.
+  std::optional<PrintBatches> print_batches;
+  /// By how much tags may be printed wider than high, if the lenses' fy / fx is not what it looks like; it is
+  /// in the covariances.
+  std::optional<double> print_aspect;
   /// At the moments that `map` rests on, in the order of time.
   std::vector<RigPose> rig_poses;
   MapEvidence evidence;                              ///< What `map` rests on.

@@ -1,8 +1,9 @@
-#include "picture_cameras.h"
+#include "errors_from_corners.h"
 
 #include <utility>
 
 #include "camera_parameters.h"
+#include "print_errors.h"
 
 namespace apriltrack {
 namespace {
@@ -15,9 +16,11 @@ struct PictureCorners {
 };
 
 PictureCorners corners_of(const CalibrationResult& calibration, const PhotometricScene& scene,
-                          const PhotometricState& state, const std::vector<LinearView>& views) {
+                          const std::vector<TagKey>& keys, const PhotometricState& state,
+                          const std::vector<LinearView>& views) {
   PictureCorners corners;
   Observations& seen = corners.observations;
+  seen.tags = keys;
   for (std::size_t c = 0; c < scene.cameras.size(); ++c)
     seen.cameras.push_back(
         {scene.cameras[c].model, scene.T_camera_rig[c], 0.0, calibration.rig.cameras[c].name});
@@ -56,22 +59,46 @@ Estimated estimated_cameras(const CalibrationResult& calibration, const std::vec
   return estimated;
 }
 
-}  // namespace
-
-std::optional<SharedErrors> errors_of_cameras(const CalibrationResult& calibration,
-                                              const PhotometricScene& scene, const PhotometricState& state,
-                                              const std::vector<LinearView>& views,
-                                              const PoseInformation& poses, const ErrorScale& scale) {
-  if (calibration.corrections.empty() && calibration.open_corrections.empty()) return std::nullopt;
-  const PictureCorners corners = corners_of(calibration, scene, state, views);
+/// None where pictures follow no camera.
+std::vector<ParameterView> columns_of_cameras(const CalibrationResult& calibration,
+                                              const PictureCorners& corners) {
+  if (calibration.corrections.empty() && calibration.open_corrections.empty()) return {};
   const Estimated cameras = estimated_cameras(calibration, corners.observations.cameras);
-  if (cameras.parameters.empty()) return std::nullopt;
-  std::vector<ParameterView> columns = with_independent_errors(
+  if (cameras.parameters.empty()) return {};
+  return with_independent_errors(
       camera_columns(corners.observations, corners.numbers, corners.state, cameras.parameters),
       cameras.covariance);
+}
+
+/// That were refined: pictures take them as they are.
+std::vector<CameraParameter> refined_aspects(const CalibrationResult& calibration,
+                                             const std::vector<RigCamera>& cameras) {
+  std::vector<CameraParameter> aspects;
+  for (const CameraCorrection& correction : calibration.corrections) {
+    const auto parameter = parameter_of(correction, cameras);
+    if (parameter && parameter->kind == CameraParameter::Kind::kAspect) aspects.push_back(*parameter);
+  }
+  return aspects;
+}
+
+}  // namespace
+
+std::optional<SharedErrors> errors_from_corners(const CalibrationResult& calibration,
+                                                const PhotometricScene& scene,
+                                                const std::vector<TagKey>& keys,
+                                                const PhotometricState& state,
+                                                const std::vector<LinearView>& views,
+                                                const PoseInformation& poses, const ErrorScale& scale) {
+  const PictureCorners corners = corners_of(calibration, scene, keys, state, views);
+  const Observations& seen = corners.observations;
+  std::vector<ParameterView> columns =
+      beside(columns_of_cameras(calibration, corners),
+             errors_of_prints(seen, corners.numbers, corners.state, calibration.print_batches,
+                              calibration.print_aspect, refined_aspects(calibration, seen.cameras)));
+  if (columns.empty()) return std::nullopt;
   for (ParameterView& column : columns)
     column.by_parameter = (views[column.view].by_error * column.by_parameter).eval();
-  // The scale turns one into the variance of the noise, which that of the cameras already has.
+  // The scale turns one into the variance of the noise, which these errors already have.
   return SharedErrors(poses.eliminate_poses(columns), 1.0 / scale.noise_variance);
 }
 

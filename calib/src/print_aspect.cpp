@@ -1,0 +1,68 @@
+#include "print_aspect.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tag_fit.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kPixelsAreSquare = 0.003;
+constexpr double kClearlyNot = 3.0;  // standard deviations
+
+}  // namespace
+
+std::optional<double> find_print_aspect(const CameraRefinement& cameras) {
+  double sum = 0.0;
+  int count = 0;
+  for (const EstimatedParameter& one : cameras.estimates) {
+    if (one.parameter.kind != CameraParameter::Kind::kAspect) continue;
+    if (std::abs(one.value) < std::max(kPixelsAreSquare, kClearlyNot * one.sigma)) return std::nullopt;
+    if (sum * one.value < 0.0) return std::nullopt;  // one print cannot be both
+    sum += one.value;
+    ++count;
+  }
+  return count > 0 ? std::optional(-sum / count) : std::nullopt;
+}
+
+std::optional<double> find_print_aspect(const BetterCameras& cameras) {
+  if (!aspects_of(cameras.refined).empty()) return find_print_aspect(cameras.refined);
+  return cameras.open ? find_print_aspect(*cameras.open) : std::nullopt;
+}
+
+std::vector<CameraParameter> aspects_of(const CameraRefinement& refined) {
+  std::vector<CameraParameter> aspects;
+  if (!refined.is_accepted) return aspects;
+  for (const EstimatedParameter& one : refined.estimates)
+    if (one.parameter.kind == CameraParameter::Kind::kAspect) aspects.push_back(one.parameter);
+  return aspects;
+}
+
+std::vector<ParameterView> aspect_errors(const Observations& observations,
+                                         const std::vector<std::size_t>& views, const MapState& state,
+                                         double print_aspect, std::vector<CameraParameter> refined) {
+  for (CameraParameter& parameter : refined) parameter.sigma = print_aspect;
+  const std::vector<ParameterView> of_lenses = camera_columns(observations, views, state, refined);
+  std::vector<ParameterView> columns;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Eigen::Matrix<double, 8, 3> by_shape =
+        residual_by_shape(observations, observations.views[views[i]], state);
+    Eigen::Matrix<double, 8, 2> by_error;
+    by_error.col(0) = print_aspect * by_shape.col(1) + of_lenses[i].by_parameter.rowwise().sum();
+    by_error.col(1) = 0.5 * print_aspect * by_shape.col(0);
+    columns.push_back({i, by_error});
+  }
+  return columns;
+}
+
+std::string words_of_print_aspect(double print_aspect) {
+  return fmt::format(
+      "it may be the print instead: tags that are {:.1f} % {} look the same, and pixels are seldom so far "
+      "from square. Measure a tag both ways; the covariances count either",
+      100.0 * std::abs(print_aspect), print_aspect > 0.0 ? "wider than high" : "higher than wide");
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "better_cameras.h"
+
+namespace apriltrack {
+
+/// Paper that a printer feeds too fast or too slow makes all tags wider than high, or narrower, and looks as
+/// a lens does whose pixels are not square; which they are to a few parts in a thousand. The width over the
+/// height of tags, less one, where all that is estimated of lenses' fy / fx says so clearly.
+std::optional<double> find_print_aspect(const CameraRefinement& cameras);
+/// Of those that are taken; or else of those that are left open.
+std::optional<double> find_print_aspect(const BetterCameras& cameras);
+
+/// Those that are taken.
+std::vector<CameraParameter> aspects_of(const CameraRefinement& refined);
+
+/// How the views depend on two errors of unit variance: that tags are printed so, and the lenses are as
+/// stated; and that the size is stated of one side or the other. refined: the fy / fx that were taken as the
+/// cause; none where the cameras are without.
+std::vector<ParameterView> aspect_errors(const Observations& observations,
+                                         const std::vector<std::size_t>& views, const MapState& state,
+                                         double print_aspect, std::vector<CameraParameter> refined);
+
+std::string words_of_print_aspect(double print_aspect);
+
+}  // namespace apriltrack

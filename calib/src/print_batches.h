@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apriltrack/calib/calibrate_map.h"
+#include "error_scale.h"
+#include "part_adjustment.h"
+#include "pose_information.h"
+
+namespace apriltrack {
+
+/// Where the sizes of all tags, estimated together with every pose free to follow, fall into two groups that
+/// lie clearly apart, so that no one tag can be blamed. nullopt where they do not, and for more tags than a
+/// dense system of their sizes is solved for. views: of which `poses` was made, linearised at `state`.
+std::optional<PrintBatches> find_print_batches(const Observations& observations,
+                                               const std::vector<std::size_t>& views, const MapState& state,
+                                               const std::vector<int>& tags, const PoseInformation& poses,
+                                               const ErrorScale& scale);
+
+/// Of a part that was adjusted.
+std::optional<PrintBatches> find_print_batches(const PartTask& task, const AdjustedPart& solved);
+
+/// How the views depend on two errors of unit variance: that either print is not as stated.
+std::vector<ParameterView> size_errors(const Observations& observations,
+                                       const std::vector<std::size_t>& views, const MapState& state,
+                                       const PrintBatches& batches);
+
+std::string words_of(const PrintBatches& batches);
+
+}  // namespace apriltrack

@@ -1,0 +1,108 @@
+// Tags of two printers, or of a printer on two days, that were given one size.
+#include "print_batches.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+
+#include "adjusted_world.h"
+#include "calibrating.h"
+
+namespace apriltrack {
+namespace {
+
+using test::AdjustedWorld;
+using test::SyntheticWorld;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr int kPrintedTags = 10;
+
+/// Ten tags, each larger than stated by its share, filmed with noise.
+struct Printed {
+  SyntheticWorld stated = test::make_room(kPrintedTags, 80, test::perspective_camera()), truth = stated;
+  std::vector<FrameDetections> frames;
+
+  /// larger_by: of the number of a tag.
+  explicit Printed(const std::function<double(int)>& larger_by, double noise_px = 0.1,
+                   std::uint64_t seed = 7) {
+    for (int tag = 0; tag < kPrintedTags; ++tag)
+      truth.map.tags[static_cast<std::size_t>(tag)].size_m *= 1.0 + larger_by(tag);
+    frames = test::exact_detections(truth);
+    RandomStream random(seed);
+    test::add_edge_noise(frames, noise_px, -0.45, random);
+  }
+};
+
+std::optional<PrintBatches> batches_of(const Printed& printed) {
+  const AdjustedWorld one(printed.stated, printed.frames, {.corner_bias_px = 0.02});
+  return find_print_batches(one.task(), one.solved);
+}
+
+double second_half_larger(int tag) {
+  return tag >= kPrintedTags / 2 ? 0.015 : 0.0;
+}
+
+TEST(PrintBatches, AreFoundWithTheirRatio) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const auto batches = batches_of(Printed(second_half_larger, 0.1, seed));
+    ASSERT_TRUE(batches) << seed;
+    EXPECT_THAT(batches->smaller, ElementsAre(test::tag36h11(3), test::tag36h11(5), test::tag36h11(7),
+                                              test::tag36h11(9), test::tag36h11(11)));
+    EXPECT_EQ(batches->larger.size(), 5U);
+    EXPECT_NEAR(batches->log_ratio, std::log(1.015), 4.0 * batches->sigma) << seed;
+    EXPECT_LT(batches->sigma, 0.003);
+  }
+}
+
+TEST(PrintBatches, AreNotFoundWhereTagsAreAsStatedOrSpreadEvenly) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    EXPECT_FALSE(batches_of(Printed([](int) { return 0.0; }, 0.2, seed))) << seed;
+    EXPECT_FALSE(batches_of(Printed([](int tag) { return 0.004 * tag - 0.018; }, 0.1, seed))) << seed;
+  }
+}
+
+TEST(PrintBatches, AreNotFoundWhereOneTagIsOdd) {
+  EXPECT_FALSE(batches_of(Printed([](int tag) { return tag == 3 ? 0.03 : 0.0; })));
+}
+
+TEST(PrintBatches, AreToldAndCountedWhicheverIsAsStated) {
+  const auto first_half_smaller = [](int tag) { return tag < kPrintedTags / 2 ? -0.015 : 0.0; };
+  for (const std::function<double(int)>& larger_by :
+       {std::function<double(int)>(second_half_larger), std::function<double(int)>(first_half_smaller)}) {
+    const Printed printed(larger_by);
+    const CalibrationResult result = test::calibrate(printed.stated, printed.frames);
+    ASSERT_TRUE(result.print_batches);
+    EXPECT_THAT(
+        result.warnings,
+        Contains(AllOf(HasSubstr("tag36h11/13, tag36h11/15, tag36h11/17, tag36h11/19, tag36h11/21 are 1."),
+                       HasSubstr("state both by --tag-sizes"))));
+    const double error = test::mean_normalised_error(printed.truth, result);
+    EXPECT_LT(error, 2.0);
+    EXPECT_GT(error, 0.05) << "claims far less than it knows";
+  }
+}
+
+TEST(PrintBatches, AreNotToldOfTagsAsStated) {
+  const Printed printed([](int) { return 0.0; });
+  const CalibrationResult result = test::calibrate(printed.stated, printed.frames);
+  EXPECT_FALSE(result.print_batches);
+  EXPECT_THAT(result.warnings, Not(Contains(HasSubstr("two prints"))));
+}
+
+TEST(PrintBatches, AreInDoubtWhereADistanceContradictsTheMap) {
+  const Printed printed(second_half_larger);
+  CalibrationOptions options;
+  options.corner_bias_px = 0.0;
+  options.constraints = {test::false_distance(printed.truth)};
+  const std::string message =
+      test::error_of(ErrorKind::kNoResult, [&] { test::calibrate(printed.stated, printed.frames, options); });
+  EXPECT_THAT(message, HasSubstr("the tags look like two prints of different size"));
+}
+
+}  // namespace
+}  // namespace apriltrack
