@@ -23,6 +23,7 @@
 #include "calibrate_output.h"
 #include "calibrate_report.h"
 #include "calibrate_response.h"
+#include "calibrate_summary.h"
 #include "command_help.h"
 #include "command_line.h"
 #include "commands.h"

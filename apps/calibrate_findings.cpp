@@ -79,6 +79,11 @@ nlohmann::json told_keys(const std::vector<TagKey>& keys) {
   return list;
 }
 
+bool is_lens_refined(const CalibrationResult& result) {
+  return std::ranges::any_of(result.corrections,
+                             [](const CameraCorrection& one) { return one.parameter != "edge offset"; });
+}
+
 CalibrationFindings find(const CalibrationResult& result, const std::optional<RefinementResult>& refinement,
                          const std::vector<FrameDetections>& frames) {
   CalibrationFindings findings;

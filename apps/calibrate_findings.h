@@ -22,6 +22,9 @@ struct CalibrationFindings {
 /// A list of their names.
 nlohmann::json told_keys(const std::vector<TagKey>& keys);
 
+/// An edge offset is the detector's; all else is the camera's.
+bool is_lens_refined(const CalibrationResult& result);
+
 /// refinement: none where it was not asked for. Refers to both.
 CalibrationFindings find(const CalibrationResult& result, const std::optional<RefinementResult>& refinement,
                          const std::vector<FrameDetections>& frames);

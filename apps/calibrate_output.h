@@ -38,10 +38,4 @@ CalibrationFiles write_calibration(const CalibrateOptions& options, const std::f
                                    const CalibrationFindings& findings, const std::string& command_line,
                                    CalibrationResult& result);
 
-/// The answer on stdout. refinement: none where it was not asked for.
-void tell_calibration(const CalibrateOptions& options, const Sightings& sightings,
-                      const ResponseFindings& responses, const CalibrationResult& result,
-                      const std::optional<RefinementResult>& refinement, const CalibrationFindings& findings,
-                      const CalibrationFiles& files);
-
 }  // namespace apriltrack::app
