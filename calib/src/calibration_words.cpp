@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "camera_words.h"
+#include "print_errors.h"
 #include "rejected_stands.h"
 
 namespace apriltrack {
@@ -110,7 +111,8 @@ void report_quality(const Observations& observations, const PartSolution& soluti
                     solution.part.tags.size(), options.max_tags_with_covariance));
   report_findings(observations, solution, findings);
   report_cameras(observations, solution, options, findings);
-  if (solution.print_batches) findings.warnings.push_back(words_of(*solution.print_batches));
+  std::ranges::move(words_of_prints(solution.print_batches, solution.print_aspect),
+                    std::back_inserter(findings.warnings));
   leave_out(observations, solution.undecided,
             "its views agree with two poses about equally well: film it from further aside, and nearer",
             findings);

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "apriltrack/base/degrees.h"
-#include "print_aspect.h"
 
 namespace apriltrack {
 namespace {
@@ -58,11 +57,6 @@ std::vector<std::string> told_of(const Observations& observations, const CameraR
   return told;
 }
 
-std::string print_instead(const CameraRefinement& cameras) {
-  const auto aspect = find_print_aspect(cameras);
-  return aspect ? "; " + words_of_print_aspect(*aspect) : "";
-}
-
 /// By what the map may be wrong, though it is not by more than its covariances say. Where frames do tell,
 /// that is said already.
 std::string open_cameras_in_words(const Observations& observations, const BetterCameras& cameras) {
@@ -94,8 +88,8 @@ std::string open_cameras_in_words(const Observations& observations, const Better
     return fmt::format(
         "the views look as if the lens were another one than the camera file's ({}), {}. Is the "
         "file of this camera, zoom and resolution? Film more frames, from near and far and from "
-        "the side, or calibrate the camera{}",
-        fmt::join(lenses, "; "), is_counted, print_instead(*cameras.open));
+        "the side, or calibrate the camera",
+        fmt::join(lenses, "; "), is_counted);
   if (edges.empty()) return "";
   return fmt::format(
       "corners look as if edges lay inside the true ones, or outside ({}), which moves tags and "
@@ -145,9 +139,8 @@ std::string corrections_in_words(const CameraRefinement& cameras,
                               : std::string("with another lens, far more of the views agree");
   return fmt::format(
       "the camera file does not fit: {}. The map rests on these {}: {}. Track with the refined camera, or "
-      "calibrate it anew{}{}",
-      why, what, words, has_lens ? "; --intrinsics keep takes the file as it is" : "",
-      print_instead(cameras));
+      "calibrate it anew{}",
+      why, what, words, has_lens ? "; --intrinsics keep takes the file as it is" : "");
 }
 
 }  // namespace apriltrack

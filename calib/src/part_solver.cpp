@@ -90,6 +90,25 @@ std::optional<SharedErrors> errors_of_all(const Observations& observations, cons
   return of_cameras ? together(*of_cameras, of_prints) : of_prints;
 }
 
+std::set<int> cameras_in(const std::vector<LinearView>& views) {
+  std::set<int> cameras;
+  for (const LinearView& view : views) cameras.insert(view.camera);
+  return cameras;
+}
+
+/// That are not as stated. A tag that is known to be bent has a size of its own.
+void find_prints(const Observations& observations, const std::vector<LinearView>& views,
+                 const PoseInformation& poses, PartSolution& solution) {
+  if (views.size() != solution.part.views.size()) return;  // what some say is not known
+  solution.print_aspect = find_print_aspect(solution.cameras, cameras_in(views));
+  std::vector<int> tags = solution.part.tags;
+  std::erase_if(tags, [&](int tag) {
+    return std::ranges::find(solution.findings, tag, &TagFinding::tag) != solution.findings.end();
+  });
+  solution.print_batches =
+      find_print_batches(observations, solution.part.views, solution.state, tags, poses, solution.scale);
+}
+
 /// Each frame anew, the tags as they are.
 void let_frames_follow(const Observations& observations, const Part& part, MapState& state) {
   constexpr int kMostSteps = 10;
@@ -118,7 +137,8 @@ void keep_to_constraints(const Observations& observations, const CovarianceOpera
   for (const TagFinding& finding : solution.findings)
     if (finding.may_fold_map) map.doubts.push_back(finding.words);
   std::ranges::move(doubts_of_cameras(observations, solution.cameras), std::back_inserter(map.doubts));
-  if (solution.print_batches) map.doubts.push_back(words_of(*solution.print_batches));
+  std::ranges::move(words_of_prints(solution.print_batches, solution.print_aspect),
+                    std::back_inserter(map.doubts));
   solution.constrained = constrain_map(solution.constraints, map, joint);
   keep_to(solution.constrained->change, solution.joint);
   solution.state.T_map_tag = solution.constrained->T_map_tag;
@@ -137,9 +157,7 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
                     "with others");
   const double bias = options.corner_bias_px / options.corner_sigma_px;
   solution.scale = error_scale(views, *poses, bias * bias);
-  solution.print_batches = find_print_batches(observations, solution.part.views, solution.state,
-                                              solution.part.tags, *poses, solution.scale);
-  solution.print_aspect = find_print_aspect(solution.cameras);
+  find_prints(observations, views, *poses, solution);
   const auto shared = errors_of_all(observations, solution, views, *poses);
   solution.covariances = tag_covariances(*poses, solution.part.tags, shared);
   scale_by(solution.scale, solution.covariances);

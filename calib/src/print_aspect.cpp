@@ -10,27 +10,37 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kPixelsAreSquare = 0.003;
+constexpr double kPixelsAreSquare = 0.003, kMostOfPrint = 0.03;
 constexpr double kClearlyNot = 3.0;  // standard deviations
+
+bool is_of_print(const EstimatedParameter& one) {
+  const double size = std::abs(one.value);
+  return size > std::max(kPixelsAreSquare, kClearlyNot * one.sigma) && size < kMostOfPrint;
+}
+
+bool are_the_same(const EstimatedParameter& a, const EstimatedParameter& b) {
+  return std::abs(a.value - b.value) < std::max(kPixelsAreSquare, kClearlyNot * std::hypot(a.sigma, b.sigma));
+}
 
 }  // namespace
 
-std::optional<double> find_print_aspect(const CameraRefinement& cameras) {
+std::optional<double> find_print_aspect(const CameraRefinement& cameras, const std::set<int>& used) {
+  std::vector<EstimatedParameter> aspects;
+  for (const EstimatedParameter& one : cameras.estimates)
+    if (one.parameter.kind == CameraParameter::Kind::kAspect && used.contains(one.parameter.camera))
+      aspects.push_back(one);
+  if (aspects.empty() || aspects.size() < used.size()) return std::nullopt;
   double sum = 0.0;
-  int count = 0;
-  for (const EstimatedParameter& one : cameras.estimates) {
-    if (one.parameter.kind != CameraParameter::Kind::kAspect) continue;
-    if (std::abs(one.value) < std::max(kPixelsAreSquare, kClearlyNot * one.sigma)) return std::nullopt;
-    if (sum * one.value < 0.0) return std::nullopt;  // one print cannot be both
-    sum += one.value;
-    ++count;
+  for (const EstimatedParameter& one : aspects) {
+    if (!is_of_print(one) || !are_the_same(one, aspects.front())) return std::nullopt;
+    sum -= one.value;
   }
-  return count > 0 ? std::optional(-sum / count) : std::nullopt;
+  return sum / static_cast<double>(aspects.size());
 }
 
-std::optional<double> find_print_aspect(const BetterCameras& cameras) {
-  if (!aspects_of(cameras.refined).empty()) return find_print_aspect(cameras.refined);
-  return cameras.open ? find_print_aspect(*cameras.open) : std::nullopt;
+std::optional<double> find_print_aspect(const BetterCameras& cameras, const std::set<int>& used) {
+  if (!aspects_of(cameras.refined).empty()) return find_print_aspect(cameras.refined, used);
+  return cameras.open ? find_print_aspect(*cameras.open, used) : std::nullopt;
 }
 
 std::vector<CameraParameter> aspects_of(const CameraRefinement& refined) {
@@ -60,8 +70,10 @@ std::vector<ParameterView> aspect_errors(const Observations& observations,
 
 std::string words_of_print_aspect(double print_aspect) {
   return fmt::format(
-      "it may be the print instead: tags that are {:.1f} % {} look the same, and pixels are seldom so far "
-      "from square. Measure a tag both ways; the covariances count either",
+      "it may be the print, and not the lens: tags that are {:.1f} % {} look like a lens whose fy / fx is "
+      "not "
+      "the camera file's, and pixels are seldom so far from square. Measure a tag both ways: if it is, print "
+      "anew, and keep the file by --intrinsics keep. The covariances count either",
       100.0 * std::abs(print_aspect), print_aspect > 0.0 ? "wider than high" : "higher than wide");
 }
 

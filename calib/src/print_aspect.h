@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -10,10 +11,11 @@ namespace apriltrack {
 
 /// Paper that a printer feeds too fast or too slow makes all tags wider than high, or narrower, and looks as
 /// a lens does whose pixels are not square; which they are to a few parts in a thousand. The width over the
-/// height of tags, less one, where all that is estimated of lenses' fy / fx says so clearly.
-std::optional<double> find_print_aspect(const CameraRefinement& cameras);
-/// Of those that are taken; or else of those that are left open.
-std::optional<double> find_print_aspect(const BetterCameras& cameras);
+/// height of tags, less one (to first order), where fy / fx of each of `used`, the cameras that see them, is
+/// estimated, and all say the same. By those that are taken; or else by those that are left open.
+std::optional<double> find_print_aspect(const BetterCameras& cameras, const std::set<int>& used);
+/// By one estimate of them.
+std::optional<double> find_print_aspect(const CameraRefinement& cameras, const std::set<int>& used);
 
 /// Those that are taken.
 std::vector<CameraParameter> aspects_of(const CameraRefinement& refined);

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -22,22 +23,39 @@ constexpr double kClearlyDifferent = 4.5;  // standard deviations
 // Of the squares that all sizes explain, what the two groups alone must. Cut in two, numbers of one normal
 // distribution leave them 2 / pi, evenly spread ones 3 / 4.
 constexpr double kClearlyTwo = 0.9;
+constexpr double kClearlyTwoOfFew = 0.97, kFewTags = 6;
+constexpr double kMoreThanOneTag = 10.0;  // of half the squares, beyond what one odd tag explains
 constexpr double kWorthTurning = 1.0 + 1e-6;
 
 /// One parameter for the logarithm of the size of each of `tags`, in their order.
 ParameterInformation information_of_sizes(const Observations& observations,
                                           const std::vector<std::size_t>& views, const MapState& state,
                                           const std::vector<int>& tags, const PoseInformation& poses) {
-  std::vector<Eigen::Index> index(observations.tags.size(), 0);
+  constexpr Eigen::Index kNotAsked = -1;
+  std::vector<Eigen::Index> index(observations.tags.size(), kNotAsked);
   for (std::size_t i = 0; i < tags.size(); ++i)
     index[static_cast<std::size_t>(tags[i])] = static_cast<Eigen::Index>(i);
   std::vector<ParameterView> columns;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const TagView& view = observations.views[views[i]];
-    columns.push_back(
-        {i, residual_by_shape(observations, view, state).col(0), index[static_cast<std::size_t>(view.tag)]});
+    const Eigen::Index first = index[static_cast<std::size_t>(view.tag)];
+    if (first != kNotAsked)
+      columns.push_back({i, residual_by_shape(observations, view, state).col(0), first});
   }
   return poses.eliminate_poses(columns);
+}
+
+/// With one size that all have in common free as well: a rig, whose baseline may be off, tells of it.
+ParameterInformation without_common_size(ParameterInformation sizes) {
+  constexpr double kTold = 1e-9;
+  const Eigen::VectorXd follow = sizes.information.rowwise().sum();
+  const double squares = follow.sum();
+  if (squares < kTold * sizes.information.trace()) return sizes;
+  sizes.gradient -= follow * (sizes.gradient.sum() / squares);
+  for (auto& [tag, gradient] : sizes.gradient_by_errors)
+    gradient -= (follow / squares * gradient.colwise().sum()).eval();
+  sizes.information -= follow * follow.transpose() / squares;
+  return sizes;
 }
 
 using Tags = Eigen::VectorXd;  ///< One for a tag that is among them, zero for another.
@@ -48,12 +66,19 @@ class Sizes {
  public:
   Sizes(const ParameterInformation& sizes, const ErrorScale& scale) : sizes_(sizes), scale_(scale) {}
 
-  /// Of half the squares twice, and so of the others.
+  /// What of the squares of the residuals goes when all sizes are free, or one number for some of them.
   double explained_by_all() const { return -log_sizes(kPrintsDiffer).dot(sizes_.gradient); }
   double explained_by(const Tags& larger) const { return -log_ratio(larger) * larger.dot(sizes_.gradient); }
   double log_ratio(const Tags& larger) const {
     const double squares = squares_of(larger);
     return squares > 0.0 ? -larger.dot(sizes_.gradient) / squares : 0.0;
+  }
+
+  double explained_by_one() const {
+    double most = 0.0;
+    for (Eigen::Index tag = 0; tag < sizes_.gradient.size(); ++tag)
+      most = std::max(most, explained_by(Tags::Unit(sizes_.gradient.size(), tag)));
+    return most;
   }
 
   /// By noise, and by the errors that tags keep.
@@ -124,6 +149,16 @@ class Sizes {
   const ErrorScale& scale_;
 };
 
+bool is_clear(const Sizes& sizes, const Tags& larger, const ErrorScale& scale) {
+  const auto num_tags = static_cast<double>(larger.size());
+  const double by_chance = 2.0 / std::numbers::pi * num_tags;  // of normal numbers, by the best cut
+  const double sigmas = std::sqrt(kClearlyDifferent * kClearlyDifferent + by_chance);
+  const double ratio = sizes.log_ratio(larger), explained = sizes.explained_by(larger);
+  return ratio > std::max(kLeastDifference, sigmas * sizes.sigma(larger)) &&
+         explained > (num_tags < kFewTags ? kClearlyTwoOfFew : kClearlyTwo) * sizes.explained_by_all() &&
+         explained - sizes.explained_by_one() > 2.0 * kMoreThanOneTag * scale.noise_variance;
+}
+
 }  // namespace
 
 std::optional<PrintBatches> find_print_batches(const Observations& observations,
@@ -131,17 +166,12 @@ std::optional<PrintBatches> find_print_batches(const Observations& observations,
                                                const std::vector<int>& tags, const PoseInformation& poses,
                                                const ErrorScale& scale) {
   if (tags.size() < 2 * kLeastAlike || tags.size() > kMostTagsSized) return std::nullopt;
-  const ParameterInformation information = information_of_sizes(observations, views, state, tags, poses);
+  const ParameterInformation information =
+      without_common_size(information_of_sizes(observations, views, state, tags, poses));
   const Sizes sizes(information, scale);
   const Tags larger = sizes.best();
-  PrintBatches batches;
-  batches.log_ratio = sizes.log_ratio(larger);
-  if (batches.log_ratio < kLeastDifference) return std::nullopt;
-  batches.sigma = sizes.sigma(larger);
-  if (batches.log_ratio < kClearlyDifferent * batches.sigma ||
-      sizes.explained_by(larger) < kClearlyTwo * sizes.explained_by_all())
-    return std::nullopt;
-  batches.explained = 0.5 * sizes.explained_by(larger) / scale.noise_variance;
+  if (!is_clear(sizes, larger, scale)) return std::nullopt;
+  PrintBatches batches{{}, {}, sizes.log_ratio(larger), sizes.sigma(larger)};
   for (std::size_t i = 0; i < tags.size(); ++i)
     (larger[static_cast<Eigen::Index>(i)] > 0.0 ? batches.larger : batches.smaller)
         .push_back(observations.tags[static_cast<std::size_t>(tags[i])]);
@@ -156,6 +186,15 @@ std::optional<PrintBatches> find_print_batches(const PartTask& task, const Adjus
   const double bias = task.options.corner_bias_px / task.options.corner_sigma_px;
   return find_print_batches(task.observations, part.views, solved.state, part.tags, *poses,
                             error_scale(views, *poses, bias * bias));
+}
+
+std::vector<double> sizes_as_printed(const Observations& observations, const PrintBatches& batches) {
+  std::vector<double> sizes_m = observations.sizes_m;
+  for (std::size_t tag = 0; tag < sizes_m.size(); ++tag) {
+    if (std::ranges::find(batches.larger, observations.tags[tag]) != batches.larger.end())
+      sizes_m[tag] *= std::exp(batches.log_ratio);
+  }
+  return sizes_m;
 }
 
 std::vector<ParameterView> size_errors(const Observations& observations,
@@ -180,9 +219,10 @@ std::vector<ParameterView> size_errors(const Observations& observations,
 
 std::string words_of(const PrintBatches& batches) {
   return fmt::format(
-      "the tags look like two prints of different size: {} are {:.1f} % (sigma {:.1f}) larger, beside their "
-      "stated sizes, than {}. Measure a tag of each, and state both by --tag-sizes: the map is in between, "
-      "and its covariances count that either may be as stated",
+      "the tags look like two prints of different size: {} are {:.1f} % (sigma {:.2f}) larger, beside their "
+      "stated sizes, than {}. Measure a tag of each, and state both by --tag-sizes: the map is by the sizes "
+      "as "
+      "stated, and its covariances count that either print may not be",
       list_tags(batches.larger), 100.0 * std::expm1(batches.log_ratio), 100.0 * batches.sigma,
       list_tags(batches.smaller));
 }

@@ -13,7 +13,8 @@ namespace apriltrack {
 
 /// Where the sizes of all tags, estimated together with every pose free to follow, fall into two groups that
 /// lie clearly apart, so that no one tag can be blamed. nullopt where they do not, and for more tags than a
-/// dense system of their sizes is solved for. views: of which `poses` was made, linearised at `state`.
+/// dense system of their sizes is solved for. views: of which `poses` was made, one for each, linearised at
+/// `state`; tags: whose sizes are asked for.
 std::optional<PrintBatches> find_print_batches(const Observations& observations,
                                                const std::vector<std::size_t>& views, const MapState& state,
                                                const std::vector<int>& tags, const PoseInformation& poses,
@@ -21,6 +22,9 @@ std::optional<PrintBatches> find_print_batches(const Observations& observations,
 
 /// Of a part that was adjusted.
 std::optional<PrintBatches> find_print_batches(const PartTask& task, const AdjustedPart& solved);
+
+/// As stated, but those of the larger print larger by the ratio.
+std::vector<double> sizes_as_printed(const Observations& observations, const PrintBatches& batches);
 
 /// How the views depend on two errors of unit variance: that either print is not as stated.
 std::vector<ParameterView> size_errors(const Observations& observations,

@@ -15,4 +15,12 @@ std::vector<ParameterView> errors_of_prints(const Observations& observations,
   return beside(std::move(of_batches), of_aspect);
 }
 
+std::vector<std::string> words_of_prints(const std::optional<PrintBatches>& batches,
+                                         const std::optional<double>& aspect) {
+  std::vector<std::string> words;
+  if (batches) words.push_back(words_of(*batches));
+  if (aspect) words.push_back(words_of_print_aspect(*aspect));
+  return words;
+}
+
 }  // namespace apriltrack

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "print_aspect.h"
@@ -15,5 +16,9 @@ std::vector<ParameterView> errors_of_prints(const Observations& observations,
                                             const std::optional<PrintBatches>& batches,
                                             const std::optional<double>& aspect,
                                             std::vector<CameraParameter> refined_aspects);
+
+/// What is to be said of them.
+std::vector<std::string> words_of_prints(const std::optional<PrintBatches>& batches,
+                                         const std::optional<double>& aspect);
 
 }  // namespace apriltrack

@@ -102,11 +102,18 @@ std::optional<TagFinding> find_hidden_fault(const PartTask& task, const Adjusted
                                             const ParallelFor& parallel) {
   auto move = find_hidden_move(task, sound, parallel);
   auto shape = find_odd_shape(task, sound);
-  auto& finding = !shape || (move && move->explained > shape->explained) ? move : shape;
-  if (!finding) return std::nullopt;
-  // Where two prints meet, a tag of either looks as if it had another size, or had moved.
+  if (!move || !shape) return move ? move : shape;
+  return move->explained > shape->explained ? move : shape;
+}
+
+/// By the sizes that tags of two prints have: where these meet, a tag of either looks as if it had moved, or
+/// had a size of its own.
+std::optional<Observations> by_sizes_of_prints(const PartTask& task, const AdjustedPart& sound) {
   const auto batches = find_print_batches(task, sound);
-  return batches && batches->explained > finding->explained ? std::nullopt : finding;
+  if (!batches) return std::nullopt;
+  Observations as_printed = task.observations;
+  as_printed.sizes_m = sizes_as_printed(task.observations, *batches);
+  return as_printed;
 }
 
 /// Tags that were found bent stay in the map; but others are held against a map without them.
@@ -118,17 +125,20 @@ void examine_by_all_views(const PartTask& task, const Part& part, AdjustedPart& 
         !solve_without(task, part, tag, known, sound, parallel))
       return;
   }
+  const auto by_prints = by_sizes_of_prints(task, sound);
+  const PartTask as_printed{by_prints ? *by_prints : task.observations, task.candidates, task.options};
+  if (by_prints && !solve_without(as_printed, part, tags_out(sound, {}, known), sound, parallel)) return;
   for (int round = 0; round < kMostFaults; ++round) {
-    auto finding = find_hidden_fault(task, sound, parallel);
+    auto finding = find_hidden_fault(as_printed, sound, parallel);
     if (!finding) return;
     require_sound_held_tag(task, part, solved, findings, *finding);
     const int tag = finding->tag;
     if (finding->is_left_out && !solve_without(task, part, tag, known, solved, parallel))
       fail_after({*finding}, no_result("calibrate", kTooLittleLeft));
     known.insert(tag);
-    const bool is_sound = solve_without(task, part, tag, known, sound, parallel);
+    const bool is_sound = solve_without(as_printed, part, tag, known, sound, parallel);
     // What was estimated to first order is told better from the map without it, where frames tell.
-    if (auto better = is_sound ? look_by(task, part, sound, tag).finding : std::nullopt;
+    if (auto better = is_sound ? look_by(as_printed, part, sound, tag).finding : std::nullopt;
         better && better->kind == finding->kind)
       finding = std::move(better);
     findings.push_back(std::move(*finding));

@@ -30,14 +30,25 @@ CameraRefinement with_aspects(const std::vector<std::pair<double, double>>& valu
   return cameras;
 }
 
+/// Of cameras 0, 1, ..., in their order.
+std::optional<double> aspect_by(const std::vector<std::pair<double, double>>& values_and_sigmas) {
+  std::set<int> used;
+  for (std::size_t camera = 0; camera < values_and_sigmas.size(); ++camera)
+    used.insert(static_cast<int>(camera));
+  return find_print_aspect(with_aspects(values_and_sigmas), used);
+}
+
 TEST(PrintAspect, IsWhatAllLensesSay) {
-  EXPECT_NEAR(*find_print_aspect(with_aspects({{-0.01, 0.001}})), 0.01, 1e-12);
-  EXPECT_NEAR(*find_print_aspect(with_aspects({{0.01, 0.001}, {0.02, 0.001}})), -0.015, 1e-12);
-  EXPECT_FALSE(find_print_aspect(with_aspects({{0.01, 0.001}, {-0.01, 0.001}}))) << "no print is both";
-  EXPECT_FALSE(find_print_aspect(with_aspects({{0.01, 0.001}, {0.0, 0.001}}))) << "one lens sees none";
-  EXPECT_FALSE(find_print_aspect(with_aspects({{0.01, 0.005}}))) << "not clear";
-  EXPECT_FALSE(find_print_aspect(with_aspects({{0.002, 0.0001}}))) << "pixels may be that";
-  EXPECT_FALSE(find_print_aspect(with_aspects({})));
+  EXPECT_NEAR(*aspect_by({{-0.01, 0.001}}), 0.01, 1e-12);
+  EXPECT_NEAR(*aspect_by({{0.010, 0.001}, {0.012, 0.001}}), -0.011, 1e-12);
+  EXPECT_FALSE(aspect_by({{0.01, 0.001}, {-0.01, 0.001}})) << "no print is both";
+  EXPECT_FALSE(aspect_by({{0.01, 0.001}, {0.0, 0.001}})) << "one lens sees none";
+  EXPECT_FALSE(aspect_by({{0.01, 0.005}})) << "not clear";
+  EXPECT_FALSE(aspect_by({{0.002, 0.0001}})) << "pixels may be that";
+  EXPECT_FALSE(aspect_by({{0.01, 0.001}, {0.02, 0.001}})) << "no print is both";
+  EXPECT_FALSE(aspect_by({{0.04, 0.001}})) << "no printer is that far off";
+  EXPECT_FALSE(find_print_aspect(with_aspects({{0.01, 0.001}}), {0, 1})) << "of one lens nothing is known";
+  EXPECT_FALSE(aspect_by({}));
 }
 
 /// All tags printed wider than stated, the height right.
@@ -65,8 +76,8 @@ TEST(PrintAspect, IsToldAndCountedBesideTheLens) {
     const CalibrationResult result = test::calibrate(world, filmed_wider(world, wider, 0.1));
     ASSERT_TRUE(result.print_aspect) << wider;
     EXPECT_NEAR(*result.print_aspect, wider, 0.005);
-    EXPECT_THAT(result.warnings,
-                Contains(HasSubstr(wider > 0.0 ? "% wider than high look" : "% higher than wide look")));
+    EXPECT_THAT(result.warnings, Contains(HasSubstr(wider > 0.0 ? "% wider than high look like a lens"
+                                                                : "% higher than wide look like a lens")));
     EXPECT_LT(test::mean_normalised_error(world, result), 2.5) << wider;
   }
 }

@@ -8,6 +8,7 @@
 
 #include "adjusted_world.h"
 #include "calibrating.h"
+#include "corner_views.h"
 
 namespace apriltrack {
 namespace {
@@ -37,6 +38,19 @@ struct Printed {
     test::add_edge_noise(frames, noise_px, -0.45, random);
   }
 };
+
+/// The same tags by two cameras.
+Printed by_a_rig(const std::function<double(int)>& larger_by) {
+  Printed printed(larger_by);
+  Camera second = test::perspective_camera("cam1");
+  second.T_this_previous =
+      Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(-0.3, 0.0, 0.0));
+  for (SyntheticWorld* world : {&printed.stated, &printed.truth}) world->rig.cameras.push_back(second);
+  printed.frames = test::exact_detections(printed.truth);
+  RandomStream random(7);
+  test::add_edge_noise(printed.frames, 0.1, -0.45, random);
+  return printed;
+}
 
 std::optional<PrintBatches> batches_of(const Printed& printed) {
   const AdjustedWorld one(printed.stated, printed.frames, {.corner_bias_px = 0.02});
@@ -68,6 +82,38 @@ TEST(PrintBatches, AreNotFoundWhereTagsAreAsStatedOrSpreadEvenly) {
 
 TEST(PrintBatches, AreNotFoundWhereOneTagIsOdd) {
   EXPECT_FALSE(batches_of(Printed([](int tag) { return tag == 3 ? 0.03 : 0.0; })));
+}
+
+TEST(PrintBatches, AreNotFoundWhereATagOfFewViewsGoesWithTheOddOne) {
+  Printed printed([](int tag) { return tag == 3 ? 0.02 : 0.0; });
+  int seen = 0;
+  for (FrameDetections& frame : printed.frames) {
+    std::erase_if(frame.detections, [&](const Detection& detection) {
+      return detection.tag == test::tag36h11(15) && ++seen > 4;
+    });
+  }
+  EXPECT_FALSE(batches_of(printed));
+}
+
+TEST(PrintBatches, LeaveOutATagWhoseSizeIsNotAskedFor) {
+  const Printed printed(second_half_larger);
+  const AdjustedWorld one(printed.stated, printed.frames, {.corner_bias_px = 0.02});
+  const AdjustedPart& solved = one.solved;
+  const auto views = corner_views(one.observations, solved.part.views, solved.state);
+  const auto poses = PoseInformation::of(views, solved.part.tags, solved.held_tag);
+  ASSERT_TRUE(poses);
+  std::vector<int> asked = solved.part.tags;
+  asked.erase(asked.begin() + 2);
+  const auto batches = find_print_batches(one.observations, solved.part.views, solved.state, asked, *poses,
+                                          error_scale(views, *poses, 0.02));
+  ASSERT_TRUE(batches);
+  EXPECT_EQ(batches->smaller.size(), 4U);
+  EXPECT_EQ(batches->larger.size(), 5U);
+}
+
+TEST(PrintBatches, OfARigAreFoundAndNoCommonSize) {
+  EXPECT_TRUE(batches_of(by_a_rig(second_half_larger)));
+  EXPECT_FALSE(batches_of(by_a_rig([](int) { return 0.015; })));
 }
 
 TEST(PrintBatches, AreToldAndCountedWhicheverIsAsStated) {

@@ -86,7 +86,6 @@ struct PrintBatches {
   std::vector<TagKey> larger, smaller;
   double log_ratio = 0.0;  ///< Of the one to the other, beside what their stated sizes say.
   double sigma = 0.0;
-  double explained = 0.0;  ///< Half the squares of the residuals, in units of the noise.
 };
 
 struct CalibrationResult {
@@ -138,8 +137,9 @@ struct CalibrationResult {
 /// share the rig's pose. rig: needs extrinsics only when several of its cameras were used.
 ///
 /// The tags' covariances rest on the residuals that are left (their size, and how much neighbouring frames
-/// repeat them) and on corner_bias_px. Errors that all tags share (a lens that is not the file's) are in them
-/// only where they were estimated, or where the views clearly propose them (open_corrections).
+/// repeat them) and on corner_bias_px. Errors that all tags share (a lens that is not the file's, prints that
+/// are not as stated) are in them only where they were estimated, or where the views clearly propose them
+/// (open_corrections, print_batches, print_aspect).
 ///
 /// Throws Error(kNoResult) when no two tags connect, ids are not unique, the adjustment does not converge, or
 /// a constraint contradicts all else, and says what to do; Error(kInvalidInput) when a size is missing, a
