@@ -10,7 +10,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kPixelsAreSquare = 0.003, kMostOfPrint = 0.03;
+constexpr double kPixelsAreSquare = 0.005, kMostOfPrint = 0.03;
 constexpr double kClearlyNot = 3.0;  // standard deviations
 
 bool is_of_print(const EstimatedParameter& one) {

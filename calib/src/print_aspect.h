@@ -10,7 +10,7 @@
 namespace apriltrack {
 
 /// Paper that a printer feeds too fast or too slow makes all tags wider than high, or narrower, and looks as
-/// a lens does whose pixels are not square; which they are to a few parts in a thousand. The width over the
+/// a lens does whose pixels are not square; which they are to about half a percent. The width over the
 /// height of tags, less one (to first order), where fy / fx of each of `used`, the cameras that see them, is
 /// estimated, and all say the same. By those that are taken; or else by those that are left open.
 std::optional<double> find_print_aspect(const BetterCameras& cameras, const std::set<int>& used);
