@@ -12,6 +12,7 @@
 #include "observations.h"
 #include "picture_equations.h"
 #include "weak_directions.h"
+#include "words.h"
 
 namespace apriltrack {
 namespace {
@@ -61,9 +62,9 @@ std::string angle_in_words(const ViewAdvice& advice) {
 
 /// "from 6.3 to 5.9": with as many digits as tell the two apart, up to three.
 std::string from_to(double before, double after) {
-  const std::string few = fmt::format("{:.2g}", before);
-  return few == fmt::format("{:.2g}", after) ? fmt::format("from {:.3g} to {:.3g}", before, after)
-                                             : fmt::format("from {} to {:.2g}", few, after);
+  const std::string few_before = in_two_digits(before), few_after = in_two_digits(after);
+  return few_before == few_after ? fmt::format("from {:.3g} to {:.3g}", before, after)
+                                 : fmt::format("from {} to {}", few_before, few_after);
 }
 
 class Adviser {

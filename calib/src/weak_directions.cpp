@@ -11,6 +11,7 @@
 #include "apriltrack/base/degrees.h"
 #include "upper_median.h"
 #include "view_summary.h"
+#include "words.h"
 
 namespace apriltrack {
 namespace {
@@ -57,8 +58,8 @@ std::string axis_in_words(const WidestAxis& widest) {
 }
 
 std::string words_of(const WeakDirection& one) {
-  const std::string sigma = one.is_rotation ? fmt::format("{:.2g} degrees", one.sigma * kDegPerRad)
-                                            : fmt::format("{:.2g} mm", 1e3 * one.sigma);
+  const std::string sigma = one.is_rotation ? in_two_digits(one.sigma * kDegPerRad) + " degrees"
+                                            : in_two_digits(1e3 * one.sigma) + " mm";
   return fmt::format("{} of {} is {} observed: sigma {} relative to {}; {}", one.direction,
                      to_string(one.tag), one.weakness > 1.0 ? "barely" : "less well", sigma,
                      to_string(one.neighbour), one.reason);

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace apriltrack {
 
@@ -16,6 +17,11 @@ std::string join_first(std::span<const std::string> items, std::string_view sepa
 
 std::string counted(std::size_t count, std::string_view noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+std::string in_two_digits(double value) {
+  constexpr double kNeedsMore = 99.5;  // rounds to three
+  return std::abs(value) < kNeedsMore ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
 }
 
 }  // namespace apriltrack
