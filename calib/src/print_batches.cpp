@@ -125,7 +125,7 @@ class Sizes {
       larger[tag] = 1.0;
       if (are_enough_alike(larger) && explained_by(larger) > explained_by(best)) best = larger;
     }
-    return best;
+    return log_ratio(best) < 0.0 ? Tags(Tags::Ones(best.size()) - best) : best;
   }
 
   /// Turns one tag after the other, as long as that explains more.

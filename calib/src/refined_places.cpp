@@ -97,12 +97,15 @@ class RefinedPlaces {
     if (is_held_tag_refined()) return "";
     const bool has_lens = std::ranges::any_of(
         calibration_.corrections, [](const CameraCorrection& one) { return one.parameter != "edge offset"; });
-    if (calibration_.constraints.empty() && !has_lens) return "";
+    const bool has_prints = calibration_.print_batches || calibration_.print_aspect;
+    if (calibration_.constraints.empty() && !has_lens && !has_prints) return "";
     return fmt::format(
         "too few pictures of the held tag {} can be used, and {} weigh against them: hold another tag "
         "(--held-tag)",
         to_string(calibration_.held_tag),
-        calibration_.constraints.empty() ? "the estimates of the cameras" : "constraints");
+        !calibration_.constraints.empty() ? "constraints"
+        : has_lens                        ? "the estimates of the cameras"
+                                          : "prints that may not be as stated");
   }
 
   void take_joint(const PoseInformation& poses, const ErrorScale& scale,

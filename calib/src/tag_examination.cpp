@@ -106,15 +106,34 @@ std::optional<TagFinding> find_hidden_fault(const PartTask& task, const Adjusted
   return move->explained > shape->explained ? move : shape;
 }
 
-/// By the sizes that tags of two prints have: where these meet, a tag of either looks as if it had moved, or
-/// had a size of its own.
-std::optional<Observations> by_sizes_of_prints(const PartTask& task, const AdjustedPart& sound) {
-  const auto batches = find_print_batches(task, sound);
-  if (!batches) return std::nullopt;
-  Observations as_printed = task.observations;
-  as_printed.sizes_m = sizes_as_printed(task.observations, *batches);
-  return as_printed;
-}
+/// A sound map, and the same by the sizes that tags of two prints have where it looks as if there were two:
+/// where these meet, a tag of either seems to have moved, or to have a size of its own.
+class AsPrinted {
+ public:
+  AsPrinted(const PartTask& task, const Part& part, const AdjustedPart& sound, const std::set<int>& known,
+            const ParallelFor& parallel)
+      : as_stated_(task), sound_(sound) {
+    const auto batches = find_print_batches(task, sound);
+    if (!batches) return;
+    observations_ = task.observations;
+    observations_->sizes_m = sizes_as_printed(task.observations, *batches);
+    by_prints_ = sound;
+    if (!solve_without(this->task(), part, tags_out(sound, {}, known), *by_prints_, parallel))
+      observations_.reset();
+  }
+
+  bool are_two() const { return observations_.has_value(); }
+  PartTask task() const {
+    return {are_two() ? *observations_ : as_stated_.observations, as_stated_.candidates, as_stated_.options};
+  }
+  const AdjustedPart& sound() const { return are_two() ? *by_prints_ : sound_; }
+
+ private:
+  const PartTask& as_stated_;
+  const AdjustedPart& sound_;
+  std::optional<Observations> observations_;
+  std::optional<AdjustedPart> by_prints_;
+};
 
 /// Tags that were found bent stay in the map; but others are held against a map without them.
 void examine_by_all_views(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
@@ -125,24 +144,25 @@ void examine_by_all_views(const PartTask& task, const Part& part, AdjustedPart& 
         !solve_without(task, part, tag, known, sound, parallel))
       return;
   }
-  const auto by_prints = by_sizes_of_prints(task, sound);
-  const PartTask as_printed{by_prints ? *by_prints : task.observations, task.candidates, task.options};
-  if (by_prints && !solve_without(as_printed, part, tags_out(sound, {}, known), sound, parallel)) return;
   for (int round = 0; round < kMostFaults; ++round) {
-    auto finding = find_hidden_fault(as_printed, sound, parallel);
+    const AsPrinted printed(task, part, sound, known, parallel);
+    auto finding = find_hidden_fault(printed.task(), printed.sound(), parallel);
     if (!finding) return;
     require_sound_held_tag(task, part, solved, findings, *finding);
     const int tag = finding->tag;
+    AdjustedPart rest = sound;
+    const bool is_sound = solve_without(task, part, tag, known, rest, parallel);
+    // What was estimated to first order is told better from the map without it, where frames tell.
+    auto better = is_sound ? look_by(task, part, rest, tag).finding : std::nullopt;
+    const bool is_better = better && better->kind == finding->kind;
+    if (printed.are_two() && finding->kind == TagFinding::Kind::kSize && !is_better)
+      return;  // of another size than a print's, which nobody stated
     if (finding->is_left_out && !solve_without(task, part, tag, known, solved, parallel))
       fail_after({*finding}, no_result("calibrate", kTooLittleLeft));
     known.insert(tag);
-    const bool is_sound = solve_without(as_printed, part, tag, known, sound, parallel);
-    // What was estimated to first order is told better from the map without it, where frames tell.
-    if (auto better = is_sound ? look_by(as_printed, part, sound, tag).finding : std::nullopt;
-        better && better->kind == finding->kind)
-      finding = std::move(better);
-    findings.push_back(std::move(*finding));
+    findings.push_back(is_better ? std::move(*better) : std::move(*finding));
     if (!is_sound) return;
+    sound = std::move(rest);
   }
 }
 

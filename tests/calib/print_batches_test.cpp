@@ -133,6 +133,21 @@ TEST(PrintBatches, AreToldAndCountedWhicheverIsAsStated) {
   }
 }
 
+TEST(PrintBatches, HideNoTagThatMoved) {
+  const Printed printed(second_half_larger, 0.05);
+  SyntheticWorld moved = printed.truth;
+  MapTag& tag = moved.map.tags[2];
+  tag.T_map_tag =
+      Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(0.0, 0.0, 0.04)) * tag.T_map_tag;
+  std::vector<FrameDetections> frames = printed.frames, after = test::exact_detections(moved);
+  RandomStream random(9);
+  test::add_edge_noise(after, 0.05, -0.45, random);
+  for (std::size_t i = frames.size() / 2; i < frames.size(); ++i) frames[i] = after[i];
+  const CalibrationResult result = test::calibrate(printed.stated, frames);
+  EXPECT_TRUE(result.print_batches);
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("tag36h11/7 was moved")));
+}
+
 TEST(PrintBatches, AreNotToldOfTagsAsStated) {
   const Printed printed([](int) { return 0.0; });
   const CalibrationResult result = test::calibrate(printed.stated, printed.frames);
