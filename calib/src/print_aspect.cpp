@@ -10,8 +10,10 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kPixelsAreSquare = 0.005, kMostOfPrint = 0.03;
-constexpr double kClearlyNot = 3.0;  // standard deviations
+constexpr double kPixelsAreSquare =
+    0.005;  // what files of the same camera are off by (docs/algorithms/calibration.md, 5a)
+constexpr double kMostOfPrint = 0.03;  // beyond, a picture of another format is likelier
+constexpr double kClearlyNot = 3.0;    // standard deviations
 
 bool is_of_print(const EstimatedParameter& one) {
   const double size = std::abs(one.value);

@@ -5,25 +5,26 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <numeric>
 #include <utility>
 
 #include "corner_views.h"
+#include "tag_fault.h"
 #include "tag_fit.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr std::size_t kMostTagsSized = 200;
-constexpr int kLeastAlike = 2;
+constexpr std::size_t kMostTagsSized = 200;  // a dense system, whose best cut takes their cube
+constexpr int kLeastAlike = 2;               // of one, find_odd_shape tells
 constexpr double kPrintsDiffer = 0.05;  // of the size, standard deviation: keeps what no view tells near 0
-constexpr double kLeastDifference = 0.008;
-constexpr double kClearlyDifferent = 4.5;  // standard deviations
+constexpr double kLeastDifference = 0.008;  // of prints at one setting a few parts in a thousand are usual
 // Of the squares that all sizes explain, what the two groups alone must. Cut in two, numbers of one normal
 // distribution leave them 2 / pi, evenly spread ones 3 / 4.
 constexpr double kClearlyTwo = 0.9;
-constexpr double kClearlyTwoOfFew = 0.97, kFewTags = 6;
+constexpr double kClearlyTwoOfFew = 0.97, kFewTags = 6;  // chance leaves few numbers much
 constexpr double kMoreThanOneTag = 10.0;  // of half the squares, beyond what one odd tag explains
 constexpr double kWorthTurning = 1.0 + 1e-6;
 
@@ -152,7 +153,7 @@ class Sizes {
 bool is_clear(const Sizes& sizes, const Tags& larger, const ErrorScale& scale) {
   const auto num_tags = static_cast<double>(larger.size());
   const double by_chance = 2.0 / std::numbers::pi * num_tags;  // of normal numbers, by the best cut
-  const double sigmas = std::sqrt(kClearlyDifferent * kClearlyDifferent + by_chance);
+  const double sigmas = std::sqrt(kClearSigmas * kClearSigmas + by_chance);
   const double ratio = sizes.log_ratio(larger), explained = sizes.explained_by(larger);
   return ratio > std::max(kLeastDifference, sigmas * sizes.sigma(larger)) &&
          explained > (num_tags < kFewTags ? kClearlyTwoOfFew : kClearlyTwo) * sizes.explained_by_all() &&
