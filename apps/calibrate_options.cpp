@@ -10,7 +10,6 @@
 #include <set>
 
 #include "apriltrack/base/error.h"
-#include "apriltrack/io/numbers.h"
 #include "apriltrack/tags/tag_key_fault.h"
 #include "calibrate_output.h"
 #include "choice_option.h"
@@ -191,17 +190,13 @@ void check_files(const CalibrateOptions& a, const std::vector<std::string>& read
 /// As it is written: without a family where that is left to what is seen. Said before the work: a tag that is
 /// none is never seen, and what was seen instead does not tell why.
 TagKey written_held_tag(const std::string& text) {
-  const std::size_t slash = text.find('/');
-  const bool has_family = slash != std::string::npos;
-  const auto id = parse_integer(has_family ? text.substr(slash + 1) : text);
-  constexpr int kMaxId = std::numeric_limits<int>::max();
-  if (!id || *id < 0 || *id > kMaxId)
-    throw invalid_input("--held-tag",
-                        fmt::format("must be ID or family/ID, ID from 0 to {} (is '{}')", kMaxId, text));
-  const TagKey key{has_family ? text.substr(0, slash) : "", static_cast<int>(*id)};
-  const auto fault = has_family ? fault_of_key(key) : std::nullopt;
+  const auto key = parse_tag_key(text);
+  if (!key)
+    throw invalid_input("--held-tag", fmt::format("must be ID or family/ID, ID from 0 to {} (is '{}')",
+                                                  std::numeric_limits<int>::max(), text));
+  const auto fault = text.find('/') == std::string::npos ? std::nullopt : fault_of_key(*key);
   if (fault) throw invalid_input("--held-tag", fmt::format("'{}' is no tag: {}", text, *fault));
-  return key;
+  return *key;
 }
 
 }  // namespace

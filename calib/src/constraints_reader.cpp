@@ -12,20 +12,15 @@ namespace apriltrack {
 namespace {
 
 constexpr int kConstraintSchema = 1;
-constexpr long long kMostId = 1'000'000;
 
 /// "7", or "tag36h11/7".
 TagKey read_tag_name(const YamlNode& node) {
   const std::string text = node.as_string();
-  const std::size_t slash = text.find('/');
-  const std::string digits = slash == std::string::npos ? text : text.substr(slash + 1);
-  const auto id = parse_integer(digits);
-  if (!id || *id < 0 || *id > kMostId || std::to_string(*id) != digits)
-    node.fail(fmt::format("'{}' is no tag: write ID or family/ID, such as 7 or tag36h11/7", text));
-  TagKey key{slash == std::string::npos ? "" : text.substr(0, slash), static_cast<int>(*id)};
-  if (slash == std::string::npos) return key;
-  if (const auto fault = fault_of_key(key)) node.fail(*fault);
-  return key;
+  const auto key = parse_tag_key(text);
+  if (!key) node.fail(fmt::format("'{}' is no tag: write ID or family/ID, such as 7 or tag36h11/7", text));
+  if (text.find('/') == std::string::npos) return *key;
+  if (const auto fault = fault_of_key(*key)) node.fail(*fault);
+  return *key;
 }
 
 std::vector<TagKey> read_tag_names(const YamlNode& node) {

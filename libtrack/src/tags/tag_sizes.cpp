@@ -2,33 +2,23 @@
 
 #include <fmt/format.h>
 
-#include "apriltrack/io/numbers.h"
 #include "apriltrack/io/yaml_reader.h"
 #include "tag_fields.h"
 
 namespace apriltrack {
 namespace {
 
-/// A decimal id in the one way to write it: "7", not "07", "+7" or "7.0".
-std::optional<int> parse_id(std::string_view text) {
-  const auto value = parse_integer(text);
-  if (!value || *value < 0 || *value > 1'000'000 || std::to_string(*value) != text) return std::nullopt;
-  return static_cast<int>(*value);
-}
-
 void read_size(const std::string& name, const YamlNode& value, TagSizes& sizes) {
-  const std::size_t slash = name.find('/');
-  const auto id = parse_id(slash == std::string::npos ? name : name.substr(slash + 1));
-  if (!id) value.fail(fmt::format("'{}' is no tag: write ID or family/ID, such as 7 or tag36h11/7", name));
+  const auto key = parse_tag_key(name);
+  if (!key) value.fail(fmt::format("'{}' is no tag: write ID or family/ID, such as 7 or tag36h11/7", name));
   const double size_m = read_tag_size(value);
-  if (slash == std::string::npos) {
-    sizes.set(*id, size_m);
+  if (name.find('/') == std::string::npos) {
+    sizes.set(key->id, size_m);
     return;
   }
-  const TagKey key{name.substr(0, slash), *id};
-  expect_known_family(value, key.family);
-  expect_id_of_family(value, key);
-  sizes.set(key, size_m);
+  expect_known_family(value, key->family);
+  expect_id_of_family(value, *key);
+  sizes.set(*key, size_m);
 }
 
 }  // namespace

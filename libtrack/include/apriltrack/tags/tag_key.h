@@ -2,7 +2,9 @@
 
 #include <compare>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace apriltrack {
 
@@ -16,6 +18,11 @@ struct TagKey {
 
 /// "tag36h11/7".
 std::string to_string(const TagKey& key);
+
+/// "7", whose family is left empty, or "tag36h11/7"; nullopt for an id that is not written as to_string()
+/// does
+/// ("07", "+7", "7.0", "-1"). Whether there is such a tag, fault_of_key() says.
+std::optional<TagKey> parse_tag_key(std::string_view text);
 
 }  // namespace apriltrack
 
