@@ -180,10 +180,8 @@ std::string words_of_refinement(const RefinementResult& refinement) {
   if (!refinement.is_accepted) return "Not taken: " + refinement.reason + ".";
   return fmt::format(
       "{} tags, on {} pictures of {} moments. Pictures of moments that were held out disagree with the map "
-      "by "
-      "{:.2f} sigmas before and {:.2f} after. Lenses blur (sigma): {}. Places and covariances "
-      "above "
-      "are the refined ones; residuals and the two halves are of corners.",
+      "by {:.2f} sigmas before and {:.2f} after. Lenses blur (sigma): {}. Places and covariances "
+      "above are the refined ones; residuals and the two halves are of corners.",
       refinement.refined.size(), refinement.views_used, refinement.moments_used, refinement.held_out_before,
       refinement.held_out_after, in_words(refinement.lens_blurs));
 }
@@ -193,10 +191,8 @@ std::string words_of_halves(const CrossValidation& halves) {
   words.front() = 'T';
   return fmt::format(
       "{}. Blocks of neighbouring moments went to the one and the other by turns ({} and {} moments), and a "
-      "map "
-      "was made of each from its corners. Over all tags, the mean squared difference is {:.2f} times what "
-      "the "
-      "covariances expect.",
+      "map was made of each from its corners. Over all tags, the mean squared difference is {:.2f} times "
+      "what the covariances expect.",
       words, halves.moments_of_first, halves.moments_of_second, halves.normalised_error_squared);
 }
 

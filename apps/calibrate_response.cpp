@@ -65,10 +65,8 @@ std::string warning_of(const ResponseFinding& finding) {
   const ResponseEstimate& estimate = finding.estimate;
   return fmt::format(
       "camera {}: its response is not {} as taken for it (about gamma {:.2f}): the tags' pictures say {}, "
-      "and "
-      "those that were held out agree. Edges seem shifted by up to some tenths of a pixel, distances with "
-      "them. "
-      "Use --response auto, or write `response: {}` into the camera file",
+      "and those that were held out agree. Edges seem shifted by up to some tenths of a pixel, distances "
+      "with them. Use --response auto, or write `response: {}` into the camera file",
       finding.camera, finding.assumed, estimate.assumed_exponent, words_of(estimate),
       estimate.response.name());
 }

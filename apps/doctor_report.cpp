@@ -60,8 +60,7 @@ std::string told_blur(const RecordingFacts& recording) {
   const std::size_t all = counts.measured();
   std::string text = fmt::format(
       "  blur of the tags' edges: median {:.1f} px, at most {:.1f}; of the frames with tags {:.0f} % are "
-      "sharp "
-      "(below {:g} px), {:.0f} % soft, {:.0f} % blurred ({:g} px and more)\n",
+      "sharp (below {:g} px), {:.0f} % soft, {:.0f} % blurred ({:g} px and more)\n",
       *counts.median_px, *counts.worst_px, percent(counts.sharp, all), kSharp_px, percent(counts.soft, all),
       percent(counts.blurred, all), kBlurred_px);
   if (counts.unread > 0)

@@ -98,8 +98,7 @@ void find_in_links(std::span<const TagSummary> tags, std::vector<Finding>& findi
       },
       {Severity::kWarning, "few_frames",
        "these tags are seen together with others from few places, so that their poses will be weak: {}. Film "
-       "them "
-       "longer and on the move, or use every frame"},
+       "them longer and on the move, or use every frame"},
       findings);
 }
 
@@ -132,8 +131,7 @@ void find_in_views(std::span<const TagSummary> tags, std::vector<Finding>& findi
       },
       {Severity::kWarning, "only_at_border",
        "these tags are only seen at the image's border, where a lens model is least sure: {}. Bring them "
-       "into "
-       "the middle of the picture"},
+       "into the middle of the picture"},
       findings);
 }
 

@@ -170,10 +170,8 @@ MapDrawing draw_residual_maps(const MapEvidence& evidence, const CameraRig& rig)
     drawing.pictures.push_back(draw_image(images[i], factor, names[i]));
   drawing.caption = fmt::format(
       "How far corners were seen beside where the map puts them, on the mean of each piece of the image, "
-      "drawn "
-      "{:g} times too long. {:.3f} px root mean square; residuals without a pattern would leave {:.3f}. "
-      "Arrows "
-      "that neighbours share, or that point to or from a centre, speak of the lens.",
+      "drawn {:g} times too long. {:.3f} px root mean square; residuals without a pattern would leave "
+      "{:.3f}. Arrows that neighbours share, or that point to or from a centre, speak of the lens.",
       factor, root_mean_square(images), expected_by_chance(evidence, images));
   return drawing;
 }

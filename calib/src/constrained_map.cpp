@@ -125,8 +125,7 @@ std::string contradictions_in_words(const ConstraintJudgement& judgement, std::s
                                : "";
   return fmt::format(
       "constraints contradict the images or each other: {}{}. {}{}Correct them, or take them out of the "
-      "file; "
-      "no map was made{}{}",
+      "file; no map was made{}{}",
       many, join_first(judgement.contradictions, "; ", 5), hint, hint.empty() ? "" : " ",
       doubts.empty() ? "" : ". Of the map itself this is in doubt, and may be why: ",
       fmt::join(doubts, ". "));
@@ -249,13 +248,11 @@ ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const I
     fail(
         "two map frames that are turned against each other agree with the constraints equally well (heights "
         "of tags in one upright plane do not tell its tilt, those of three tags not which side is up): add "
-        "one "
-        "that tells them apart, such as gravity, upright, or a third coordinate");
+        "one that tells them apart, such as gravity, upright, or a third coordinate");
   if (!judgement.fit.has_settled)
     fail(
         "the map does not settle with the constraints, which tell its frame, or a plane, hardly at all: add "
-        "one "
-        "that tells it, such as gravity or upright, or take out the loosest ones");
+        "one that tells it, such as gravity or upright, or take out the loosest ones");
   take_fit(judgement.fit, prior, map, joint, result);
   constexpr std::size_t kMostDoubts = 10;
   for (std::size_t i = 0; i < std::min(kMostDoubts, judgement.doubts.size()); ++i)

@@ -138,8 +138,7 @@ void judge_together(const std::vector<BoundConstraint>& kept, ConstraintJudgemen
   const std::string words = fmt::format(
       "the constraints agree with each other, but all together they are {:.1f} sigmas off what the images "
       "say, most of all {}: look for an error that all of them share, a wrong tag size, or a camera file "
-      "that "
-      "does not fit",
+      "that does not fit",
       sigmas, costliest(judgement.fit, kept));
   (sigmas > kContradictory ? judgement.contradictions : judgement.doubts).push_back(words);
 }
@@ -262,8 +261,7 @@ std::string common_ratio_hint(const std::vector<BoundConstraint>& constraints, c
   if (!is_common || std::abs(mean - 1.0) * std::sqrt(weights) < kDoubtful) return "";
   return fmt::format(
       "{} {:.2f} % {} than in the map: a wrong tag size makes that of all of them; are the tags' edges "
-      "{:.4f} "
-      "times as long as stated?",
+      "{:.4f} times as long as stated?",
       others == 0 ? "The distance is" : fmt::format("All {} distances are", ratios.size()),
       100.0 * std::abs(mean - 1.0), mean > 1.0 ? "longer" : "shorter", mean);
 }

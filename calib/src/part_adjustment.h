@@ -14,8 +14,7 @@ namespace apriltrack {
 
 inline constexpr std::string_view kWhatToCheck =
     "check the tag family (--family) and the tag sizes, the camera file, that all pictures have its size, "
-    "and "
-    "that no tag was moved while filming";
+    "and that no tag was moved while filming";
 
 /// Everything that the solving of a part needs besides the part.
 struct PartTask {

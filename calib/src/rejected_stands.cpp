@@ -59,8 +59,7 @@ std::string words_of(const Observations& observations, const std::set<int>& tags
         to_string(keys.front()), where);
   return fmt::format(
       "{} do not lie to each other as the map has them {}: one of them was moved for that long, or something "
-      "lay "
-      "on its edges; those frames do not count",
+      "lay on its edges; those frames do not count",
       list_tags(keys), where);
 }
 

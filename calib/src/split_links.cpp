@@ -129,9 +129,8 @@ std::string words_of(const Observations& observations, const SplitLink& link, co
   const bool is_one = joint.size() == 1;
   return fmt::format(
       "{0} and {1} are seen together in {2} frames, of which {3} {0} {4} from where the map has it. {5} "
-      "alone "
-      "{6} other tags to the map: if {7} twice (a duplicate) or {8} moved, the map may be folded there. Look "
-      "for a second {5}, and film {9} together with more of the others",
+      "alone {6} other tags to the map: if {7} twice (a duplicate) or {8} moved, the map may be folded "
+      "there. Look for a second {5}, and film {9} together with more of the others",
       to_string(key_of(observations, link.tag)), to_string(key_of(observations, link.beside)),
       link.num_frames, place.num_frames == 1 ? "1 shows" : fmt::format("{} show", place.num_frames),
       shift_and_turn(place.change), board, is_one ? "joins" : "join", is_one ? "it hangs" : "they hang",

@@ -14,8 +14,7 @@ std::string why_they_stay(const Observations& observations, const CalibrationOpt
   if (observations.tags.size() > static_cast<std::size_t>(options.max_tags_with_covariance))
     return fmt::format(
         "It is kept, for maps of more than {} tags keep their cameras: map some of the tags first, and give "
-        "the "
-        "refined camera",
+        "the refined camera",
         options.max_tags_with_covariance);
   return {};
 }

@@ -204,8 +204,7 @@ class Adviser {
     const std::size_t more = num_tags - 2;
     return fmt::format(
         "{} pictures that show {} and {} together{}, from {:.2g} m before {}{}: sigma of {} falls {} mm, and "
-        "{} "
-        "degrees",
+        "{} degrees",
         advice.pictures, to_string(advice.before), to_string(advice.partner),
         more == 0 ? std::string() : fmt::format(" ({} more in view)", more), advice.distance_m,
         to_string(advice.before), angle_in_words(advice), to_string(advice.tag),

@@ -302,8 +302,7 @@ class TrackReportOfCorners : public ::testing::Test {
     for (const int id : {0, 1, 2})
       map += fmt::format(
           "  - id: {}\n    size: 0.16\n    pose:\n      position: {{x: {}, y: {}, z: {}}}\n      "
-          "orientation: "
-          "{{x: 0.0, y: 0.0, z: 0.0, w: 1.0}}\n{}",
+          "orientation: {{x: 0.0, y: 0.0, z: 0.0, w: 1.0}}\n{}",
           id, kWallPlaces_m.at(id).x(), kWallPlaces_m.at(id).y(), kWallPlaces_m.at(id).z(), of_each_tag);
     write_text(folder_ / "map.yaml", map);
     run_for_json({"track", "--detections", folder_ / "corners.csv", "--camera", folder_ / "camera.yaml",

@@ -33,8 +33,7 @@ bool is_camera_name(std::string_view key) {
   root.fail(fmt::format(
       "is no camera file of a known kind; at the top level there must be one of: 'cam0' (Kalibr camchain), "
       "'camera_matrix' or 'K' (OpenCV FileStorage, ROS camera_info, WPILib JSON), 'cameraIntrinsics' "
-      "(PhotonVision "
-      "JSON), 'intrinsics' with 'distortion_model' (EuRoC sensor.yaml); {}",
+      "(PhotonVision JSON), 'intrinsics' with 'distortion_model' (EuRoC sensor.yaml); {}",
       keys.empty() ? "there are no keys at all" : "there are: " + keys.substr(0, 300)));
 }
 
