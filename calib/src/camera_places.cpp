@@ -8,6 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "apriltrack/base/disjoint_sets.h"
+
 namespace apriltrack {
 namespace {
 
@@ -110,19 +112,25 @@ bool are_one(const FirstCorners& a, const FirstCorners& b, double same_place_px)
          one.cameras == cameras_of(b);
 }
 
-/// Of each place the first that it is one with: moments that had no sight in common are joined by what came
-/// later.
-std::vector<std::size_t> join_places(std::vector<FirstCorners> places, const PlaceIndex& index,
-                                     double same_place_px) {
-  std::vector<std::size_t> joined(places.size());
-  for (std::size_t p = 0; p < places.size(); ++p) {
-    joined[p] = p;
-    for (const std::size_t other : index.near(sights_of(places[p]))) {
-      if (other >= p || joined[other] != other || !are_one(places[other], places[p], same_place_px)) continue;
-      joined[p] = other;
-      places[other].insert(places[p].begin(), places[p].end());
-      break;
+/// Moments that had no sight in common are joined by what came later: each place with all that it is one
+/// with, and these with what they are one with together.
+DisjointSets joined_places(std::vector<FirstCorners> places, const PlaceIndex& index, double same_place_px) {
+  DisjointSets joined(places.size());
+  const auto join_one = [&](std::size_t place) {
+    const std::size_t own = joined.find(place);
+    for (const std::size_t near : index.near(sights_of(places[own]))) {
+      const std::size_t other = joined.find(near);
+      if (other == own || !are_one(places[other], places[own], same_place_px)) continue;
+      joined.join(own, other);
+      const std::size_t both = joined.find(own);
+      FirstCorners& rest = places[both == own ? other : own];
+      places[both].merge(rest);
+      return true;
     }
+    return false;
+  };
+  for (std::size_t place = 0; place < places.size(); ++place) {
+    while (join_one(place)) continue;
   }
   return joined;
 }
@@ -145,9 +153,10 @@ std::vector<std::size_t> find_camera_places(std::span<const std::vector<TagSight
     }
     result.push_back(p);
   }
-  const std::vector<std::size_t> joined = join_places(std::move(places), index, same_place_px);
+  DisjointSets joined = joined_places(std::move(places), index, same_place_px);
   std::map<std::size_t, std::size_t> numbers;
-  for (std::size_t& place : result) place = numbers.try_emplace(joined[place], numbers.size()).first->second;
+  for (std::size_t& place : result)
+    place = numbers.try_emplace(joined.find(place), numbers.size()).first->second;
   return result;
 }
 
