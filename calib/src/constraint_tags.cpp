@@ -53,6 +53,7 @@ std::vector<MapConstraint> with_families(const std::vector<MapConstraint>& const
                                                title, name, list_tags(meant)));
       *tag = meant.front();
     }
+    check_constraint(constraint);                          // 7 and tag36h11/7 are one tag
     if (constraint.name.empty()) constraint.name = title;  // as it was written
   }
   return result;

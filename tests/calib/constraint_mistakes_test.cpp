@@ -120,6 +120,18 @@ TEST(Constraints, AnUnknownTagIsAnErrorThatSaysWhatWasSeen) {
               HasSubstr("distance_m: must be in (0, 1e7] m (is -1)"));
 }
 
+TEST(Constraints, DoNotNameATagTwiceOnceWithItsFamily) {
+  const auto frames = test::exact_detections(walls());
+  CalibrationOptions options{.constraints = {{.what = DistanceConstraint{{"", 3}, tag36h11(3), 1.0, 0.1},
+                                              .where = "measured.yaml:3"}}};
+  EXPECT_THAT(error_of(ErrorKind::kInvalidInput, [&] { calibrate(walls(), frames, options); }),
+              HasSubstr("measured.yaml:3: "));
+  options.constraints[0].what =
+      CoplanarConstraint{{{"", 3}, tag36h11(3), tag36h11(5), tag36h11(7)}, 0.001, std::nullopt};
+  EXPECT_THAT(error_of(ErrorKind::kInvalidInput, [&] { calibrate(walls(), frames, options); }),
+              HasSubstr("measured.yaml:3: "));
+}
+
 TEST(Constraints, AreNotUsedWhereATagIsNotInTheMap) {
   auto frames = test::exact_detections(walls());
   for (FrameDetections& frame : frames) {  // seen alone, so in no map
