@@ -16,6 +16,7 @@
 namespace apriltrack {
 namespace {
 
+constexpr double kMostCoordinate_px = 1e6;  // no camera has such pixels: a damaged file
 constexpr double kMinEdge_px = 4.0;         // below it a corner's error is as large as the edge's slope
 constexpr double kMaxRepeatedShare = 0.05;  // more frames with two copies: two objects, not a stray detection
 constexpr std::size_t kFewFrames = 4;
@@ -32,7 +33,7 @@ bool is_seen_from_front(const CornersPx& corners) {
     const Eigen::Vector2d a = corners[(i + 1) % 4] - corners[i];
     const Eigen::Vector2d b = corners[(i + 2) % 4] - corners[(i + 1) % 4];
     constexpr double kMinSineOfCorner = 0.02;
-    if (a.x() * b.y() - a.y() * b.x() > -kMinSineOfCorner * a.norm() * b.norm()) return false;
+    if (!(a.x() * b.y() - a.y() * b.x() <= -kMinSineOfCorner * a.norm() * b.norm())) return false;
   }
   return true;
 }
@@ -84,8 +85,7 @@ std::map<TagKey, std::vector<const Detection*>> usable_by_tag(const FrameDetecti
 std::string describe(const TagKey& tag, const Repetition& repetition) {
   return fmt::format(
       "{} is not one tag: up to {} copies of it are seen at once (copies in {} of {} frames). A map needs an "
-      "id of its "
-      "own for every tag: print tags with different ids, or cover the copies",
+      "id of its own for every tag: print tags with different ids, or cover the copies",
       to_string(tag), repetition.most_copies, repetition.frames_with_copies, repetition.frames);
 }
 
@@ -261,7 +261,7 @@ Observations collect_observations(std::span<const FrameDetections> frames, const
 
 bool is_quad_of_tag(const CornersPx& corners) {
   for (std::size_t i = 0; i < 4; ++i) {
-    if (!corners[i].allFinite() || !(corners[(i + 1) % 4] - corners[i]).allFinite()) return false;
+    if (!(corners[i].cwiseAbs().maxCoeff() <= kMostCoordinate_px) || !corners[i].allFinite()) return false;
     if ((corners[(i + 1) % 4] - corners[i]).norm() < kMinEdge_px) return false;
   }
   return is_seen_from_front(corners);

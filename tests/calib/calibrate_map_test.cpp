@@ -332,6 +332,19 @@ TEST(CalibrateMap, RefusesOptionsOutOfRange) {
               HasSubstr("min_views"));
 }
 
+TEST(CalibrateMap, PassesOverCornersThatNoCameraHas) {
+  const SyntheticWorld world = test::make_room(6, 20, test::perspective_camera());
+  const auto frames = test::exact_detections(world);
+  const CalibrationResult expected = calibrate(world, frames);
+  for (const double factor : {1e5, 1e12, 1e200, 1e308}) {
+    auto damaged = frames;
+    for (Eigen::Vector2d& corner : damaged[3].detections[0].corners_px) corner *= factor;
+    const CalibrationResult result = calibrate(world, damaged);
+    EXPECT_EQ(result.observations_used + 1, expected.observations_used) << factor;
+    expect_truth(world, result.map, result.held_tag, kExact_m, kExact_rad);
+  }
+}
+
 TEST(CalibrateMap, WarnsOfSizesInCentimetres) {
   const SyntheticWorld world = test::make_room(6, 20, test::perspective_camera());
   const auto frames = test::exact_detections(world);
