@@ -39,14 +39,11 @@ const CommandHelp kCalibrateHelp = {
     "Builds a tag map from images in which tags are seen together.",
     "apriltrack calibrate video.mp4 --camera camera.yaml --tag-size 0.16 --output map.yaml\n"
     "apriltrack calibrate --detections detections.csv --camera camera.yaml --tag-sizes tag_sizes.yaml "
-    "--output "
-    "map.yaml\n"
+    "--output map.yaml\n"
     "apriltrack calibrate video.mp4 --camera camera.yaml --tag-size 0.16 --constraints measured.yaml "
-    "--output "
-    "map.yaml\n"
+    "--output map.yaml\n"
     "apriltrack calibrate cam0=left cam1=right --camera rig.yaml --tag-size 0.088 --family tag36h11b2 "
-    "--output "
-    "map.yaml",
+    "--output map.yaml",
     "Film slowly, from many sides, with two or more tags in view; every tag must be linked to the others by\n"
     "such frames."};
 
@@ -106,7 +103,6 @@ void warn_of_shutters(const CameraRig& rig, const std::string& camera_name,
   }
 }
 
-/// By what was read before Ctrl-C, if it came so early; if it comes now, without a result.
 /// Warnings of calibrate_map that were given with file and line.
 std::set<std::string> told_already(const Sightings& sightings, const CameraRig& rig) {
   CameraRig of_told;
@@ -115,6 +111,7 @@ std::set<std::string> told_already(const Sightings& sightings, const CameraRig& 
   return {warnings.begin(), warnings.end()};
 }
 
+/// By what was read before Ctrl-C, if it came so early; if it comes now, without a result.
 CalibrationResult solve(CalibrateOptions& a, const Sightings& sightings, const CameraRig& rig,
                         const TagSizes& sizes) {
   if (!sightings.counts.is_interrupted) a.calibration.should_stop = a.refinement.should_stop = is_interrupted;
@@ -185,22 +182,31 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
   tell_calibration(a, sightings, responses, result, refinement, findings, files);
 }
 
+/// Beside the report, which may be of an earlier run that had a map. That the page cannot be written does not
+/// hide the error.
+void leave_page(CLI::App& command, const CalibrateOptions& a, const Error& error) {
+  if (error.kind() != ErrorKind::kNoResult || a.report.empty() || error.cause().starts_with("interrupted"))
+    return;
+  const std::filesystem::path page = page_without_map(a.report);
+  try {
+    write_failure_report(page, command_line_of(command), a, error.what());
+    a.console.info(fmt::format("why there is no map, on a page: {}", page.string()));
+  } catch (const Error& of_page) {
+    a.console.warning(of_page.what());
+  }
+}
+
 void run(CLI::App& command, CalibrateOptions& a) {
   if (!a.config.empty()) apply_config_file(command, a.config);
   check(command, a);
-  const auto leave_page = [&](const Error& error) {
-    if (error.kind() == ErrorKind::kNoResult && !a.report.empty() &&
-        !error.cause().starts_with("interrupted"))
-      write_failure_report(a.report, command_line_of(command), a, error.what());
-  };
   try {
     make_map(command, a);
   } catch (const ConstraintError& error) {
-    leave_page(error);
+    leave_page(command, a, error);
     a.console.info(constraint_table(error.audits()).substr(1));  // it begins a line
     throw DetailedError(error, {{"constraints", told_constraints(error.audits())}});
   } catch (const Error& error) {
-    leave_page(error);
+    leave_page(command, a, error);
     throw;
   }
 }

@@ -164,6 +164,12 @@ void write_calibrate_report(const std::filesystem::path& path, const CalibrateRu
   write_html_page(path, page);
 }
 
+std::filesystem::path page_without_map(const std::filesystem::path& report) {
+  std::filesystem::path page = report;
+  page.replace_extension(".no_map" + report.extension().string());
+  return page;
+}
+
 void write_failure_report(const std::filesystem::path& path, const std::string& command_line,
                           const CalibrateOptions& options, const std::string& why) {
   HtmlPage page(title_of(options));

@@ -148,11 +148,13 @@ TEST_F(CalibrateReport, ShowsPartsAndSaysWhatWouldJoinThem) {
   EXPECT_THAT(page.texts("li"), Contains(HasSubstr("that joins tag36h11/10, tag36h11/11 to the map")));
 }
 
-TEST_F(CalibrateReport, OfARunWithoutAMapSaysWhy) {
+TEST_F(CalibrateReport, OfARunWithoutAMapSaysWhyBesideOneThatHadAMap) {
+  write_text(path("page.html"), "of an earlier run");
   film({{10, {0}}, {10, {1}}});
   EXPECT_THAT(run_program(words({"--report", path("page.html")})), EndsWith(1, "no two tags connect"));
   EXPECT_FALSE(fs::exists(path("map.yaml")));
-  const ReadReport page(path("page.html"));
+  EXPECT_EQ(read_text(path("page.html")), "of an earlier run");
+  const ReadReport page(path("page.no_map.html"));
   EXPECT_THAT(page.texts("h2"), Contains("No map"));
   EXPECT_THAT(page.texts("p"), Contains(AllOf(HasSubstr("no two tags connect"), HasSubstr("in a chain"))));
   EXPECT_THAT(page.texts("code"), Contains(HasSubstr("calibrate --detections")));
