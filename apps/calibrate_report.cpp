@@ -81,10 +81,9 @@ void add_residuals(HtmlPage& page, const CalibrateRun& run) {
 void add_cameras(HtmlPage& page, const CalibrateRun& run) {
   page.heading("Cameras");
   if (run.result.corrections.empty()) {
-    page.paragraph("As their file says: no correction made frames that were held out agree clearly better.");
+    page.paragraph("As their file says: no correction was taken.");
   } else {
-    page.table(
-        corrections_table(run.result.corrections, "Frames that were held out agree better with them."));
+    page.table(corrections_table(run.result.corrections, "The views agree better with them."));
   }
   if (!run.result.open_corrections.empty())
     page.table(corrections_table(run.result.open_corrections,
