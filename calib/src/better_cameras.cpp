@@ -10,6 +10,7 @@
 
 #include "agreeing_part.h"
 #include "apriltrack/base/error.h"
+#include "open_cameras.h"
 #include "undecided_tags.h"
 
 namespace apriltrack {
@@ -19,16 +20,7 @@ constexpr double kClearGain = 0.05;  // of what was not asked for
 constexpr double kOff = 1.0;         // sigmas of what files of the same camera are off by
 constexpr double kFarOff = 3.0;
 constexpr int kMostLenses = 4;
-// Standard deviations. Fewer make maps by right cameras too unsure, more leave wrong ones unsaid
-// (bench/reports/2026-11-27/calibration_open_cameras.md).
-constexpr double kAsExpected = 1.0, kClearlyOff = 3.0;
 constexpr double kNothingHeldOut = -1.0;
-
-std::vector<int> cameras_of(const Observations& observations, const Part& part) {
-  std::set<int> cameras;
-  for (const std::size_t v : part.views) cameras.insert(observations.views[v].camera);
-  return {cameras.begin(), cameras.end()};
-}
 
 /// What may be mapped still.
 Part without_left_out(const Observations& observations, const Part& part, const AdjustedPart& solved) {
@@ -39,22 +31,9 @@ Part without_left_out(const Observations& observations, const Part& part, const 
   return rest;
 }
 
-using Parameters = std::vector<CameraParameter>;
-
-Parameters operator+(Parameters some, const Parameters& more) {
-  some.insert(some.end(), more.begin(), more.end());
-  return some;
-}
-
-Parameters parameters_of(const CameraRefinement& cameras) {
-  Parameters parameters;
-  for (const EstimatedParameter& one : cameras.estimates) parameters.push_back(one.parameter);
-  return parameters;
-}
-
 /// Of the cameras that were not started with the file's lens: the file's is no choice, so nothing is held
 /// out.
-CameraRefinement refine_other_lenses(const PartTask& task, const Part& part, const Parameters& edges,
+CameraRefinement refine_other_lenses(const PartTask& task, const Part& part, const CameraParameters& edges,
                                      const std::vector<int>& cameras, AdjustedPart& solved,
                                      const ParallelFor& parallel) {
   CameraRefinement refined =
@@ -81,8 +60,8 @@ CameraRefinement better_cameras(const PartTask& task, const Part& part, Adjusted
                           task.observations.cameras[static_cast<std::size_t>(camera)]);
   });
   const bool has_edges = options.edge_offset_sigma_px > 0.0;
-  Parameters parameters =
-      has_edges ? edge_offset_parameters(cameras, options.edge_offset_sigma_px) : Parameters{};
+  CameraParameters parameters =
+      has_edges ? edge_offset_parameters(cameras, options.edge_offset_sigma_px) : CameraParameters{};
   CameraRefinement first;
   if (!others.empty())
     first = refine_other_lenses(task, part, parameters, others, solved, parallel);
@@ -106,7 +85,7 @@ CameraRefinement better_cameras(const PartTask& task, const Part& part, Adjusted
 
 /// That were not asked for, and agree clearly better; `solved` is a copy.
 std::optional<CameraRefinement> not_taken(const PartTask& task, const Part& part,
-                                          const Parameters& parameters, AdjustedPart solved,
+                                          const CameraParameters& parameters, AdjustedPart solved,
                                           const ParallelFor& parallel) {
   CameraRefinement better = refine_cameras(task, part, parameters, kClearGain, solved, parallel);
   if (!better.is_accepted) return std::nullopt;
@@ -117,7 +96,7 @@ std::optional<CameraRefinement> not_taken(const PartTask& task, const Part& part
 std::optional<CameraRefinement> places_not_taken(const PartTask& task, const Part& part,
                                                  const CameraRefinement& refined, const AdjustedPart& solved,
                                                  const ParallelFor& parallel) {
-  const Parameters parameters = extrinsic_parameters(cameras_of(task.observations, solved.part));
+  const CameraParameters parameters = extrinsic_parameters(cameras_of(task.observations, solved.part));
   if (task.options.refine_extrinsics || parameters.empty()) return std::nullopt;
   return not_taken(task, part, parameters + parameters_of(refined), solved, parallel);
 }
@@ -138,12 +117,12 @@ double most_sigmas_off(const CameraRefinement& cameras) {
 }
 
 /// As little as the file is wrong about the same camera's lens, or its place. Edges are in no file.
-Parameters less_known_parameters(const CameraRefinement& cameras) {
+CameraParameters less_known_parameters(const CameraRefinement& cameras) {
   const auto is_alike = [](const CameraParameter& a, const CameraParameter& b) {
     return a.camera == b.camera &&
            ((a.is_of_lens() && b.is_of_lens()) || (a.is_of_place() && b.is_of_place()));
   };
-  Parameters parameters;
+  CameraParameters parameters;
   for (const EstimatedParameter& one : cameras.estimates) {
     double widened = 1.0;
     for (const EstimatedParameter& other : cameras.estimates)
@@ -236,15 +215,11 @@ bool refine_other_cameras(const PartTask& task, const Part& part, const Parallel
                           AdjustedPart& solved, CameraRefinement& refined) {
   if (task.options.intrinsics == Intrinsics::kKeep || !refined.is_accepted) return false;
   std::vector<int> waiting = cameras_of(task.observations, solved.part);
-  Parameters parameters;
-  bool has_lenses = false;
-  for (const EstimatedParameter& one : refined.estimates) {
-    parameters.push_back(one.parameter);
-    if (!one.parameter.is_of_lens()) continue;
-    std::erase(waiting, one.parameter.camera);
-    has_lenses = true;
-  }
-  if (!has_lenses || waiting.empty()) return false;
+  const CameraParameters parameters = parameters_of(refined);
+  if (std::ranges::none_of(parameters, &CameraParameter::is_of_lens)) return false;
+  for (const CameraParameter& one : parameters)
+    if (one.is_of_lens()) std::erase(waiting, one.camera);
+  if (waiting.empty()) return false;
   CameraRefinement all = refine_cameras(task, without_left_out(task.observations, part, solved),
                                         parameters + intrinsic_parameters(waiting, task.observations.cameras),
                                         kClearGain, solved, parallel);
@@ -253,55 +228,11 @@ bool refine_other_cameras(const PartTask& task, const Part& part, const Parallel
   return true;
 }
 
-bool is_of_edges(const CameraParameter& parameter) {
-  return parameter.kind == CameraParameter::Kind::kEdgeOffset;
-}
-
-using IsMeant = bool (*)(const CameraParameter&);
-
-bool is_any_off(const CameraRefinement& cameras, double sigmas, IsMeant is_meant) {
-  return std::ranges::any_of(cameras.estimates, [&](const EstimatedParameter& one) {
-    return is_meant(one.parameter) && std::abs(one.value) > sigmas * one.sigma;
-  });
-}
-
-/// Where one that is meant is off by more than `sigmas`.
-std::optional<CameraRefinement> open_where_off(const PartTask& task, const Parameters& parameters,
-                                               double sigmas, IsMeant is_meant, const AdjustedPart& solved) {
-  auto open = open_parameters(task, parameters, solved);
-  return open && is_any_off(*open, sigmas, is_meant) ? open : std::nullopt;
-}
-
-/// A lens, or places of a rig's cameras, that are clearly off with all else that is unsure; or places or
-/// edges that are farther off than expected: no rig is known to a hair, and its baseline scales the map.
-std::optional<CameraRefinement> find_what_is_open(const PartTask& task, const CameraRefinement& refined,
-                                                  const AdjustedPart& solved) {
-  const Parameters known = parameters_of(refined);
-  const std::vector<int> cameras = cameras_of(task.observations, solved.part);
-  Parameters edges, lenses, places;
-  if (task.options.edge_offset_sigma_px > 0.0 && std::ranges::none_of(known, is_of_edges))
-    edges = edge_offset_parameters(cameras, task.options.edge_offset_sigma_px);
-  if (std::ranges::none_of(known, &CameraParameter::is_of_lens))
-    lenses = intrinsic_parameters(cameras, task.observations.cameras);
-  if (std::ranges::none_of(known, &CameraParameter::is_of_place)) places = extrinsic_parameters(cameras);
-  const IsMeant is_of_lens = [](const CameraParameter& one) { return one.is_of_lens(); };
-  const IsMeant is_of_place = [](const CameraParameter& one) { return one.is_of_place(); };
-  const IsMeant is_in_file = [](const CameraParameter& one) { return one.is_of_lens() || one.is_of_place(); };
-  std::optional<CameraRefinement> open;
-  if (!places.empty()) {
-    open = open_where_off(task, known + edges + lenses + places, kClearlyOff, is_in_file, solved);
-    if (!open) open = open_where_off(task, known + edges + places, kAsExpected, is_of_place, solved);
-  }
-  if (!open && !lenses.empty())
-    open = open_where_off(task, known + edges + lenses, kClearlyOff, is_of_lens, solved);
-  return open ? open : open_where_off(task, edges, kAsExpected, is_of_edges, solved);
-}
-
 /// What the user's own choices keep out, though the views agree better with it, and what is left open.
 void find_what_is_not_taken(const PartTask& task, const Part& to_map, const AdjustedPart& solved,
                             const ParallelFor& parallel, BetterCameras& cameras) {
   cameras.lens_not_taken = cameras.places_not_taken = std::nullopt;
-  cameras.open = find_what_is_open(task, cameras.refined, solved);
+  cameras.open = find_open_cameras(task, cameras.refined, solved);
   if (task.options.intrinsics == Intrinsics::kKeep)
     cameras.lens_not_taken =
         not_taken(task, to_map,
@@ -318,9 +249,9 @@ void find_what_is_not_taken(const PartTask& task, const Part& to_map, const Adju
 void refine_more(const PartTask& task, const Part& rest, const ParallelFor& parallel, AdjustedPart& solved,
                  CameraRefinement& refined) {
   const auto& [observations, candidates, options] = task;
-  const Parameters known = parameters_of(refined);
+  const CameraParameters known = parameters_of(refined);
   const std::vector<int> cameras = cameras_of(observations, solved.part);
-  Parameters all = known;
+  CameraParameters all = known;
   if (options.intrinsics != Intrinsics::kKeep && std::ranges::none_of(known, &CameraParameter::is_of_lens))
     all = all + intrinsic_parameters(cameras, observations.cameras);
   if (options.refine_extrinsics && std::ranges::none_of(known, &CameraParameter::is_of_place))

@@ -44,8 +44,7 @@ class BundleProblem {
   BundleProblem(const Observations& observations, const std::vector<std::size_t>& views,
                 const std::vector<int>& free_tags, const MapState& state, double loss_scale);
 
-  /// Throws Stopped.
-  /// The loss is the problem's own, whatever `how` has.
+  /// The loss is the problem's own, whatever `how` has. Throws Stopped.
   AdjustmentSummary solve(const AdjustmentOptions& how);
   void write_back(MapState& state) const;
 

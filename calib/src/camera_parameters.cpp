@@ -129,15 +129,14 @@ std::string unit_of(const CameraParameter& parameter) {
   }
 }
 
-std::vector<CameraParameter> edge_offset_parameters(const std::vector<int>& cameras, double sigma_px) {
-  std::vector<CameraParameter> parameters;
+CameraParameters edge_offset_parameters(const std::vector<int>& cameras, double sigma_px) {
+  CameraParameters parameters;
   for (const int camera : cameras) parameters.push_back({camera, Kind::kEdgeOffset, 0, sigma_px});
   return parameters;
 }
 
-std::vector<CameraParameter> intrinsic_parameters(const std::vector<int>& cameras,
-                                                  const std::vector<RigCamera>& rig) {
-  std::vector<CameraParameter> parameters;
+CameraParameters intrinsic_parameters(const std::vector<int>& cameras, const std::vector<RigCamera>& rig) {
+  CameraParameters parameters;
   for (const int camera : cameras) {
     const CameraModel& model = rig[static_cast<std::size_t>(camera)].model;
     parameters.push_back({camera, Kind::kFocalLength, 0, kFocalSigma});
@@ -150,8 +149,8 @@ std::vector<CameraParameter> intrinsic_parameters(const std::vector<int>& camera
   return parameters;
 }
 
-std::vector<CameraParameter> extrinsic_parameters(const std::vector<int>& cameras) {
-  std::vector<CameraParameter> parameters;
+CameraParameters extrinsic_parameters(const std::vector<int>& cameras) {
+  CameraParameters parameters;
   for (std::size_t i = 1; i < cameras.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       parameters.push_back({cameras[i], Kind::kTranslation, axis, kTranslationSigma_m});
@@ -223,7 +222,7 @@ bool have_other_lenses(const std::vector<RigCamera>& cameras, const std::vector<
 }
 
 CameraRig with_corrections(const CameraRig& rig, const std::vector<RigCamera>& cameras,
-                           const std::vector<CameraParameter>& parameters) {
+                           const CameraParameters& parameters) {
   CameraRig result = rig;
   std::set<std::size_t> moved_places;
   for (const CameraParameter& one : parameters) {
@@ -242,7 +241,7 @@ CameraRig with_corrections(const CameraRig& rig, const std::vector<RigCamera>& c
 
 std::vector<ParameterView> camera_columns(const Observations& observations,
                                           const std::vector<std::size_t>& views, const MapState& state,
-                                          const std::vector<CameraParameter>& parameters) {
+                                          const CameraParameters& parameters) {
   const auto num = static_cast<Eigen::Index>(parameters.size());
   std::vector<ParameterView> columns;
   for (std::size_t i = 0; i < views.size(); ++i) columns.push_back({i, Eigen::MatrixXd::Zero(8, num)});
@@ -276,6 +275,11 @@ std::vector<ParameterView> with_independent_errors(std::vector<ParameterView> co
                                solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
   for (ParameterView& column : columns) column.by_parameter *= root;
   return columns;
+}
+
+CameraParameters operator+(CameraParameters some, const CameraParameters& more) {
+  some.insert(some.end(), more.begin(), more.end());
+  return some;
 }
 
 }  // namespace apriltrack

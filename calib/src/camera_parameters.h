@@ -12,6 +12,7 @@ namespace apriltrack {
 /// A number of a camera that can be estimated beside the poses.
 struct CameraParameter {
   enum class Kind { kEdgeOffset, kFocalLength, kAspect, kCenter, kDistortion, kTranslation, kRotation };
+
   int camera = 0;
   Kind kind = Kind::kFocalLength;
   int index = 0;  ///< Of a kind that has several.
@@ -23,18 +24,21 @@ struct CameraParameter {
   bool is_of_place() const { return kind >= Kind::kTranslation; }
 };
 
+using CameraParameters = std::vector<CameraParameter>;
+
+CameraParameters operator+(CameraParameters some, const CameraParameters& more);
+
 /// "edge offset", "focal length", "k1".
 std::string name_of(const CameraParameter& parameter, const RigCamera& camera);
 
 /// "px", "1", "m" or "rad".
 std::string unit_of(const CameraParameter& parameter);
 
-std::vector<CameraParameter> edge_offset_parameters(const std::vector<int>& cameras, double sigma_px);
+CameraParameters edge_offset_parameters(const std::vector<int>& cameras, double sigma_px);
 /// Focal length, aspect, principal point, distortion of each.
-std::vector<CameraParameter> intrinsic_parameters(const std::vector<int>& cameras,
-                                                  const std::vector<RigCamera>& rig);
+CameraParameters intrinsic_parameters(const std::vector<int>& cameras, const std::vector<RigCamera>& rig);
 /// Of each but the first.
-std::vector<CameraParameter> extrinsic_parameters(const std::vector<int>& cameras);
+CameraParameters extrinsic_parameters(const std::vector<int>& cameras);
 
 /// What a correction is of; nullopt where the rig has no such camera, or that no such parameter.
 std::optional<CameraParameter> parameter_of(const CameraCorrection& correction,
@@ -52,12 +56,12 @@ bool have_other_lenses(const std::vector<RigCamera>& cameras, const std::vector<
 
 /// The rig with the lenses of `cameras`, and the places of those that had `parameters` of theirs estimated.
 CameraRig with_corrections(const CameraRig& rig, const std::vector<RigCamera>& cameras,
-                           const std::vector<CameraParameter>& parameters);
+                           const CameraParameters& parameters);
 
 /// The whitened residuals of `views` by the parameters, in units of their sigmas; by central differences.
 std::vector<ParameterView> camera_columns(const Observations& observations,
                                           const std::vector<std::size_t>& views, const MapState& state,
-                                          const std::vector<CameraParameter>& parameters);
+                                          const CameraParameters& parameters);
 
 /// The same in units in which the parameters' errors are independent and of variance one. columns: of
 /// parameters with a sigma of one; covariance: of these.

@@ -93,4 +93,11 @@ ErrorScale error_scale(const std::vector<LinearView>& views, const PoseInformati
   return scale;
 }
 
+Eigen::MatrixXd gradient_covariance(const ParameterInformation& parameters, const ErrorScale& scale) {
+  Eigen::MatrixXd covariance = scale.noise_variance * parameters.information;
+  for (const auto& [tag, gradient] : parameters.gradient_by_errors)
+    covariance += scale.bias_variance * gradient * gradient.transpose();
+  return covariance;
+}
+
 }  // namespace apriltrack

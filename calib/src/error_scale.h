@@ -27,4 +27,7 @@ struct ErrorScale {
 ErrorScale error_scale(const std::vector<LinearView>& views, const PoseInformation& poses,
                        double expected_bias_variance);
 
+/// Of the gradient of such parameters, by noise and by the errors that tags keep.
+Eigen::MatrixXd gradient_covariance(const ParameterInformation& parameters, const ErrorScale& scale);
+
 }  // namespace apriltrack

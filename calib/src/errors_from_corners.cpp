@@ -38,7 +38,7 @@ PictureCorners corners_of(const CalibrationResult& calibration, const Photometri
 
 /// Those that pictures follow: edge offsets are of the detector.
 struct Estimated {
-  std::vector<CameraParameter> parameters;  ///< With a sigma of one.
+  CameraParameters parameters;  ///< With a sigma of one.
   Eigen::MatrixXd covariance;
 };
 
@@ -71,9 +71,9 @@ std::vector<ParameterView> columns_of_cameras(const CalibrationResult& calibrati
 }
 
 /// That were refined: pictures take them as they are.
-std::vector<CameraParameter> refined_aspects(const CalibrationResult& calibration,
-                                             const std::vector<RigCamera>& cameras) {
-  std::vector<CameraParameter> aspects;
+CameraParameters refined_aspects(const CalibrationResult& calibration,
+                                 const std::vector<RigCamera>& cameras) {
+  CameraParameters aspects;
   for (const CameraCorrection& correction : calibration.corrections) {
     const auto parameter = parameter_of(correction, cameras);
     if (parameter && parameter->kind == CameraParameter::Kind::kAspect) aspects.push_back(*parameter);

@@ -39,9 +39,9 @@ Observations single_views(const Observations& observations, const RigCamera& cam
 
 /// fy / fx is little known only where the file has no square pixels: prints that were stretched would change
 /// it.
-std::vector<CameraParameter> little_known_lens(const Observations& observations) {
+CameraParameters little_known_lens(const Observations& observations) {
   const Pinhole& pinhole = observations.cameras.front().model.pinhole();
-  std::vector<CameraParameter> parameters = intrinsic_parameters({0}, observations.cameras);
+  CameraParameters parameters = intrinsic_parameters({0}, observations.cameras);
   for (CameraParameter& one : parameters) {
     if (one.kind == CameraParameter::Kind::kAspect)
       one.sigma = std::max(one.sigma, std::abs(std::log(pinhole.fy / pinhole.fx)));

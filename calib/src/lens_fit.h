@@ -56,7 +56,7 @@ class LensFit {
 
   Observations single_;
   RigCamera file_;
-  std::vector<CameraParameter> parameters_;
+  CameraParameters parameters_;
   const ParallelFor& parallel_;
   std::vector<std::size_t> views_;
 };

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "corner_views.h"
-
 namespace apriltrack {
 namespace {
 
@@ -19,18 +17,6 @@ Eigen::Index first_row_of(std::size_t moment) {
 
 }  // namespace
 
-LinearPart::LinearPart(const PartTask& task, const MapState& state, Part part_of_map, int held_tag)
-    : part(std::move(part_of_map)) {
-  MapState with_one_noise = state;
-  with_one_noise.noise.of_frame.clear();
-  views = corner_views(task.observations, part.views, with_one_noise);
-  if (views.size() != part.views.size()) return;
-  poses = PoseInformation::of(views, part.tags, held_tag);
-  if (!poses) return;
-  const double bias = task.options.corner_bias_px / task.options.corner_sigma_px;
-  scale = error_scale(views, *poses, bias * bias);
-}
-
 MovesOfTag::MovesOfTag(const LinearPart& part, int tag) : part_(&part) {
   none_.tag = tag;
   for (std::size_t i = 0; i < part.views.size(); ++i) {
@@ -42,6 +28,7 @@ MovesOfTag::MovesOfTag(const LinearPart& part, int tag) : part_(&part) {
   if (moments_.empty()) return;
   from_moments_ = part.poses->eliminate_poses(columns());
   sum_from_each_moment_on();
+  gradient_covariance_ = gradient_covariance(from_moments_, part.scale);
 }
 
 Move MovesOfTag::with_one_more(const Move& move) const {
@@ -110,13 +97,10 @@ void MovesOfTag::estimate(Move& move) const {
   const Eigen::VectorXd gradient = from_moments_.gradient(rows);
   Eigen::MatrixXd information = from_moments_.information(rows, rows);
   information.diagonal() += kLeastInformed * own_(rows);
-  Eigen::MatrixXd spread = part_->scale.noise_variance * information;
-  for (const auto& [tag, by_errors] : from_moments_.gradient_by_errors) {
-    const Eigen::MatrixXd of_tag = by_errors(rows, Eigen::all);
-    spread += part_->scale.bias_variance * of_tag * of_tag.transpose();
-  }
+  Eigen::MatrixXd covariance = gradient_covariance_(rows, rows);
+  covariance.diagonal() += part_->scale.noise_variance * kLeastInformed * own_(rows);
   move.changes = -information.ldlt().solve(gradient);
-  move.squares = gradient.dot(spread.ldlt().solve(gradient));
+  move.squares = gradient.dot(covariance.ldlt().solve(gradient));
 }
 
 }  // namespace apriltrack

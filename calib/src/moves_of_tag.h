@@ -1,11 +1,8 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
-#include "error_scale.h"
-#include "part_adjustment.h"
-#include "pose_information.h"
+#include "linear_part.h"
 
 namespace apriltrack {
 
@@ -18,20 +15,6 @@ struct Move {
   double squares = 0.0;                   ///< Of the changes, over their spread.
 
   Vector6d first_change() const { return changes.head<6>(); }
-};
-
-/// Views of a part, linearised with one noise for all frames: a tag that moves makes its frames seem noisy,
-/// which would hide it.
-struct LinearPart {
-  Part part;
-  std::vector<LinearView> views;  ///< Those of the part.
-  std::optional<PoseInformation>
-      poses;  ///< None where the views leave a pose undetermined. Refers to `views`.
-  ErrorScale scale;
-
-  LinearPart(const PartTask& task, const MapState& state, Part part_of_map, int held_tag);
-  LinearPart(const LinearPart&) = delete;
-  LinearPart& operator=(const LinearPart&) = delete;
 };
 
 /// What all views say of a tag that is elsewhere from any of some moments on, every other pose free to
@@ -56,11 +39,12 @@ class MovesOfTag {
   void estimate(Move& move) const;
 
   const LinearPart* part_;
-  Move none_;                          ///< Without a moment.
-  std::vector<std::size_t> views_;     ///< Those of the tag, into the part's.
-  std::vector<std::size_t> moments_;   ///< Into the tag's views.
-  ParameterInformation from_moments_;  ///< Six numbers for each: the change that lasts from there on.
-  Eigen::VectorXd own_;                ///< What the tag's own views say of them, all else known.
+  Move none_;                            ///< Without a moment.
+  std::vector<std::size_t> views_;       ///< Those of the tag, into the part's.
+  std::vector<std::size_t> moments_;     ///< Into the tag's views.
+  ParameterInformation from_moments_;    ///< Six numbers for each: the change that lasts from there on.
+  Eigen::MatrixXd gradient_covariance_;  ///< Of these.
+  Eigen::VectorXd own_;                  ///< What the tag's own views say of them, all else known.
 };
 
 }  // namespace apriltrack

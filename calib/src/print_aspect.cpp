@@ -45,8 +45,8 @@ std::optional<double> find_print_aspect(const BetterCameras& cameras, const std:
   return cameras.open ? find_print_aspect(*cameras.open, used) : std::nullopt;
 }
 
-std::vector<CameraParameter> aspects_of(const CameraRefinement& refined) {
-  std::vector<CameraParameter> aspects;
+CameraParameters aspects_of(const CameraRefinement& refined) {
+  CameraParameters aspects;
   if (!refined.is_accepted) return aspects;
   for (const EstimatedParameter& one : refined.estimates)
     if (one.parameter.kind == CameraParameter::Kind::kAspect) aspects.push_back(one.parameter);
@@ -55,7 +55,7 @@ std::vector<CameraParameter> aspects_of(const CameraRefinement& refined) {
 
 std::vector<ParameterView> aspect_errors(const Observations& observations,
                                          const std::vector<std::size_t>& views, const MapState& state,
-                                         double print_aspect, std::vector<CameraParameter> refined) {
+                                         double print_aspect, CameraParameters refined) {
   for (CameraParameter& parameter : refined) parameter.sigma = print_aspect;
   const std::vector<ParameterView> of_lenses = camera_columns(observations, views, state, refined);
   std::vector<ParameterView> columns;
@@ -73,9 +73,8 @@ std::vector<ParameterView> aspect_errors(const Observations& observations,
 std::string words_of_print_aspect(double print_aspect) {
   return fmt::format(
       "it may be the print, and not the lens: tags that are {:.1f} % {} look like a lens whose fy / fx is "
-      "not "
-      "the camera file's, and pixels are seldom so far from square. Measure a tag both ways: if it is, print "
-      "anew, and keep the file by --intrinsics keep. The covariances count either",
+      "not the camera file's, and pixels are seldom so far from square. Measure a tag both ways: if it is, "
+      "print anew, and keep the file by --intrinsics keep. The covariances count either",
       100.0 * std::abs(print_aspect), print_aspect > 0.0 ? "wider than high" : "higher than wide");
 }
 

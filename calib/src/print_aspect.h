@@ -18,14 +18,14 @@ std::optional<double> find_print_aspect(const BetterCameras& cameras, const std:
 std::optional<double> find_print_aspect(const CameraRefinement& cameras, const std::set<int>& used);
 
 /// Those that are taken.
-std::vector<CameraParameter> aspects_of(const CameraRefinement& refined);
+CameraParameters aspects_of(const CameraRefinement& refined);
 
 /// How the views depend on two errors of unit variance: that tags are printed so, and the lenses are as
 /// stated; and that the size is stated of one side or the other. refined: the fy / fx that were taken as the
 /// cause; none where the cameras are without.
 std::vector<ParameterView> aspect_errors(const Observations& observations,
                                          const std::vector<std::size_t>& views, const MapState& state,
-                                         double print_aspect, std::vector<CameraParameter> refined);
+                                         double print_aspect, CameraParameters refined);
 
 std::string words_of_print_aspect(double print_aspect);
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "corner_views.h"
+#include "linear_part.h"
 #include "tag_fault.h"
 #include "tag_fit.h"
 
@@ -65,7 +66,10 @@ using Tags = Eigen::VectorXd;  ///< One for a tag that is among them, zero for a
 /// all of them do.
 class Sizes {
  public:
-  Sizes(const ParameterInformation& sizes, const ErrorScale& scale) : sizes_(sizes), scale_(scale) {}
+  Sizes(const ParameterInformation& sizes, const ErrorScale& scale)
+      : sizes_(sizes),
+        noise_variance_(scale.noise_variance),
+        gradient_covariance_(gradient_covariance(sizes, scale)) {}
 
   /// What of the squares of the residuals goes when all sizes are free, or one number for some of them.
   double explained_by_all() const { return -log_sizes(kPrintsDiffer).dot(sizes_.gradient); }
@@ -84,11 +88,7 @@ class Sizes {
 
   /// By noise, and by the errors that tags keep.
   double sigma(const Tags& larger) const {
-    const double squares = squares_of(larger);
-    double spread = scale_.noise_variance * squares;
-    for (const auto& [tag, gradient] : sizes_.gradient_by_errors)
-      spread += scale_.bias_variance * (larger.transpose() * gradient).squaredNorm();
-    return std::sqrt(spread) / squares;
+    return std::sqrt(larger.dot(gradient_covariance_ * larger)) / squares_of(larger);
   }
 
   /// Those that explain most: from cuts in the order of the sizes, tag by tag. What is left undetermined of
@@ -108,7 +108,7 @@ class Sizes {
   /// prior: their standard deviation.
   Eigen::VectorXd log_sizes(double prior) const {
     Eigen::MatrixXd system = sizes_.information;
-    system.diagonal().array() += scale_.noise_variance / (prior * prior);
+    system.diagonal().array() += noise_variance_ / (prior * prior);
     return -system.ldlt().solve(sizes_.gradient);
   }
 
@@ -147,7 +147,8 @@ class Sizes {
   }
 
   const ParameterInformation& sizes_;
-  const ErrorScale& scale_;
+  double noise_variance_;
+  Eigen::MatrixXd gradient_covariance_;
 };
 
 bool is_clear(const Sizes& sizes, const Tags& larger, const ErrorScale& scale) {
@@ -180,13 +181,10 @@ std::optional<PrintBatches> find_print_batches(const Observations& observations,
 }
 
 std::optional<PrintBatches> find_print_batches(const PartTask& task, const AdjustedPart& solved) {
-  const Part& part = solved.part;
-  const std::vector<LinearView> views = corner_views(task.observations, part.views, solved.state);
-  const auto poses = PoseInformation::of(views, part.tags, solved.held_tag);
-  if (!poses || views.size() != part.views.size()) return std::nullopt;
-  const double bias = task.options.corner_bias_px / task.options.corner_sigma_px;
-  return find_print_batches(task.observations, part.views, solved.state, part.tags, *poses,
-                            error_scale(views, *poses, bias * bias));
+  const LinearPart linear(task, solved.state, solved.part, solved.held_tag);
+  if (!linear.poses) return std::nullopt;
+  return find_print_batches(task.observations, linear.part.views, solved.state, linear.part.tags,
+                            *linear.poses, linear.scale);
 }
 
 std::vector<double> sizes_as_printed(const Observations& observations, const PrintBatches& batches) {
@@ -222,8 +220,7 @@ std::string words_of(const PrintBatches& batches) {
   return fmt::format(
       "the tags look like two prints of different size: {} are {:.1f} % (sigma {:.2f}) larger, beside their "
       "stated sizes, than {}. Measure a tag of each, and state both by --tag-sizes: the map is by the sizes "
-      "as "
-      "stated, and its covariances count that either print may not be",
+      "as stated, and its covariances count that either print may not be",
       list_tags(batches.larger), 100.0 * std::expm1(batches.log_ratio), 100.0 * batches.sigma,
       list_tags(batches.smaller));
 }

@@ -8,7 +8,7 @@ std::vector<ParameterView> errors_of_prints(const Observations& observations,
                                             const std::vector<std::size_t>& views, const MapState& state,
                                             const std::optional<PrintBatches>& batches,
                                             const std::optional<double>& aspect,
-                                            std::vector<CameraParameter> refined_aspects) {
+                                            CameraParameters refined_aspects) {
   std::vector<ParameterView> of_batches, of_aspect;
   if (batches) of_batches = size_errors(observations, views, state, *batches);
   if (aspect) of_aspect = aspect_errors(observations, views, state, *aspect, std::move(refined_aspects));

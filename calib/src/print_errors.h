@@ -15,7 +15,7 @@ std::vector<ParameterView> errors_of_prints(const Observations& observations,
                                             const std::vector<std::size_t>& views, const MapState& state,
                                             const std::optional<PrintBatches>& batches,
                                             const std::optional<double>& aspect,
-                                            std::vector<CameraParameter> refined_aspects);
+                                            CameraParameters refined_aspects);
 
 /// What is to be said of them.
 std::vector<std::string> words_of_prints(const std::optional<PrintBatches>& batches,

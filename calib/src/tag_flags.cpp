@@ -4,16 +4,16 @@
 #include <string>
 #include <vector>
 
+#include "weak_directions.h"
+
 namespace apriltrack {
 namespace {
 
 constexpr int kFewViews = 5;
-constexpr double kLooseRotation_rad = 0.02;
-constexpr double kLoosePosition = 0.1;  // of the tag's size
 
 bool is_loose(const Matrix6d& covariance, double size_m) {
-  return std::sqrt(covariance.bottomRightCorner<3, 3>().trace()) > kLooseRotation_rad ||
-         std::sqrt(covariance.topLeftCorner<3, 3>().trace()) > kLoosePosition * size_m;
+  return std::sqrt(covariance.bottomRightCorner<3, 3>().trace()) > kWeakRotation_rad ||
+         std::sqrt(covariance.topLeftCorner<3, 3>().trace()) > kWeakPosition * size_m;
 }
 
 }  // namespace

@@ -104,17 +104,24 @@ Suspicion suspicion_of(const LinearPart& part, int tag) {
   return one;
 }
 
+/// A tag that moves makes its frames seem noisy, which would hide it.
+MapState with_one_noise(MapState state) {
+  state.noise.of_frame.clear();
+  return state;
+}
+
 /// The tag, and what is near it, linearised.
 LinearPart linear_around(const PartTask& task, const AdjustedPart& solved,
                          const TagNeighbourhoods& neighbourhoods, int tag) {
-  if (neighbourhoods.are_all_one()) return {task, solved.state, solved.part, solved.held_tag};
-  return {task, solved.state, neighbourhoods.around(tag), tag};
+  if (neighbourhoods.are_all_one()) return {task, with_one_noise(solved.state), solved.part, solved.held_tag};
+  return {task, with_one_noise(solved.state), neighbourhoods.around(tag), tag};
 }
 
 std::vector<Suspicion> suspicions_of(const PartTask& task, const AdjustedPart& solved,
                                      const TagNeighbourhoods& neighbourhoods, const ParallelFor& parallel) {
   std::optional<LinearPart> whole;
-  if (neighbourhoods.are_all_one()) whole.emplace(task, solved.state, solved.part, solved.held_tag);
+  if (neighbourhoods.are_all_one())
+    whole.emplace(task, with_one_noise(solved.state), solved.part, solved.held_tag);
   std::vector<Suspicion> result(solved.part.tags.size());
   parallel(result.size(), [&](std::size_t i) {
     const int tag = solved.part.tags[i];
@@ -193,10 +200,10 @@ std::optional<Suspicion> judge_by_two_places(const PartTask& task, const Adjuste
       neighbourhoods.are_all_one() ? solved.part.views : neighbourhoods.around(move.tag).views;
   const auto anew = solve_with_two_places(of_two, views, move.tag);
   if (!anew) return std::nullopt;
-  const LinearPart by_two(of_two, anew->state, anew->part, anew->held_tag);
+  const LinearPart by_two(of_two, with_one_noise(anew->state), anew->part, anew->held_tag);
   MapState state = solved.state;
   state.noise = anew->state.noise;
-  LinearPart part(task, state,
+  LinearPart part(task, with_one_noise(state),
                   connected_to(task.observations, anew->part.views, move.tag, task.options.min_views),
                   move.tag);
   if (!by_two.poses || !part.poses) return std::nullopt;

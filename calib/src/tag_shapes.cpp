@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "corner_views.h"
-#include "error_scale.h"
-#include "pose_information.h"
+#include "linear_part.h"
 #include "tag_fault_words.h"
 
 namespace apriltrack {
@@ -57,16 +56,8 @@ std::vector<ParameterView> shape_columns(const PartTask& task, const AdjustedPar
   return columns;
 }
 
-/// The spread of the gradient, by noise and by the errors that tags keep.
-Eigen::Matrix3d spread_of(const ParameterInformation& of_shape, const ErrorScale& scale) {
-  Eigen::Matrix3d spread = scale.noise_variance * of_shape.information;
-  for (const auto& [tag, gradient] : of_shape.gradient_by_errors)
-    spread += scale.bias_variance * gradient * gradient.transpose();
-  return spread;
-}
-
 ShapeEstimate estimate_shape(const ParameterInformation& of_shape, const ErrorScale& scale, double size_m) {
-  const Eigen::Matrix3d information = of_shape.information, spread = spread_of(of_shape, scale);
+  const Eigen::Matrix3d information = of_shape.information, spread = gradient_covariance(of_shape, scale);
   const Eigen::Vector3d gradient = of_shape.gradient;
   ShapeEstimate result;
   TagShape& scaled = result.scaled.shape;
@@ -103,16 +94,13 @@ ShapeEstimate estimate_shape(const ParameterInformation& of_shape, const ErrorSc
 std::vector<ShapeEstimate> estimate_shapes(const PartTask& task, const AdjustedPart& solved) {
   std::vector<ShapeEstimate> result;
   if (solved.part.tags.size() > kMostTagsShaped) return result;
-  const std::vector<LinearView> views = corner_views(task.observations, solved.part.views, solved.state);
-  const auto poses = PoseInformation::of(views, solved.part.tags, solved.held_tag);
-  if (!poses || views.size() != solved.part.views.size()) return result;
-  const double bias = task.options.corner_bias_px / task.options.corner_sigma_px;
-  const ErrorScale scale = error_scale(views, *poses, bias * bias);
+  const LinearPart linear(task, solved.state, solved.part, solved.held_tag);
+  if (!linear.poses) return result;
   for (const int tag : solved.part.tags) {
-    const ParameterInformation of_shape = poses->eliminate_poses(shape_columns(task, solved, tag));
+    const ParameterInformation of_shape = linear.poses->eliminate_poses(shape_columns(task, solved, tag));
     if (!(of_shape.information(0, 0) > 0.0)) continue;
     result.push_back(
-        estimate_shape(of_shape, scale, task.observations.sizes_m[static_cast<std::size_t>(tag)]));
+        estimate_shape(of_shape, linear.scale, task.observations.sizes_m[static_cast<std::size_t>(tag)]));
     result.back().tag = tag;
   }
   return result;

@@ -1,0 +1,112 @@
+#include "camera_fit.h"
+
+#include <cmath>
+
+#include "apriltrack/base/error.h"
+#include "block_scatter.h"
+#include "bundle_adjustment.h"
+#include "corner_views.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr int kMaxSteps = 8;
+constexpr double kSettled = 0.02;  // of a standard deviation
+
+}  // namespace
+
+bool CameraFit::run(MapState& state) {
+  total_ = already_moved(state);
+  step_number_ = 0;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    const auto step = step_of_cameras(state);
+    if (!step || !move(*step, state)) return false;
+    const AdjustmentSummary summary = adjust(task_.observations, part_.views, free_tags(part_, held_tag_),
+                                             adjustment_options(task_.options), state);
+    if (!summary.is_usable || !summary.has_converged) return false;
+    if (step->cwiseQuotient(sigmas_).cwiseAbs().maxCoeff() < kSettled) return true;
+  }
+  return false;
+}
+
+std::optional<std::vector<EstimatedParameter>> CameraFit::look(const MapState& state) {
+  total_ = already_moved(state);
+  step_number_ = 0;
+  const auto step = step_of_cameras(state);
+  if (!step) return std::nullopt;
+  total_ = *step;
+  return estimates();
+}
+
+std::vector<EstimatedParameter> CameraFit::estimates() const {
+  std::vector<EstimatedParameter> result;
+  for (std::size_t i = 0; i < parameters_.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    result.push_back({parameters_[i], total_[k] * parameters_[i].sigma, sigmas_[k] * parameters_[i].sigma});
+  }
+  return result;
+}
+
+Eigen::MatrixXd CameraFit::covariance() const {
+  Eigen::VectorXd units(covariance_.rows());
+  for (Eigen::Index i = 0; i < units.size(); ++i) units[i] = parameters_[static_cast<std::size_t>(i)].sigma;
+  return units.asDiagonal() * covariance_ * units.asDiagonal();
+}
+
+/// What was found before is part of what is estimated now.
+Eigen::VectorXd CameraFit::already_moved(const MapState& state) const {
+  Eigen::VectorXd total(static_cast<Eigen::Index>(parameters_.size()));
+  for (std::size_t i = 0; i < parameters_.size(); ++i) {
+    const auto camera = static_cast<std::size_t>(parameters_[i].camera);
+    total[static_cast<Eigen::Index>(i)] =
+        difference(task_.observations.cameras[camera], state.cameras[camera], parameters_[i]) /
+        parameters_[i].sigma;
+  }
+  return total;
+}
+
+/// In units of the parameters' sigmas.
+std::optional<Eigen::VectorXd> CameraFit::step_of_cameras(const MapState& state) {
+  const std::vector<LinearView> views = corner_views(task_.observations, part_.views, state);
+  const auto poses = PoseInformation::of(views, part_.tags, held_tag_);
+  if (!poses || views.size() != part_.views.size()) return std::nullopt;
+  const std::vector<ParameterView> columns =
+      camera_columns(task_.observations, part_.views, state, parameters_);
+  const ParameterInformation of_cameras = poses->eliminate_poses(columns);
+  if (step_number_++ < 2) {  // then it stays, or prior and views would pull to and fro
+    scale_ = error_scale(views, *poses, expected_bias_variance(task_.options));
+    noise_variance_ =
+        scale_.noise_variance *
+        BlockScatter(views, *poses).parameters_factor(columns, of_cameras, scale_.noise_variance);
+  }
+  const Eigen::Index num = total_.size();
+  // Errors that tags keep weigh as if they were so much more noise.
+  const Eigen::MatrixXd spread = gradient_covariance(
+      of_cameras, {.noise_variance = noise_variance_, .bias_variance = scale_.bias_variance});
+  const Eigen::LDLT<Eigen::MatrixXd> alone(of_cameras.information +
+                                           1e-9 * Eigen::MatrixXd::Identity(num, num));
+  const Eigen::MatrixXd covariance = alone.solve(alone.solve(spread).transpose());
+  const Eigen::VectorXd estimate = total_ - alone.solve(of_cameras.gradient);
+  // With what was known before: mean 0, variance 1.
+  const Eigen::LDLT<Eigen::MatrixXd> both(covariance + Eigen::MatrixXd::Identity(num, num));
+  const Eigen::VectorXd target = both.solve(estimate);  // prior (prior + covariance)^-1 estimate
+  covariance_ = Eigen::MatrixXd::Identity(num, num) - both.solve(Eigen::MatrixXd::Identity(num, num));
+  sigmas_ = covariance_.diagonal().cwiseMax(1e-16).cwiseSqrt();
+  if (!target.allFinite()) return std::nullopt;
+  return target - total_;
+}
+
+bool CameraFit::move(const Eigen::VectorXd& step, MapState& state) {
+  try {
+    for (std::size_t i = 0; i < parameters_.size(); ++i) {
+      RigCamera& camera = state.cameras[static_cast<std::size_t>(parameters_[i].camera)];
+      camera = moved(camera, parameters_[i], step[static_cast<Eigen::Index>(i)] * parameters_[i].sigma);
+    }
+  } catch (const Error&) {  // a lens that no formula describes
+    return false;
+  }
+  total_ = already_moved(state);  // shares of a focal length multiply
+  return true;
+}
+
+}  // namespace apriltrack
