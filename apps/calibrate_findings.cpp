@@ -80,8 +80,7 @@ nlohmann::json told_keys(const std::vector<TagKey>& keys) {
 }
 
 bool is_lens_refined(const CalibrationResult& result) {
-  return std::ranges::any_of(result.corrections,
-                             [](const CameraCorrection& one) { return one.parameter != "edge offset"; });
+  return !std::ranges::all_of(result.corrections, &CameraCorrection::is_of_edges);
 }
 
 CalibrationFindings find(const CalibrationResult& result, const std::optional<RefinementResult>& refinement,

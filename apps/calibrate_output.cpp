@@ -181,9 +181,10 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
   if (is_response_estimated(responses))
     result.map.provenance.emplace_back("response", words_of_estimated(responses));
   if (refinement) result.map.provenance.emplace_back("refinement", outcome_of(*refinement));
-  for (TagMap& part : result.other_parts)
-    note_origin(a, camera, sightings.counts, to_string(part.tags.front().key) + " held at the origin",
-                files.observations, part);
+  for (std::size_t i = 0; i < result.other_parts.size(); ++i)
+    note_origin(a, camera, sightings.counts,
+                to_string(result.held_tags_of_other_parts[i]) + " held at the origin", files.observations,
+                result.other_parts[i]);
   const bool goes_beside =
       files.observations && !is_detections_input(a, *files.observations);  // that may hold more than was used
   // A run that fails in between must not leave an old map beside new observations, nor any part replaced.

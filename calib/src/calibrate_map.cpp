@@ -222,13 +222,15 @@ void add_other_parts(Observations observations, const std::vector<Part>& parts,
   for (std::size_t i = 1; i < parts.size(); ++i) {
     try {
       const std::vector<ViewCandidates> candidates = solve_views(observations, parts[i].views, parallel);
-      const PartSolution other =
-          solve_part(observations, {observations.cameras, candidates, &main.cameras.refined}, parts[i],
-                     held_tags[i], options, {}, parallel, log);
+      const PartSolution other = solve_part(observations, {observations.cameras, candidates, &main.cameras},
+                                            parts[i], held_tags[i], options, {}, parallel, log);
+      MapEvidence evidence = part_evidence(observations, other, options);
       report_quality(observations, other, options, findings);
+      const std::size_t number = result.other_parts.size() + 2;  // the main map is the first
       result.other_parts.push_back(
-          to_map(observations, other, fmt::format("{}_part_{}", options.map_frame, i + 1)));
-      result.evidence_of_other_parts.push_back(part_evidence(observations, other, options));
+          to_map(observations, other, fmt::format("{}_part_{}", options.map_frame, number)));
+      result.held_tags_of_other_parts.push_back(key_of(observations, other.held_tag));
+      result.evidence_of_other_parts.push_back(std::move(evidence));
     } catch (const Error& error) {
       leave_out(observations, parts[i].tags, error.what(), findings);
     }

@@ -115,10 +115,7 @@ void take_cameras(const Observations& observations, const CameraRig& rig, const 
       solution.cameras.refined.estimates,
       [](const EstimatedParameter& one) { return one.parameter.kind == CameraParameter::Kind::kEdgeOffset; });
   result.corrections_covariance = solution.cameras.refined.covariance;
-  std::vector<CameraParameter> parameters;
-  for (const EstimatedParameter& one : solution.cameras.refined.estimates)
-    parameters.push_back(one.parameter);
-  result.rig = with_corrections(rig, solution.state.cameras, parameters);
+  result.rig = with_corrections(rig, solution.state.cameras, parameters_of(solution.cameras.refined));
   warn_of_edges(result.corrections, options, findings);
   if (is_offset_alone) return;
   findings.warnings.push_back(corrections_in_words(solution.cameras.refined, result.corrections));

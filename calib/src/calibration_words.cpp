@@ -69,17 +69,42 @@ void report_findings(const Observations& observations, const PartSolution& solut
             findings);
 }
 
+/// "the intrinsics", or "the intrinsics of cam1": of the cameras that see the part, those that were to be
+/// refined, and were not.
+std::string words_of_what_stays(const Observations& observations, const PartSolution& solution,
+                                const CalibrationOptions& options) {
+  using IsOf = bool (CameraParameter::*)() const;
+  const std::vector<int> cameras = cameras_of(observations, solution.part);
+  const CameraParameters refined = parameters_of(solution.cameras.refined);
+  const auto stays = [&](const std::string& what, IsOf is_of) -> std::string {
+    std::vector<std::string> names;
+    for (const int camera : cameras) {
+      const auto is_one = [&](const CameraParameter& one) { return one.camera == camera && (one.*is_of)(); };
+      if (std::ranges::none_of(refined, is_one))
+        names.push_back(observations.cameras[static_cast<std::size_t>(camera)].name);
+    }
+    if (is_of == &CameraParameter::is_of_place && cameras.size() > 1)
+      std::erase(names, observations.cameras.front().name);  // the others' places are told from it
+    if (names.empty() || std::ranges::none_of(refined, is_of)) return names.empty() ? "" : what;
+    return fmt::format("{} of {}", what, fmt::join(names, ", "));
+  };
+  std::vector<std::string> words;
+  if (options.intrinsics == Intrinsics::kRefine)
+    words.push_back(stays("the intrinsics", &CameraParameter::is_of_lens));
+  if (options.refine_extrinsics)
+    words.push_back(stays("the places of the cameras", &CameraParameter::is_of_place));
+  std::erase(words, "");
+  return fmt::format("{}", fmt::join(words, " and "));
+}
+
 /// What was asked for in vain, and what was not to be taken.
 void report_cameras(const Observations& observations, const PartSolution& solution,
                     const CalibrationOptions& options, Findings& findings) {
   const CameraRefinement& cameras = solution.cameras.refined;
   std::ranges::move(doubts_of_cameras(observations, solution.cameras), std::back_inserter(findings.warnings));
-  const std::string what = options.intrinsics != Intrinsics::kRefine ? "places of the cameras"
-                           : options.refine_extrinsics               ? "intrinsics and places of the cameras"
-                                                                     : "intrinsics";
-  if ((options.intrinsics == Intrinsics::kRefine || options.refine_extrinsics) && !cameras.reason.empty())
-    findings.warnings.push_back(
-        fmt::format("the {} stay as the camera file has them: {}", what, cameras.reason));
+  const std::string what = words_of_what_stays(observations, solution, options);
+  if (!what.empty() && !cameras.reason.empty())
+    findings.warnings.push_back(fmt::format("{} stay as the camera file has them: {}", what, cameras.reason));
 }
 
 }  // namespace
@@ -110,8 +135,9 @@ void report_quality(const Observations& observations, const PartSolution& soluti
                     "and the matrix to invert grows with the square of their number (at most {} tags)",
                     solution.part.tags.size(), options.max_tags_with_covariance));
   report_findings(observations, solution, findings);
-  report_cameras(observations, solution, options, findings);
-  std::ranges::move(words_of_prints(solution.print_batches, solution.print_aspect),
+  const bool is_first = !solution.are_cameras_given;  // what is true of the cameras is said once
+  if (is_first) report_cameras(observations, solution, options, findings);
+  std::ranges::move(words_of_prints(solution.print_batches, is_first ? solution.print_aspect : std::nullopt),
                     std::back_inserter(findings.warnings));
   leave_out(observations, solution.undecided,
             "its views agree with two poses about equally well: film it from further aside, and nearer",
@@ -166,15 +192,13 @@ void warn_of_edges(const std::vector<CameraCorrection>& corrections, const Calib
                    Findings& findings) {
   constexpr double kUsual = 2.5;  // of the expected sizes: one camera in 80 is beyond
   for (const CameraCorrection& one : corrections) {
-    if (one.parameter != "edge offset" || !(std::abs(one.value) > kUsual * options.edge_offset_sigma_px))
-      continue;
-    findings.warnings.push_back(fmt::format(
-        "{}: edges are found {:.2f} px aside of where the detector has them (edge offset, sigma {:.2f}), "
-        "more "
-        "than is usual (--edge-offset-sigma {:.3g}): if that is wrong, so is the scale of the map. Film from "
-        "nearer and from further aside, give a measured distance (--constraints), or refuse it "
-        "(--edge-offset-sigma 0)",
-        one.camera, one.value, one.sigma, options.edge_offset_sigma_px));
+    if (!one.is_of_edges() || !(std::abs(one.value) > kUsual * options.edge_offset_sigma_px)) continue;
+    findings.warnings.push_back(
+        fmt::format("{}: edges are found {:.2f} px aside of where the detector has them (edge offset, sigma "
+                    "{:.2f}), more than is usual (--edge-offset-sigma {:.3g}): if that is wrong, so is the "
+                    "scale of the map. Film from nearer and from further aside, give a measured distance "
+                    "(--constraints), or refuse it (--edge-offset-sigma 0)",
+                    one.camera, one.value, one.sigma, options.edge_offset_sigma_px));
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include "bundle_adjustment.h"
 #include "corner_views.h"
+#include "errors_of_part.h"
 #include "joint_tag_covariance.h"
 
 namespace apriltrack {
@@ -26,7 +27,7 @@ struct Half {
   MapState state;
   // Of all tags of the part; rows of those that the half does not have are zero:
   JointCovariance joint;
-  Eigen::MatrixXd by_cameras;  ///< Independent errors of variance one of what was estimated of cameras.
+  Eigen::MatrixXd by_taken;  ///< Independent errors of variance one of what both take as the whole has it.
 };
 
 std::vector<int> moments_of(const Observations& observations, const std::vector<std::size_t>& views) {
@@ -81,34 +82,31 @@ bool solve_half(const Observations& observations, const PartSolution& solution, 
   return summary.is_usable && summary.has_converged;
 }
 
-/// How the poses follow errors of the cameras, which both halves take as the whole recording has them.
-Eigen::MatrixXd by_cameras(const Observations& observations, const PartSolution& solution, const Half& half,
-                           const PoseInformation& poses) {
-  if (!solution.cameras.refined.is_accepted) return Eigen::MatrixXd::Zero(poses.size(), 0);
-  return poses
-      .eliminate_poses(
-          independent_errors(observations, half.part.views, half.state, solution.cameras.refined))
-      .poses_by_parameter;
+/// How the poses follow errors of cameras and prints.
+Eigen::MatrixXd by_taken(const Observations& observations, const PartSolution& solution, const Half& half,
+                         const PoseInformation& poses) {
+  const std::vector<ParameterView> errors = taken_errors(observations, solution, half.part.views, half.state);
+  if (errors.empty()) return Eigen::MatrixXd::Zero(poses.size(), 0);
+  return poses.eliminate_poses(errors).poses_by_parameter;
 }
 
 bool measure_half(const Observations& observations, const PartSolution& solution, int held_tag, Half& half) {
   const std::vector<LinearView> views = corner_views(observations, half.part.views, half.state);
   const auto poses = PoseInformation::of(views, half.part.tags, held_tag);
-  if (!poses) return false;
+  if (!poses || views.size() != half.part.views.size()) return false;
   std::vector<TagKey> keys;
   for (const int tag : solution.part.tags) keys.push_back(observations.tags[static_cast<std::size_t>(tag)]);
   half.joint = joint_tag_covariance(*poses, solution.part.tags, keys, solution.scale);
-  half.by_cameras = spread_rows(*poses, solution.part.tags, by_cameras(observations, solution, half, *poses));
+  half.by_taken = spread_rows(*poses, solution.part.tags, by_taken(observations, solution, half, *poses));
   return true;
 }
 
-/// Errors that a tag keeps, and those of cameras, are the same in both halves: only what the two make of them
-/// differently counts.
+/// Errors that a tag keeps, and those of cameras and prints, are the same in both halves: only what the two
+/// make of them differently counts.
 Eigen::MatrixXd covariance_of_difference(const Half& first, const Half& second) {
   const Eigen::MatrixXd kept = first.joint.by_errors - second.joint.by_errors;
-  const Eigen::MatrixXd cameras = first.by_cameras - second.by_cameras;
-  return first.joint.by_noise + second.joint.by_noise + kept * kept.transpose() +
-         cameras * cameras.transpose();
+  const Eigen::MatrixXd taken = first.by_taken - second.by_taken;
+  return first.joint.by_noise + second.joint.by_noise + kept * kept.transpose() + taken * taken.transpose();
 }
 
 double squared_in(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& difference) {
@@ -166,6 +164,11 @@ CrossValidation cross_validate(const Observations& observations, const PartSolut
   CrossValidation result;
   if (solution.part.tags.size() > static_cast<std::size_t>(options.max_tags_with_joint_covariance)) {
     result.why_not = fmt::format("the map has over {} tags", options.max_tags_with_joint_covariance);
+    return result;
+  }
+  if (solution.covariances.empty()) {
+    result.why_not = fmt::format("the map has over {} tags, and no covariances to compare with",
+                                 options.max_tags_with_covariance);
     return result;
   }
   const std::size_t num_moments = moments_of(observations, solution.part.views).size();

@@ -37,8 +37,8 @@ bool leave_out_faulty(const PartTask& task, const Part& part, const ParallelFor&
 }
 
 ImprovedPart improve_once(const PartTask& task, const Part& part, AdjustedPart solved,
-                          const CameraRefinement* estimated, Observations& observations,
-                          const ParallelFor& parallel, const LogSink& log) {
+                          const BetterCameras* known, Observations& observations, const ParallelFor& parallel,
+                          const LogSink& log) {
   const Improvement improve = [&](const PartTask& by, AdjustedPart& improved, BetterCameras& found) {
     found = improve_cameras(by, part, parallel, log, improved);
   };
@@ -47,14 +47,16 @@ ImprovedPart improve_once(const PartTask& task, const Part& part, AdjustedPart s
   };
   ImprovedPart result;
   result.solved = std::move(solved);
-  if (estimated)
-    result.cameras.refined = *estimated;
-  else
+  if (known) {
+    result.cameras.refined = known->refined;
+    result.cameras.open = known->open;
+  } else {
     improve_honestly(task, part, improve, observations, result.solved, result.cameras);
+  }
   const std::vector<ViewCandidates>& by_cameras = result.cameras.candidates;
   const PartTask by_better{task.observations, by_cameras.empty() ? task.candidates : by_cameras,
                            task.options};
-  if (leave_out_faulty(by_better, part, parallel, result) && !estimated)
+  if (leave_out_faulty(by_better, part, parallel, result) && !known)
     improve_honestly(task, part, improve_again, observations, result.solved, result.cameras);
   return result;
 }
@@ -110,11 +112,11 @@ void require_sound_held_tag(const PartTask& task, const ImprovedPart& improved) 
 }  // namespace
 
 ImprovedPart improve_part(const PartTask& task, const Part& part, AdjustedPart solved,
-                          const CameraRefinement* estimated, Observations& observations,
-                          const ParallelFor& parallel, const LogSink& log) {
-  if (estimated || task.options.intrinsics != Intrinsics::kAuto ||
+                          const BetterCameras* known, Observations& observations, const ParallelFor& parallel,
+                          const LogSink& log) {
+  if (known || task.options.intrinsics != Intrinsics::kAuto ||
       have_other_lenses(solved.state.cameras, task.observations.cameras))
-    return improve_once(task, part, std::move(solved), estimated, observations, parallel, log);
+    return improve_once(task, part, std::move(solved), known, observations, parallel, log);
   const int held_tag = solved.held_tag;
   AdjustedPart start = solved;
   std::vector<TagView> views = observations.views;

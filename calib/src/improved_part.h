@@ -18,11 +18,11 @@ struct ImprovedPart {
 /// A lens near the file's that is taken unasked may stand for a tag of another size: the part is solved by
 /// the file's lens too, and where few tags have to go for that to do, these are what is wrong.
 ///
-/// estimated: the cameras, where another part told them already. observations: the task's; in the end the
+/// known: the cameras, where another part told them already. observations: the task's; in the end the
 /// edges of its views are those of the map where that moves an edge offset (take_edges_from_map); where this
 /// throws, they may be of a map that was not taken.
 ImprovedPart improve_part(const PartTask& task, const Part& part, AdjustedPart solved,
-                          const CameraRefinement* estimated, Observations& observations,
-                          const ParallelFor& parallel, const LogSink& log);
+                          const BetterCameras* known, Observations& observations, const ParallelFor& parallel,
+                          const LogSink& log);
 
 }  // namespace apriltrack

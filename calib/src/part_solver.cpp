@@ -10,13 +10,13 @@
 
 #include "agreeing_part.h"
 #include "apriltrack/base/error.h"
-#include "block_scatter.h"
 #include "camera_gravity.h"
 #include "camera_words.h"
 #include "corner_views.h"
-#include "error_scale.h"
+#include "errors_of_part.h"
 #include "improved_part.h"
 #include "joint_tag_covariance.h"
+#include "linear_part.h"
 #include "lost_links.h"
 #include "part_adjustment.h"
 #include "print_errors.h"
@@ -50,46 +50,6 @@ void measure_residuals(const Observations& observations, PartSolution& solution)
   solution.total_rms_px = std::sqrt(total / (8.0 * static_cast<double>(solution.part.views.size())));
 }
 
-/// Those of the cameras that were estimated, with the poses or of another part, or that were left open.
-/// views: linearised, `poses` is made from them.
-std::optional<SharedErrors> errors_of_cameras(const Observations& observations, const PartSolution& solution,
-                                              const std::vector<LinearView>& views,
-                                              const PoseInformation& poses) {
-  const auto independent = [&](const CameraRefinement& estimated) {
-    return SharedErrors(poses.eliminate_poses(
-                            independent_errors(observations, solution.part.views, solution.state, estimated)),
-                        1.0 / solution.scale.noise_variance);
-  };
-  if (solution.cameras.open) return independent(*solution.cameras.open);
-  if (!solution.cameras.refined.is_accepted) return std::nullopt;
-  if (solution.are_cameras_given) return independent(solution.cameras.refined);
-  std::vector<CameraParameter> parameters;
-  for (const EstimatedParameter& one : solution.cameras.refined.estimates)
-    parameters.push_back(one.parameter);
-  const std::vector<ParameterView> columns =
-      camera_columns(observations, solution.part.views, solution.state, parameters);
-  SharedParameters shared{poses.eliminate_poses(columns), {}};
-  // One, in the units of the residuals, whose variance this is.
-  const double noise_variance = solution.scale.noise_variance;
-  shared.prior_precision = Eigen::VectorXd::Constant(shared.information.gradient.size(), noise_variance);
-  shared.noise_factor =
-      BlockScatter(views, poses).parameters_factor(columns, shared.information, noise_variance);
-  return SharedErrors(shared);
-}
-
-/// That are not in the noise.
-std::optional<SharedErrors> errors_of_all(const Observations& observations, const PartSolution& solution,
-                                          const std::vector<LinearView>& views,
-                                          const PoseInformation& poses) {
-  auto of_cameras = errors_of_cameras(observations, solution, views, poses);
-  const std::vector<ParameterView> columns =
-      errors_of_prints(observations, solution.part.views, solution.state, solution.print_batches,
-                       solution.print_aspect, aspects_of(solution.cameras.refined));
-  if (columns.empty()) return of_cameras;
-  const SharedErrors of_prints(poses.eliminate_poses(columns), 1.0 / solution.scale.noise_variance);
-  return of_cameras ? together(*of_cameras, of_prints) : of_prints;
-}
-
 std::set<int> cameras_in(const std::vector<LinearView>& views) {
   std::set<int> cameras;
   for (const LinearView& view : views) cameras.insert(view.camera);
@@ -97,16 +57,14 @@ std::set<int> cameras_in(const std::vector<LinearView>& views) {
 }
 
 /// That are not as stated. A tag that is known to be bent has a size of its own.
-void find_prints(const Observations& observations, const std::vector<LinearView>& views,
-                 const PoseInformation& poses, PartSolution& solution) {
-  if (views.size() != solution.part.views.size()) return;  // what some say is not known
-  solution.print_aspect = find_print_aspect(solution.cameras, cameras_in(views));
+void find_prints(const Observations& observations, const LinearPart& linear, PartSolution& solution) {
+  solution.print_aspect = find_print_aspect(solution.cameras, cameras_in(linear.views));
   std::vector<int> tags = solution.part.tags;
   std::erase_if(tags, [&](int tag) {
     return std::ranges::find(solution.findings, tag, &TagFinding::tag) != solution.findings.end();
   });
-  solution.print_batches =
-      find_print_batches(observations, solution.part.views, solution.state, tags, poses, solution.scale);
+  solution.print_batches = find_print_batches(observations, solution.part.views, solution.state, tags,
+                                              *linear.poses, solution.scale);
 }
 
 /// Each frame anew, the tags as they are.
@@ -149,28 +107,26 @@ void keep_to_constraints(const Observations& observations, const CovarianceOpera
 void measure_covariances(const Observations& observations, const CalibrationOptions& options,
                          const std::vector<MapConstraint>& constraints, PartSolution& solution) {
   if (solution.part.tags.size() > static_cast<std::size_t>(options.max_tags_with_covariance)) return;
-  const std::vector<LinearView> views = corner_views(observations, solution.part.views, solution.state);
-  const auto poses = PoseInformation::of(views, solution.part.tags, solution.held_tag);
-  if (!poses)
+  const LinearPart linear(observations, options, solution.state, solution.part, solution.held_tag);
+  if (!linear.poses)
     throw no_result("calibrate",
                     "the views leave the pose of a tag undetermined; film each tag from more sides, together "
                     "with others");
-  const double bias = options.corner_bias_px / options.corner_sigma_px;
-  solution.scale = error_scale(views, *poses, bias * bias);
-  find_prints(observations, views, *poses, solution);
-  const auto shared = errors_of_all(observations, solution, views, *poses);
-  solution.covariances = tag_covariances(*poses, solution.part.tags, shared);
+  solution.scale = linear.scale;
+  find_prints(observations, linear, solution);
+  const auto shared = errors_of_part(observations, solution, linear.views, *linear.poses);
+  solution.covariances = tag_covariances(*linear.poses, solution.part.tags, shared);
   scale_by(solution.scale, solution.covariances);
   if (solution.part.tags.size() <= static_cast<std::size_t>(options.max_tags_with_joint_covariance)) {
     std::vector<TagKey> keys;
     for (const int tag : solution.part.tags) keys.push_back(observations.tags[static_cast<std::size_t>(tag)]);
     solution.joint =
-        joint_tag_covariance(*poses, solution.part.tags, std::move(keys), solution.scale, shared);
+        joint_tag_covariance(*linear.poses, solution.part.tags, std::move(keys), solution.scale, shared);
   }
   if (constraints.empty()) return;
-  solution.constraints = with_gravity_of_tags(constraints, observations, solution.part.views, views,
+  solution.constraints = with_gravity_of_tags(constraints, observations, solution.part.views, linear.views,
                                               solution.state, solution.scale);
-  keep_to_constraints(observations, CovarianceOperator(*poses, solution.scale, shared), solution);
+  keep_to_constraints(observations, CovarianceOperator(*linear.poses, solution.scale, shared), solution);
 }
 
 AdjustedPart adjusted(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel,
@@ -265,9 +221,9 @@ PartSolution solve_part(Observations& observations, const CamerasOfPart& cameras
   const PartTask task{observations, cameras.candidates, options};  // sees the edges that the map gives them
   ImprovedPart improved =
       improve_part(task, part, adjusted_from(cameras.start, task, part, held_tag, parallel, log),
-                   cameras.estimated, observations, parallel, log);
+                   cameras.known, observations, parallel, log);
   PartSolution solution;
-  solution.are_cameras_given = cameras.estimated != nullptr;
+  solution.are_cameras_given = cameras.known != nullptr;
   take_improved(std::move(improved), solution);
   const std::vector<ViewCandidates>& by_cameras = solution.cameras.candidates;
   const PartTask by_better{observations, by_cameras.empty() ? cameras.candidates : by_cameras, options};

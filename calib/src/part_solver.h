@@ -43,8 +43,8 @@ struct PartSolution {
 struct CamerasOfPart {
   const std::vector<RigCamera>& start;  ///< To begin with; `observations.cameras` is what is known of them.
   const std::vector<ViewCandidates>& candidates;  ///< Of all views, by these.
-  /// How `start` was estimated, of another part: no part has cameras of its own. None: to be estimated.
-  const CameraRefinement* estimated = nullptr;
+  /// What another part says of `start`: no part has cameras of its own. None: to be estimated.
+  const BetterCameras* known = nullptr;
 };
 
 /// Start, robust adjustment, outliers removed, clean adjustment, mirrored tags turned, covariances; all of it

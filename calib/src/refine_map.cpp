@@ -69,8 +69,8 @@ class Refinement {
     if (!compared->lost_tags.empty())
       return fmt::format(
           "most held-out pictures of {} show it where the corners have it, and not where other pictures "
-          "moved it: it "
-          "hung in two places, or something like it is in its pictures; leave it out, or film again",
+          "moved it: it hung in two places, or something like it is in its pictures; leave it out, or film "
+          "again",
           names_of(compared->lost_tags, calibration_.map, input_));
     if (!(compared->after < compared->before))
       return fmt::format(
@@ -174,6 +174,11 @@ std::vector<TagKey> tags_with_views(const TagMap& map, const RefinementInput& in
   return {keys.begin(), keys.end()};
 }
 
+void require_cameras_of(const CalibrationResult& calibration, const CameraRig& rig) {
+  if (std::ranges::equal(rig.cameras, calibration.rig.cameras, {}, &Camera::name, &Camera::name)) return;
+  throw invalid_input("rig", "must have the cameras that the map was calibrated with, in their order");
+}
+
 /// Why not, or empty. `result`: as calibrated, and as it was where the map is not to be taken.
 std::string refine_on_pictures(const CalibrationResult& calibration, std::span<const FrameDetections> frames,
                                const CameraRig& rig, const RefinementOptions& options, const LogSink& log,
@@ -207,6 +212,7 @@ void RefinementOptions::check() const {
 RefinementResult refine_map(const CalibrationResult& calibration, std::span<const FrameDetections> frames,
                             const CameraRig& rig, const RefinementOptions& options, const LogSink& log) {
   options.check();
+  require_cameras_of(calibration, rig);
   RefinementResult result;
   result.map = calibration.map;
   result.gauge = calibration.gauge;

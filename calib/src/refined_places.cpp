@@ -25,8 +25,7 @@ std::string contradiction_in_words(const ConstraintError& error) {
   if (titles.empty()) return fmt::format("with the pictures' covariance, {}", error.what());
   return fmt::format(
       "they contradict constraints that the corners agree with: {}; give these the sigma that they were "
-      "measured "
-      "with, or take them out",
+      "measured with, or take them out",
       join_first(titles, ", ", 5));
 }
 
@@ -95,16 +94,17 @@ class RefinedPlaces {
   /// or constraints add up.
   std::string why_held_tag_is_needed() const {
     if (is_held_tag_refined()) return "";
-    const bool has_lens = std::ranges::any_of(
-        calibration_.corrections, [](const CameraCorrection& one) { return one.parameter != "edge offset"; });
+    const bool has_cameras =
+        !std::ranges::all_of(calibration_.corrections, &CameraCorrection::is_of_edges) ||
+        !std::ranges::all_of(calibration_.open_corrections, &CameraCorrection::is_of_edges);
     const bool has_prints = calibration_.print_batches || calibration_.print_aspect;
-    if (calibration_.constraints.empty() && !has_lens && !has_prints) return "";
+    if (calibration_.constraints.empty() && !has_cameras && !has_prints) return "";
     return fmt::format(
         "too few pictures of the held tag {} can be used, and {} weigh against them: hold another tag "
         "(--held-tag)",
         to_string(calibration_.held_tag),
         !calibration_.constraints.empty() ? "constraints"
-        : has_lens                        ? "the estimates of the cameras"
+        : has_cameras                     ? "cameras that are not as their file says"
                                           : "prints that may not be as stated");
   }
 

@@ -79,6 +79,12 @@ TEST(CrossValidation, SaysWhyNot) {
   EXPECT_TRUE(result.cross_validation->tags.empty());
 }
 
+TEST(CrossValidation, IsNotMadeWithoutCovariances) {
+  const SyntheticWorld world = test::make_room(8, 40, test::equidistant_camera());
+  const CalibrationResult result = halves_of(world, 1, {.max_tags_with_covariance = 7});
+  EXPECT_THAT(result.cross_validation->why_not, HasSubstr("over 7 tags, and no covariances"));
+}
+
 TEST(CrossValidation, IsNotMadeUnlessAskedFor) {
   const SyntheticWorld world = test::make_room(8, 30, test::equidistant_camera());
   EXPECT_FALSE(test::calibrate(world, test::exact_detections(world)).cross_validation.has_value());

@@ -41,6 +41,39 @@ TEST(OpenCameras, CountsAnEdgeOffsetThatFewFramesDoNotDecide) {
               ::testing::Contains(HasSubstr("corners look as if edges lay inside")));
 }
 
+/// Frames of the first tags and of the others by turns.
+std::vector<FrameDetections> in_two_parts(const Filmed& filmed) {
+  const std::vector<MapTag>& tags = filmed.truth.map.tags;
+  const TagKey middle = tags[tags.size() / 2].key;
+  std::vector<FrameDetections> frames = filmed.frames;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    std::erase_if(frames[i].detections,
+                  [&](const Detection& detection) { return (detection.tag < middle) != (i % 2 == 0); });
+  }
+  return frames;
+}
+
+/// A part of its own has the same cameras.
+TEST(OpenCameras, CountsAnOpenEdgeOffsetInOtherPartsToo) {
+  Filmed filmed = film(test::perspective_camera(), 0.05, 28);
+  move_edges_inward(0.1, filmed.frames);
+  filmed.frames = in_two_parts(filmed);
+  const CalibrationOptions options{.corner_bias_px = 0.0, .edge_offset_sigma_px = 0.2};
+  const CalibrationResult result = calibrate(filmed.stated, filmed.frames, options);
+  ASSERT_FALSE(result.open_corrections.empty());
+  ASSERT_EQ(result.other_parts.size(), 1U);
+  ASSERT_EQ(result.held_tags_of_other_parts.size(), 1U);
+  const TagKey held = result.held_tags_of_other_parts[0];
+  EXPECT_TRUE(result.other_parts[0].find(held)->T_map_tag.matrix().isIdentity());
+  double largest = 0.0;
+  EXPECT_LT(test::mean_normalised_error(filmed.truth.map, held, result.other_parts[0], &largest), 2.0);
+  EXPECT_EQ(std::ranges::count_if(result.warnings,
+                                  [](const std::string& warning) {
+                                    return warning.find("edges lay inside") != std::string::npos;
+                                  }),
+            1);
+}
+
 TEST(OpenCameras, IsInDoubtWhereConstraintsContradictAMapOfOpenEdges) {
   Filmed filmed = film(test::perspective_camera(), 0.05, 14);
   move_edges_inward(0.1, filmed.frames);

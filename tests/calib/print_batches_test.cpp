@@ -116,6 +116,15 @@ TEST(PrintBatches, OfARigAreFoundAndNoCommonSize) {
   EXPECT_FALSE(batches_of(by_a_rig([](int) { return 0.015; })));
 }
 
+TEST(PrintBatches, AreCountedWhereHalvesOfTheRecordingAreCompared) {
+  const Printed printed(second_half_larger);
+  const CalibrationResult result = test::calibrate(printed.stated, printed.frames, {.cross_validate = true});
+  ASSERT_TRUE(result.print_batches);
+  ASSERT_EQ(result.cross_validation->why_not, "");
+  EXPECT_LT(result.cross_validation->normalised_error_squared, 1.5);
+  EXPECT_GT(result.cross_validation->normalised_error_squared, 0.3);
+}
+
 TEST(PrintBatches, AreToldAndCountedWhicheverIsAsStated) {
   const auto first_half_smaller = [](int tag) { return tag < kPrintedTags / 2 ? -0.015 : 0.0; };
   for (const std::function<double(int)>& larger_by :

@@ -253,5 +253,15 @@ TEST(RefinedMap, NamesOptionsOutOfRange) {
   EXPECT_EQ(error({.num_threads = -1}), "num_threads: must be 0 (all cores) or more (is -1)");
 }
 
+TEST(RefinedMap, IsOfTheCamerasThatItWasCalibratedWith) {
+  const FilmedRoom& filmed = FilmedRoom::once();
+  CameraRig other = filmed.rig;
+  other.cameras.push_back(other.cameras[0]);
+  other.cameras.back().name = "another";
+  EXPECT_THAT(test::error_of(ErrorKind::kInvalidInput,
+                             [&] { refine_map(filmed.by_corners, filmed.frames, other, {}); }),
+              ::testing::StartsWith("rig: must have the cameras that the map was calibrated with"));
+}
+
 }  // namespace
 }  // namespace apriltrack

@@ -133,6 +133,12 @@ TEST(RefinedMap, HoldsAnotherTagWhereTheHeldOneHasNoPictures) {
   EXPECT_EQ(refused.reason,
             "too few pictures of the held tag " + to_string(held) +
                 " can be used, and constraints weigh against them: hold another tag (--held-tag)");
+
+  CalibrationResult open = filmed.by_corners;
+  open.open_corrections = {{filmed.rig.cameras[0].name, "focal length", "1", 0.01, 0.01}};
+  open.open_covariance = Eigen::MatrixXd::Constant(1, 1, 2e-4);
+  EXPECT_THAT(refine_map(open, frames, filmed.rig, {}).reason,
+              HasSubstr("and cameras that are not as their file says weigh against them"));
 }
 
 /// What frames show is not where they say: by a pixel to the left and to the right, tag by tag.

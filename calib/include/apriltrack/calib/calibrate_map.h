@@ -53,7 +53,7 @@ struct CalibrationOptions {
   /// tags, and 0.4 kB for each two that are seen together (1000 tags: 0.3 to 0.7 GB).
   int max_tags_with_covariance = 1000;
   /// Larger maps go without the covariances between their tags (joint_covariance.h): 0.7 kB times the square
-  /// of the number of tags.
+  /// of the number of tags, of which some copies are in memory at once (refinement and advice have theirs).
   int max_tags_with_joint_covariance = 100;
   /// Solve the map from each half of the recording, too, and tell how far the two differ
   /// (CalibrationResult::cross_validation): two more adjustments.
@@ -79,6 +79,8 @@ struct CameraCorrection {
   std::string unit;       ///< "px", "1" (a share, or a coefficient), "m", "rad".
   double value = 0.0;     ///< To be added to what was given; of lengths and ratios a share of that.
   double sigma = 0.0;     ///< Of lengths and ratios a share of what the camera has now.
+
+  bool is_of_edges() const { return parameter == "edge offset"; }  ///< Of the detector, not of the camera.
 };
 
 /// Tags that look like two prints of different size: alike among themselves, and one larger than the other.
@@ -90,10 +92,11 @@ struct PrintBatches {
 
 struct CalibrationResult {
   TagMap map;  ///< The part with the held tag; tags in the order of their keys.
-  std::vector<TagMap>
-      other_parts;    ///< Parts that no frame joins to it, each with a gauge of its own; largest first.
-  TagKey held_tag;    ///< At the origin of `map`, unless constraints say where it is.
-  std::string gauge;  ///< How the map's frame was fixed, in words.
+  /// Parts that no frame joins to it, each with a gauge of its own; largest first.
+  std::vector<TagMap> other_parts;
+  std::vector<TagKey> held_tags_of_other_parts;  ///< At their origins.
+  TagKey held_tag;                    ///< At the origin of `map`, unless constraints say where it is.
+  std::string gauge;                  ///< How the map's frame was fixed, in words.
   bool is_frame_measured = false;     ///< By constraints: no tag is held, and covariances are of that frame.
   bool is_vertical_measured = false;  ///< By these: z of the map's frame is up.
   /// Those that `map` keeps to, their tags named by family and id; and each one of the options against all

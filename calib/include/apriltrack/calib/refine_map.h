@@ -71,7 +71,8 @@ struct RefinementResult {
 /// include what the corners leave open between it and the others; with constraints or estimated cameras, no
 /// map is accepted then.
 ///
-/// Throws Error(kInvalidInput) for an option out of range or a camera that the rig does not have.
+/// rig: CalibrationResult::rig, or one of the same cameras. Throws Error(kInvalidInput) for an option out of
+/// range, other cameras, or a frame of a camera that the rig does not have.
 RefinementResult refine_map(const CalibrationResult& calibration, std::span<const FrameDetections> frames,
                             const CameraRig& rig, const RefinementOptions& options,
                             const LogSink& log = silent_log());
