@@ -17,20 +17,35 @@ namespace {
 // from where they are by the faster one (euroc_aprilgrid). What moves them less does not matter.
 constexpr double kInconstantEdges_px = 0.1;
 
-/// The most by which an edge offset differs; one that is not estimated is 0.
-double most_difference_px(const CameraRefinement& a, const CameraRefinement& b) {
-  std::map<int, double> difference_px;
-  const auto add = [&](const CameraRefinement& cameras, double sign) {
-    if (!cameras.is_accepted) return;
-    for (const EstimatedParameter& one : cameras.estimates)
-      if (one.parameter.kind == CameraParameter::Kind::kEdgeOffset)
-        difference_px[one.parameter.camera] += sign * one.value;
-  };
-  add(a, 1.0);
-  add(b, -1.0);
-  double most = 0.0;
-  for (const auto& [camera, value] : difference_px) most = std::max(most, std::abs(value));
-  return most;
+using EdgeOffsets = std::map<int, double>;  ///< By camera; one that is not estimated is 0.
+
+void take_offsets(const CameraRefinement& cameras, EdgeOffsets& offsets_px) {
+  for (const EstimatedParameter& one : cameras.estimates)
+    if (one.parameter.kind == CameraParameter::Kind::kEdgeOffset)
+      offsets_px[one.parameter.camera] = one.value;
+}
+
+/// Estimated, or left open.
+EdgeOffsets edge_offsets(const BetterCameras& cameras) {
+  EdgeOffsets offsets_px;
+  if (cameras.refined.is_accepted) take_offsets(cameras.refined, offsets_px);
+  if (cameras.open) take_offsets(*cameras.open, offsets_px);
+  return offsets_px;
+}
+
+bool differ(EdgeOffsets a, const EdgeOffsets& b) {
+  for (const auto& [camera, offset_px] : b) a[camera] -= offset_px;
+  return std::ranges::any_of(a, [](const auto& one) { return std::abs(one.second) >= kInconstantEdges_px; });
+}
+
+/// To first order, by the edges of `by_map`. Weights that follow errors may hide an offset, too.
+EdgeOffsets edge_offsets_by(const Observations& by_map, const PartTask& task, const AdjustedPart& solved) {
+  EdgeOffsets offsets_px;
+  const auto edges = open_parameters(
+      {by_map, task.candidates, task.options},
+      edge_offset_parameters(cameras_of(by_map, solved.part), task.options.edge_offset_sigma_px), solved);
+  if (edges) take_offsets(*edges, offsets_px);
+  return offsets_px;
 }
 
 struct Improved {
@@ -57,14 +72,17 @@ std::optional<Improved> improved_by_edges_of_map(const PartTask& task, const Obs
 
 void improve_honestly(const PartTask& task, const Part& part, const Improvement& improve,
                       Observations& observations, AdjustedPart& solved, BetterCameras& cameras) {
+  if (!(task.options.edge_offset_sigma_px > 0.0)) return improve(task, solved, cameras);
   const Improved before{solved, cameras};
   improve(task, solved, cameras);
-  if (most_difference_px(cameras.refined, before.cameras.refined) < kInconstantEdges_px) return;
   Observations by_map = task.observations;
   take_edges_from_map(before.solved.part.views, before.solved.state,
                       {task.options.corner_sigma_px, task.options.edge_end_correlation}, by_map);
+  const EdgeOffsets found = edge_offsets(cameras);
+  if (!differ(found, edge_offsets(before.cameras)) && !differ(found, edge_offsets_by(by_map, task, solved)))
+    return;
   auto again = improved_by_edges_of_map(task, by_map, part, improve, before);
-  if (!again || most_difference_px(cameras.refined, again->cameras.refined) < kInconstantEdges_px) return;
+  if (!again || !differ(found, edge_offsets(again->cameras))) return;
   observations.views = std::move(by_map.views);
   solved = std::move(again->solved);
   cameras = std::move(again->cameras);

@@ -8,6 +8,7 @@
 #include "adjusted_world.h"
 #include "calibrating.h"
 #include "camera_refinement.h"
+#include "filmed_cameras.h"
 
 namespace apriltrack {
 namespace {
@@ -131,6 +132,22 @@ TEST(PredictedEdges, KeepTheScaleOfAMap) {
         test::calibrate(world, film(world, random), {.edge_offset_sigma_px = 0.2});
     EXPECT_EQ(result.map.tags.size(), std::size_t{kTagsOfRow}) << seed;
     EXPECT_NEAR(length_of_row(result.map) / length_of_row(world.map), 1.0, 0.008) << seed;
+  }
+}
+
+// Edges that are aside by as much as the pull, to the other side, look by found edges as if they were not.
+TEST(PredictedEdges, FindAnOffsetThatThePullHides) {
+  for (const std::uint64_t seed : {2, 7}) {
+    RandomStream random(seed);
+    const SyntheticWorld world = row_of_small_tags(random, 30);
+    std::vector<FrameDetections> frames = film(world, random);
+    test::move_edges_inward(0.35, frames);
+    const CalibrationResult result = test::calibrate(world, frames, {.edge_offset_sigma_px = 0.2});
+    // Taken, or counted where frames that are held out do not decide.
+    const auto& told = result.corrections.empty() ? result.open_corrections : result.corrections;
+    ASSERT_EQ(told.size(), 1U) << seed;
+    EXPECT_NEAR(told[0].value, 0.35, 0.2) << seed;  // what is expected pulls
+    EXPECT_LT(test::mean_normalised_error(world, result), 2.5) << seed;
   }
 }
 
