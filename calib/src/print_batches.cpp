@@ -28,6 +28,9 @@ constexpr double kClearlyTwo = 0.9;
 constexpr double kClearlyTwoOfFew = 0.97, kFewTags = 6;  // chance leaves few numbers much
 constexpr double kMoreThanOneTag = 10.0;  // of half the squares, beyond what one odd tag explains
 constexpr double kWorthTurning = 1.0 + 1e-6;
+// Of tags that are left out for their size: a quarter of all at least, and off alike to a fifth of it. Sizes
+// that were mistyped are of any ratio.
+constexpr double kLeastShare = 0.25, kMostScatter = 0.2;
 
 /// One parameter for the logarithm of the size of each of `tags`, in their order.
 ParameterInformation information_of_sizes(const Observations& observations,
@@ -185,6 +188,32 @@ std::optional<PrintBatches> find_print_batches(const PartTask& task, const Adjus
   if (!linear.poses) return std::nullopt;
   return find_print_batches(task.observations, linear.part.views, solved.state, linear.part.tags,
                             *linear.poses, linear.scale);
+}
+
+std::optional<PrintBatches> print_batches_by(const std::vector<TagFinding>& findings,
+                                             const Observations& observations, const std::vector<int>& rest) {
+  std::vector<const TagFinding*> others;
+  double mean = 0.0, squares = 0.0;
+  for (const TagFinding& finding : findings) {
+    if (finding.kind != TagFinding::Kind::kSize || !finding.is_left_out) continue;
+    others.push_back(&finding);
+    mean += finding.log_scale;
+    squares += finding.log_scale * finding.log_scale;
+  }
+  const auto num = static_cast<double>(others.size());
+  if (num < kLeastAlike || num < kLeastShare * static_cast<double>(others.size() + rest.size()))
+    return std::nullopt;
+  mean /= num;
+  const double scatter = std::sqrt(std::max(0.0, squares / num - mean * mean));
+  if (std::abs(mean) < kLeastDifference || scatter > kMostScatter * std::abs(mean)) return std::nullopt;
+  PrintBatches batches{{}, {}, std::abs(mean), scatter / std::sqrt(num)};
+  std::vector<TagKey>& of_others = mean > 0.0 ? batches.larger : batches.smaller;
+  std::vector<TagKey>& of_rest = mean > 0.0 ? batches.smaller : batches.larger;
+  for (const TagFinding* other : others)
+    of_others.push_back(observations.tags[static_cast<std::size_t>(other->tag)]);
+  for (const int tag : rest) of_rest.push_back(observations.tags[static_cast<std::size_t>(tag)]);
+  std::ranges::sort(of_others);
+  return batches;
 }
 
 std::vector<double> sizes_as_printed(const Observations& observations, const PrintBatches& batches) {

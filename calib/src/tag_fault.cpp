@@ -6,6 +6,7 @@
 
 #include "pliant_frames.h"
 #include "tag_fault_words.h"
+#include "view_spread.h"
 
 namespace apriltrack {
 namespace {
@@ -159,7 +160,8 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
                     .misfit_before = look.misfit,
                     .misfit_after = best->cost / usual,
                     .num_views = probes.size(),
-                    .views_by_place = views_by_place(*best, probes, task.observations)};
+                    .views_by_place = views_by_place(*best, probes, task.observations),
+                    .log_scale = best->kind == Kind::kSize ? best->fit.shape.log_scale : 0.0};
   } else if (is_without_place) {
     look.finding = {.tag = tag,
                     .kind = Kind::kLoose,
@@ -171,6 +173,8 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
     // It may have two places after all, and others may be at fault for it.
     if (is_explained) look.finding->views_by_place = views_by_place(*best, probes, task.observations);
   }
+  if (look.finding && look.finding->kind == Kind::kNotFlat && is_seen_from_one_side(probes, one.T_map_tag))
+    look.finding.reset();
   if (!look.finding) return look;
   const std::vector<ProbeView> witnesses = without_pliant_frames(task, solved, probes, one);
   return witnesses.size() < probes.size() ? look_at(task, solved, witnesses, tag) : look;

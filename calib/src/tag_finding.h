@@ -25,6 +25,7 @@ struct TagFinding {
   /// Views of the tag at its one place and at its other, as far as they were looked at; empty where there are
   /// not two.
   std::array<std::vector<std::size_t>, 2> views_by_place = {};
+  double log_scale = 0.0;  ///< Of a kSize: the logarithm of the size that it has, over the stated one.
   double explained = 0.0;  ///< Half the squares, of all views, less a fee for the unknowns; if known.
 
   /// Nothing is left to be explained, or hardly anything of much; or nothing can be of what has no fixed

@@ -9,6 +9,7 @@
 #include "corner_views.h"
 #include "linear_part.h"
 #include "tag_fault_words.h"
+#include "view_spread.h"
 
 namespace apriltrack {
 namespace {
@@ -30,6 +31,7 @@ struct ShapeEstimate {
   /// Half the squares they explain, in units of the noise; of a side: that it alone is off.
   double gain_of_size = 0.0, gain_of_side = 0.0, gain_of_bend = 0.0;
   double sigmas = 0.0, sigmas_beyond_size = 0.0;  ///< Of all three numbers together, and of two.
+  bool may_be_bent = true;
 
   bool is_size_clear() const { return exceeds(scaled.shape.log_scale, scaled.scale_sigma, kClearScale); }
   bool is_bend_clear() const { return bent.is_aspect_clear || bent.is_twist_clear; }
@@ -40,7 +42,7 @@ struct ShapeEstimate {
   }
   /// Unknowns that a bend has beside the size must pay for themselves.
   bool is_bend_likelier() const {
-    return is_one_side() ||
+    return (may_be_bent && is_one_side()) ||
            (is_bend_clear() && (!is_size_clear() || gain_of_bend - 2.0 * kFeeOfUnknown > gain_of_size));
   }
   double gain() const { return is_bend_likelier() ? gain_of_bend : gain_of_size; }
@@ -102,6 +104,8 @@ std::vector<ShapeEstimate> estimate_shapes(const PartTask& task, const AdjustedP
     result.push_back(
         estimate_shape(of_shape, linear.scale, task.observations.sizes_m[static_cast<std::size_t>(tag)]));
     result.back().tag = tag;
+    result.back().may_be_bent =
+        !is_seen_from_one_side(task.observations, solved.part.views, solved.state, tag);
   }
   return result;
 }
@@ -173,6 +177,7 @@ void compare_with_others(std::vector<ShapeEstimate>& shapes) {
     bent.is_twist_clear = exceeds(bent.shape.twist, bent.twist_sigma, kClearBend);
     judge_together(one);
     bent.is_aspect_clear = bent.is_aspect_clear || one.is_one_side();
+    if (!one.may_be_bent) bent.is_aspect_clear = bent.is_twist_clear = false;
   }
 }
 
@@ -187,6 +192,7 @@ TagFinding to_finding(const PartTask& task, const ShapeEstimate& one) {
           .kind = TagFinding::Kind::kSize,
           .words = words_of_size(one.scaled, name),
           .is_left_out = true,
+          .log_scale = one.scaled.shape.log_scale,
           .explained = one.gain_of_size - kFeeOfUnknown};
 }
 

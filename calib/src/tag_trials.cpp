@@ -138,6 +138,7 @@ TagFinding to_finding(const Observations& observations, const Suspect& suspect, 
   finding.is_left_out = true;
   finding.num_views = suspect.views.size();
   finding.words = words_of(observations, suspect, trial);
+  if (trial.kind == TagFinding::Kind::kSize) finding.log_scale = trial.log_scale;
   if (trial.kind != TagFinding::Kind::kLoose) {
     for (std::size_t i = 0; i < trial.is_at_second.size(); ++i)
       finding.views_by_place[trial.is_at_second[i] ? 1 : 0].push_back(suspect.views[i]);

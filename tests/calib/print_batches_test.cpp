@@ -116,6 +116,38 @@ TEST(PrintBatches, OfARigAreFoundAndNoCommonSize) {
   EXPECT_FALSE(batches_of(by_a_rig([](int) { return 0.015; })));
 }
 
+TagFinding size_finding(int tag, double log_scale) {
+  TagFinding finding;
+  finding.tag = tag;
+  finding.is_left_out = true;
+  finding.log_scale = log_scale;
+  return finding;
+}
+
+TEST(PrintBatches, AreToldByTagsThatWereLeftOutOneByOne) {
+  Observations observations;
+  for (int id = 0; id < 6; ++id) observations.tags.push_back(test::tag36h11(id));
+  const std::vector<int> rest{0, 1, 2, 3};
+  const auto by = [&](double a, double b) {
+    return print_batches_by({size_finding(5, a), size_finding(4, b)}, observations, rest);
+  };
+  const auto larger = by(0.040, 0.041);
+  ASSERT_TRUE(larger);
+  EXPECT_THAT(larger->larger, ElementsAre(test::tag36h11(4), test::tag36h11(5)));
+  EXPECT_EQ(larger->smaller.size(), 4U);
+  EXPECT_NEAR(larger->log_ratio, 0.0405, 1e-9);
+  const auto smaller = by(-0.040, -0.041);
+  ASSERT_TRUE(smaller);
+  EXPECT_THAT(smaller->smaller, ElementsAre(test::tag36h11(4), test::tag36h11(5)));
+  EXPECT_GT(smaller->log_ratio, 0.0);
+  EXPECT_FALSE(by(0.04, 0.1)) << "mistyped, each for itself";
+  EXPECT_FALSE(by(0.04, -0.04));
+  EXPECT_FALSE(print_batches_by({size_finding(5, 0.04)}, observations, rest)) << "one";
+  TagFinding other = size_finding(4, 0.0);
+  other.kind = TagFinding::Kind::kMoved;
+  EXPECT_FALSE(print_batches_by({size_finding(5, 0.04), other}, observations, rest));
+}
+
 TEST(PrintBatches, AreCountedWhereHalvesOfTheRecordingAreCompared) {
   const Printed printed(second_half_larger);
   const CalibrationResult result = test::calibrate(printed.stated, printed.frames, {.cross_validate = true});

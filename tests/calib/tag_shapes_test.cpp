@@ -3,10 +3,12 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "adjusted_world.h"
+#include "view_spread.h"
 
 namespace apriltrack {
 namespace {
@@ -55,6 +57,49 @@ TEST(TagShapes, FindAPrintThatIsNotSquare) {
   EXPECT_FALSE(finding->is_left_out);
   EXPECT_THAT(finding->words, ContainsRegex("it is (1\\.[6-9]|2\\.[0-4]) %"));
   EXPECT_THAT(finding->words, HasSubstr("narrower than high"));
+}
+
+/// Without the views of the tag from over 4 degrees aside of the one that has most others near.
+void show_from_one_side(const SyntheticWorld& world, std::vector<FrameDetections>& frames) {
+  constexpr double kAside_rad = 0.07;
+  const MapTag& tag = *world.map.find({"tag36h11", kOdd});
+  const auto shows = [&](std::size_t i) {
+    return std::ranges::any_of(frames[i].detections, [&](const auto& one) { return one.tag == tag.key; });
+  };
+  std::vector<Eigen::Vector3d> directions;
+  for (const Pose& T_world_rig : world.T_world_rig)
+    directions.push_back((tag.T_map_tag.inverse() * T_world_rig).translation().normalized());
+  std::vector<std::size_t> kept;
+  for (std::size_t own = 0; own < frames.size(); ++own) {
+    std::vector<std::size_t> near;
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      if (shows(i) && directions[i].dot(directions[own]) > std::cos(kAside_rad)) near.push_back(i);
+    if (near.size() > kept.size()) kept = near;
+  }
+  EXPECT_GE(kept.size(), 8U);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (!std::ranges::binary_search(kept, i))
+      std::erase_if(frames[i].detections, [&](const auto& one) { return one.tag == tag.key; });
+  }
+}
+
+/// Its aspect goes with its tilt, and so does an error that all of its pictures share.
+TEST(TagShapes, DoNotAccuseATagOfABendThatIsSeenFromOneSide) {
+  const SyntheticWorld world = sound_room();
+  std::vector<FrameDetections> frames =
+      test::filmed_with(world, kOdd, [](Eigen::Vector3d corner, std::size_t) {
+        corner.x() *= 0.96;
+        return corner;
+      });
+  RandomStream random(5);
+  test::add_edge_noise(frames, 0.1, -0.45, random);
+  show_from_one_side(world, frames);
+  const AdjustedWorld one(world, frames, {.corner_bias_px = 0.02});
+  const auto finding = find_odd_shape(one.task(), one.solved);
+  EXPECT_FALSE(finding && finding->kind == TagFinding::Kind::kNotFlat) << finding->words;
+  for (const int tag : one.solved.part.tags)
+    EXPECT_EQ(is_seen_from_one_side(one.observations, one.solved.part.views, one.solved.state, tag),
+              tag == one.index_of(kOdd));
 }
 
 TEST(TagShapes, FindATwist) {
