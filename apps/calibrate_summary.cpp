@@ -105,6 +105,11 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
   if (refinement) summary["refinement"] = told(*refinement);
   if (result.print_batches) summary["print_batches"] = told(*result.print_batches);
   if (result.print_aspect) summary["print_aspect"] = *result.print_aspect;
+  for (const TimeError& error : result.time_errors)
+    summary["time_errors"].push_back({{"camera", error.camera},
+                                      {"what", error.kind == TimeError::Kind::kReadout ? "readout" : "delay"},
+                                      {"value_s", error.value_s},
+                                      {"sigma_s", error.sigma_s}});
   if (files.camera) summary["camera"] = files.camera->string();
   std::string text = fmt::format(
       "{} tags from {} of {} frames ({} unreadable); {} observations, {} rejected; residual {:.3f} px (rms "

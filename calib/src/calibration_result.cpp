@@ -130,6 +130,7 @@ void take_map(const Observations& observations, const PartSolution& solution,
   result.rig_poses = rig_poses(observations, solution);
   result.print_batches = solution.print_batches;
   result.print_aspect = solution.print_aspect;
+  result.time_errors = solution.time_errors;
 }
 
 }  // namespace apriltrack

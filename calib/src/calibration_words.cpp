@@ -12,6 +12,7 @@
 #include "camera_words.h"
 #include "print_errors.h"
 #include "rejected_stands.h"
+#include "time_errors.h"
 
 namespace apriltrack {
 namespace {
@@ -134,18 +135,27 @@ void report_quality(const Observations& observations, const PartSolution& soluti
         fmt::format("no covariances, and no check that the views determine every pose: the map has {} tags, "
                     "and the matrix to invert grows with the square of their number (at most {} tags)",
                     solution.part.tags.size(), options.max_tags_with_covariance));
+  for (const TimeError& error : solution.time_errors) findings.warnings.push_back(words_of(error));
   report_findings(observations, solution, findings);
   const bool is_first = !solution.are_cameras_given;  // what is true of the cameras is said once
   if (is_first) report_cameras(observations, solution, options, findings);
   std::ranges::move(words_of_prints(solution.print_batches, is_first ? solution.print_aspect : std::nullopt),
                     std::back_inserter(findings.warnings));
-  leave_out(observations, solution.undecided,
-            "its views agree with two poses about equally well: film it from further aside, and nearer",
-            findings);
-  leave_out(observations, solution.contradicted,
-            "most of its views contradict those of the other tags: a wrong size, a bend, or a tag that moved "
+  leave_out(
+      observations, solution.undecided,
+      solution.undecided.size() < 2
+          ? "its views agree with two poses about equally well: film it from further aside, and nearer"
+          : "the views of each agree with two poses about equally well: film them from further aside, and "
+            "nearer",
+      findings);
+  leave_out(
+      observations, solution.contradicted,
+      solution.contradicted.size() < 2
+          ? "most of its views contradict those of the other tags: a wrong size, a bend, or a tag that "
+            "moved may be the cause"
+          : "most views of each contradict those of the other tags: wrong sizes, bends, or tags that moved "
             "may be the cause",
-            findings);
+      findings);
   leave_out(observations, solution.lost_tags,
             is_any_left_out(solution) ? "tied to the others by such a tag, or by frames that contradict them"
                                       : "tied to the others by frames that contradict them",

@@ -4,6 +4,7 @@
 
 #include "block_scatter.h"
 #include "print_errors.h"
+#include "time_errors.h"
 
 namespace apriltrack {
 namespace {
@@ -14,12 +15,13 @@ const CameraRefinement* taken_cameras(const PartSolution& solution) {
   return solution.cameras.refined.is_accepted ? &solution.cameras.refined : nullptr;
 }
 
-std::vector<ParameterView> errors_of_its_prints(const Observations& observations,
-                                                const PartSolution& solution,
-                                                const std::vector<std::size_t>& views,
-                                                const MapState& state) {
-  return errors_of_prints(observations, views, state, solution.print_batches, solution.print_aspect,
-                          aspects_of(solution.cameras.refined));
+std::vector<ParameterView> errors_of_prints_and_times(const Observations& observations,
+                                                      const PartSolution& solution,
+                                                      const std::vector<std::size_t>& views,
+                                                      const MapState& state) {
+  return beside(errors_of_prints(observations, views, state, solution.print_batches, solution.print_aspect,
+                                 aspects_of(solution.cameras.refined)),
+                columns_of_time_errors(observations, views, state, solution.time_errors));
 }
 
 /// Of cameras that were estimated with the poses: the views of the part say how unsure they are.
@@ -45,7 +47,7 @@ std::optional<SharedErrors> errors_of_part(const Observations& observations, con
   const bool are_estimates =
       solution.cameras.refined.is_accepted && !solution.cameras.open && !solution.are_cameras_given;
   const std::vector<ParameterView> taken =
-      are_estimates ? errors_of_its_prints(observations, solution, part.views, solution.state)
+      are_estimates ? errors_of_prints_and_times(observations, solution, part.views, solution.state)
                     : taken_errors(observations, solution, part.views, solution.state);
   std::optional<SharedErrors> of_taken, of_estimates;
   if (!taken.empty())
@@ -60,7 +62,7 @@ std::vector<ParameterView> taken_errors(const Observations& observations, const 
   const CameraRefinement* cameras = taken_cameras(solution);
   return beside(
       cameras ? independent_errors(observations, views, state, *cameras) : std::vector<ParameterView>{},
-      errors_of_its_prints(observations, solution, views, state));
+      errors_of_prints_and_times(observations, solution, views, state));
 }
 
 }  // namespace apriltrack

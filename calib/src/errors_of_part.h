@@ -9,8 +9,9 @@
 namespace apriltrack {
 
 /// What a map's covariances count beside the noise and the errors that each tag keeps: cameras that were
-/// estimated, with the poses or of another part, or that were left open; and prints that may not be as
-/// stated. nullopt where there are none. views: those of the part, linearised; poses: made from them.
+/// estimated, with the poses or of another part, or that were left open; prints that may not be as stated;
+/// and pictures of other moments. nullopt where there are none. views: those of the part, linearised; poses:
+/// made from them.
 std::optional<SharedErrors> errors_of_part(const Observations& observations, const PartSolution& solution,
                                            const std::vector<LinearView>& views,
                                            const PoseInformation& poses);

@@ -23,6 +23,7 @@
 #include "reduced_equations.h"
 #include "rig_check.h"
 #include "split_links.h"
+#include "time_errors.h"
 #include "undecided_tags.h"
 
 namespace apriltrack {
@@ -65,6 +66,8 @@ void find_prints(const Observations& observations, const LinearPart& linear, Par
   });
   solution.print_batches = find_print_batches(observations, solution.part.views, solution.state, tags,
                                               *linear.poses, solution.scale);
+  if (!solution.print_batches)
+    solution.print_batches = print_batches_by(solution.findings, observations, tags);
 }
 
 /// Each frame anew, the tags as they are.
@@ -114,6 +117,8 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
                     "with others");
   solution.scale = linear.scale;
   find_prints(observations, linear, solution);
+  solution.time_errors =
+      by_the_larger(find_time_errors(observations, linear, solution.state), solution.time_errors);
   const auto shared = errors_of_part(observations, solution, linear.views, *linear.poses);
   solution.covariances = tag_covariances(*linear.poses, solution.part.tags, shared);
   scale_by(solution.scale, solution.covariances);
@@ -153,6 +158,14 @@ AdjustedPart adjusted_from(const std::vector<RigCamera>& start, const PartTask& 
                     "square: is that file of this camera, zoom and resolution?",
                     error.cause()));
   }
+}
+
+/// Before lenses, or tags that are left out, take them up.
+std::vector<TimeError> time_errors_of(const PartTask& task, const AdjustedPart& solved) {
+  if (solved.part.tags.size() > static_cast<std::size_t>(task.options.max_tags_with_covariance)) return {};
+  const LinearPart linear(task, solved.state, solved.part, solved.held_tag);
+  if (!linear.poses) return {};
+  return find_time_errors(task.observations, linear, solved.state);
 }
 
 void take_improved(ImprovedPart improved, PartSolution& solution) {
@@ -219,10 +232,11 @@ PartSolution solve_part(Observations& observations, const CamerasOfPart& cameras
                         const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
                         const LogSink& log) {
   const PartTask task{observations, cameras.candidates, options};  // sees the edges that the map gives them
-  ImprovedPart improved =
-      improve_part(task, part, adjusted_from(cameras.start, task, part, held_tag, parallel, log),
-                   cameras.known, observations, parallel, log);
+  AdjustedPart first = adjusted_from(cameras.start, task, part, held_tag, parallel, log);
   PartSolution solution;
+  solution.time_errors = time_errors_of(task, first);
+  ImprovedPart improved =
+      improve_part(task, part, std::move(first), cameras.known, observations, parallel, log);
   solution.are_cameras_given = cameras.known != nullptr;
   take_improved(std::move(improved), solution);
   const std::vector<ViewCandidates>& by_cameras = solution.cameras.candidates;

@@ -32,7 +32,8 @@ struct PartSolution {
   BetterCameras cameras;
   std::optional<PrintBatches> print_batches;
   std::optional<double> print_aspect;  ///< If it is not the lenses (find_print_aspect).
-  bool are_cameras_given = false;      ///< Of another part: these views had no share in them.
+  std::vector<TimeError> time_errors;
+  bool are_cameras_given = false;  ///< Of another part: these views had no share in them.
   std::vector<TagFinding> findings;
   std::vector<int> undecided;     ///< Left out, for the views leave them two poses, and no fault says why.
   std::vector<int> contradicted;  ///< Left out, for most of their views were rejected.

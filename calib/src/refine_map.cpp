@@ -183,6 +183,8 @@ void require_cameras_of(const CalibrationResult& calibration, const CameraRig& r
 std::string refine_on_pictures(const CalibrationResult& calibration, std::span<const FrameDetections> frames,
                                const CameraRig& rig, const RefinementOptions& options, const LogSink& log,
                                RefinementResult& result) {
+  if (!calibration.time_errors.empty())
+    return "pictures look as if they were of other moments than their times say";
   const ParallelFor parallel = stoppable(parallel_for(options.num_threads), options.should_stop);
   const RefinementInput input = refinement_input(calibration, frames, rig, options.max_moments, parallel);
   if (input.num_moments < kLeastMomentsToRefine)

@@ -90,6 +90,19 @@ struct PrintBatches {
   double sigma = 0.0;
 };
 
+/// Pictures of a camera that are not of the moments that their times say.
+struct TimeError {
+  enum class Kind {
+    kReadout,  ///< Its rows were taken one after another: from the first to the last, s.
+    kDelay     ///< All of it was taken later than what `first_camera` saw at the same time: by so much, s.
+  };
+  std::string camera;
+  Kind kind = Kind::kReadout;
+  double value_s = 0.0;
+  double sigma_s = 0.0;
+  std::string first_camera = {};
+};
+
 struct CalibrationResult {
   TagMap map;  ///< The part with the held tag; tags in the order of their keys.
   /// Parts that no frame joins to it, each with a gauge of its own; largest first.
@@ -126,6 +139,8 @@ struct CalibrationResult {
   /// By how much tags may be printed wider than high, if the lenses' fy / fx is not what it looks like; it is
   /// in the covariances.
   std::optional<double> print_aspect;
+  /// That the views clearly propose; `map` is without them, and its covariances count them.
+  std::vector<TimeError> time_errors;
   /// At the moments that `map` rests on, in the order of time.
   std::vector<RigPose> rig_poses;
   MapEvidence evidence;                              ///< What `map` rests on.

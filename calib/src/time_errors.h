@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "linear_part.h"
+
+namespace apriltrack {
+
+/// What the views say of when the cameras took them, to first order, every pose free to follow: a camera
+/// whose rows are read one after another, and one of several that sees other moments than the first does at
+/// the same times. Only what is clear. How fast corners move is asked of the map, at the moments before and
+/// after: a recording of which these are too far apart says nothing.
+std::vector<TimeError> find_time_errors(const Observations& observations, const LinearPart& part,
+                                        const MapState& state);
+
+/// As they were found before outliers went, and a lens was refined, where they were larger then: both take up
+/// a part of them. What is gone since, a lens was.
+std::vector<TimeError> by_the_larger(std::vector<TimeError> errors, const std::vector<TimeError>& before);
+
+/// How the views depend on each of them as an error of unit variance. They may be other views of the same
+/// recording, and `state` of a map of these.
+std::vector<ParameterView> columns_of_time_errors(const Observations& observations,
+                                                  const std::vector<std::size_t>& views,
+                                                  const MapState& state,
+                                                  const std::vector<TimeError>& errors);
+
+std::string words_of(const TimeError& error);
+
+}  // namespace apriltrack

@@ -1,0 +1,133 @@
+// Pictures that are not of the moments that their times say: rows read one after another, cameras that are
+// not triggered together.
+#include "time_errors.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "calibrating.h"
+
+namespace apriltrack {
+namespace {
+
+using test::SyntheticWorld;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+constexpr double kFramePeriod_s = 0.05;  // of exact_detections()
+constexpr int kSteps = 20;               // of a frame, in which the camera moves evenly
+
+/// A camera that moves evenly from each pose of a made-up room to the next, in kPeriod frames.
+SyntheticWorld moving_world(int cameras) {
+  SyntheticWorld world = test::make_room(10, 26, test::perspective_camera());
+  const std::vector<Pose> places = world.T_world_rig;
+  constexpr int kPeriod = 12;
+  world.T_world_rig.clear();
+  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+    const Vector6d step = (places[i].inverse() * places[i + 1]).log();
+    for (int k = 0; k < kPeriod; ++k)
+      world.T_world_rig.push_back(places[i] * Pose::exp(step * (static_cast<double>(k) / kPeriod)));
+  }
+  if (cameras == 2) {
+    Camera second = test::perspective_camera("cam1");
+    second.T_this_previous =
+        Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(-0.3, 0.0, 0.0));
+    world.rig.cameras.push_back(second);
+  }
+  return world;
+}
+
+/// The same seen `part` of a frame later.
+SyntheticWorld later(const SyntheticWorld& world, double part) {
+  SyntheticWorld result = world;
+  for (std::size_t i = 0; i + 1 < world.T_world_rig.size(); ++i)
+    result.T_world_rig[i] =
+        world.T_world_rig[i] *
+        Pose::exp(part * (world.T_world_rig[i].inverse() * world.T_world_rig[i + 1]).log());
+  return result;
+}
+
+/// What is seen at moments within a frame, from half of one before to half of one after.
+std::vector<std::vector<FrameDetections>> seen_within_frames(const SyntheticWorld& world) {
+  std::vector<std::vector<FrameDetections>> moments;
+  for (int k = -kSteps / 2; k <= kSteps / 2; ++k)
+    moments.push_back(test::exact_detections(later(world, static_cast<double>(k) / kSteps)));
+  return moments;
+}
+
+/// Each corner as it was when its row was read, to a twentieth of a frame.
+std::vector<FrameDetections> rolled(const SyntheticWorld& world, double readout_s) {
+  const auto moments = seen_within_frames(world);
+  std::vector<FrameDetections> frames = test::exact_detections(world);
+  const double rows = world.rig.cameras[0].height;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    for (Detection& detection : frames[i].detections) {
+      for (std::size_t c = 0; c < detection.corners_px.size(); ++c) {
+        const double part = (detection.corners_px[c].y() / rows - 0.5) * readout_s / kFramePeriod_s;
+        const double at = std::clamp(part * kSteps + kSteps / 2.0, 0.0, kSteps - 1e-9);
+        const auto before = static_cast<std::size_t>(at);
+        const auto corner = [&](std::size_t moment) -> std::optional<Eigen::Vector2d> {
+          for (const Detection& there : moments[moment][i].detections)
+            if (there.tag == detection.tag) return there.corners_px[c];
+          return std::nullopt;
+        };
+        const auto first = corner(before), last = corner(before + 1);
+        const double share = at - static_cast<double>(before);
+        if (first && last) detection.corners_px[c] = (1.0 - share) * *first + share * *last;
+      }
+    }
+  }
+  return frames;
+}
+
+CalibrationResult calibrated(const SyntheticWorld& world, std::vector<FrameDetections> frames) {
+  RandomStream random(5);
+  test::add_edge_noise(frames, 0.1, -0.45, random);
+  return test::calibrate(world, frames);
+}
+
+TEST(TimeErrors, OfAGlobalShutterAreNone) {
+  for (const int cameras : {1, 2}) {
+    const SyntheticWorld world = moving_world(cameras);
+    const CalibrationResult result = calibrated(world, test::exact_detections(world));
+    EXPECT_THAT(result.time_errors, IsEmpty()) << cameras;
+  }
+}
+
+TEST(TimeErrors, OfARollingShutterAreToldAndCounted) {
+  const SyntheticWorld world = moving_world(1);
+  const CalibrationResult result = calibrated(world, rolled(world, 0.02));
+  ASSERT_EQ(result.time_errors.size(), 1U);
+  EXPECT_EQ(result.time_errors[0].kind, TimeError::Kind::kReadout);
+  EXPECT_NEAR(result.time_errors[0].value_s, 0.02, 0.003);
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("a rolling shutter, which bends what moves")));
+  EXPECT_LT(test::mean_normalised_error(world, result), 2.0);
+}
+
+TEST(TimeErrors, OfACameraThatIsTriggeredLateAreToldAndCounted) {
+  const SyntheticWorld world = moving_world(2);
+  for (const double part : {0.3, -0.3}) {
+    std::vector<FrameDetections> frames = test::exact_detections(world);
+    const std::vector<FrameDetections> others = test::exact_detections(later(world, part));
+    ASSERT_EQ(frames.size(), others.size());
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      if (frames[i].camera == "cam1") frames[i].detections = others[i].detections;
+    const CalibrationResult result = calibrated(world, frames);
+    ASSERT_EQ(result.time_errors.size(), 1U) << part;
+    EXPECT_EQ(result.time_errors[0].camera, "cam1");
+    EXPECT_EQ(result.time_errors[0].kind, TimeError::Kind::kDelay);
+    EXPECT_NEAR(result.time_errors[0].value_s, part * kFramePeriod_s, 0.001);
+    EXPECT_THAT(result.warnings,
+                Contains(AllOf(StartsWith("cam1: its pictures look as if they were taken 1"),
+                               HasSubstr(part > 0.0 ? "after those of cam0" : "before those of cam0"))));
+    EXPECT_LT(test::mean_normalised_error(world, result), 2.0) << part;
+  }
+}
+
+}  // namespace
+}  // namespace apriltrack
