@@ -29,8 +29,8 @@ constexpr double kClearlyTwoOfFew = 0.97, kFewTags = 6;  // chance leaves few nu
 constexpr double kMoreThanOneTag = 10.0;  // of half the squares, beyond what one odd tag explains
 constexpr double kWorthTurning = 1.0 + 1e-6;
 // Of tags that are left out for their size: a quarter of all at least, and off alike to a fifth of it. Sizes
-// that were mistyped are of any ratio.
-constexpr double kLeastShare = 0.25, kMostScatter = 0.2;
+// that were mistyped are of any ratio; no setting of a printer is off by more than a seventh.
+constexpr double kLeastShare = 0.25, kMostScatter = 0.2, kMostDifference = 0.15;
 
 /// One parameter for the logarithm of the size of each of `tags`, in their order.
 ParameterInformation information_of_sizes(const Observations& observations,
@@ -205,7 +205,8 @@ std::optional<PrintBatches> print_batches_by(const std::vector<TagFinding>& find
     return std::nullopt;
   mean /= num;
   const double scatter = std::sqrt(std::max(0.0, squares / num - mean * mean));
-  if (std::abs(mean) < kLeastDifference || scatter > kMostScatter * std::abs(mean)) return std::nullopt;
+  if (std::abs(mean) < kLeastDifference || std::abs(mean) > kMostDifference) return std::nullopt;
+  if (scatter > kMostScatter * std::abs(mean)) return std::nullopt;
   PrintBatches batches{{}, {}, std::abs(mean), scatter / std::sqrt(num)};
   std::vector<TagKey>& of_others = mean > 0.0 ? batches.larger : batches.smaller;
   std::vector<TagKey>& of_rest = mean > 0.0 ? batches.smaller : batches.larger;

@@ -142,6 +142,7 @@ TEST(PrintBatches, AreToldByTagsThatWereLeftOutOneByOne) {
   EXPECT_GT(smaller->log_ratio, 0.0);
   EXPECT_FALSE(by(0.04, 0.1)) << "mistyped, each for itself";
   EXPECT_FALSE(by(0.04, -0.04));
+  EXPECT_FALSE(by(0.69, 0.69)) << "twice as large: no setting of a printer";
   EXPECT_FALSE(print_batches_by({size_finding(5, 0.04)}, observations, rest)) << "one";
   TagFinding other = size_finding(4, 0.0);
   other.kind = TagFinding::Kind::kMoved;
