@@ -19,13 +19,14 @@ constexpr double kInconstantEdges_px = 0.1;
 
 using EdgeOffsets = std::map<int, double>;  ///< By camera; one that is not estimated is 0.
 
+/// Those of cameras that have none yet.
 void take_offsets(const CameraRefinement& cameras, EdgeOffsets& offsets_px) {
   for (const EstimatedParameter& one : cameras.estimates)
     if (one.parameter.kind == CameraParameter::Kind::kEdgeOffset)
-      offsets_px[one.parameter.camera] = one.value;
+      offsets_px.emplace(one.parameter.camera, one.value);
 }
 
-/// Estimated, or left open.
+/// Estimated, or left open. What is open of an estimated one is only what remains of it.
 EdgeOffsets edge_offsets(const BetterCameras& cameras) {
   EdgeOffsets offsets_px;
   if (cameras.refined.is_accepted) take_offsets(cameras.refined, offsets_px);
@@ -45,6 +46,10 @@ EdgeOffsets edge_offsets_by(const Observations& by_map, const PartTask& task, co
       {by_map, task.candidates, task.options},
       edge_offset_parameters(cameras_of(by_map, solved.part), task.options.edge_offset_sigma_px), solved);
   if (edges) take_offsets(*edges, offsets_px);
+  for (auto& [camera, offset_px] : offsets_px) {  // beside what the solution has of them
+    const auto c = static_cast<std::size_t>(camera);
+    offset_px += solved.state.cameras[c].edge_offset_px - by_map.cameras[c].edge_offset_px;
+  }
   return offsets_px;
 }
 
