@@ -94,6 +94,14 @@ void warn_of_older_camera(const CalibrateOptions& a, const fs::path& camera) {
                   file->string(), camera.string()));
 }
 
+/// It is as old as the run that gave no map.
+void warn_of_older_failure(const CalibrateOptions& a) {
+  const fs::path page = page_without_map(a.report);
+  std::error_code ignored;
+  if (fs::exists(page, ignored))
+    a.console.warning(fmt::format("{} is of an earlier run, which gave no map: remove it", page.string()));
+}
+
 /// Where there is one; returns where to.
 std::optional<fs::path> write_camera(const CalibrateOptions& a, const CameraRig& rig, StagedFiles& outputs) {
   const std::optional<fs::path> file = refined_camera_file(a);
@@ -201,6 +209,7 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
   files.parts = write_parts(a, result, outputs);
   files.has_joint_covariance = write_joint_covariance(a, result.map, *findings.joint, outputs);
   if (!a.report.empty()) {
+    warn_of_older_failure(a);
     const CalibrateRun run{command_line, a, camera, sightings, responses, result, refinement, findings};
     outputs.write(a.report, [&](const fs::path& path) { write_calibrate_report(path, run); });
   }

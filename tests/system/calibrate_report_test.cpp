@@ -158,6 +158,9 @@ TEST_F(CalibrateReport, OfARunWithoutAMapSaysWhyBesideOneThatHadAMap) {
   EXPECT_THAT(page.texts("h2"), Contains("No map"));
   EXPECT_THAT(page.texts("p"), Contains(AllOf(HasSubstr("no two tags connect"), HasSubstr("in a chain"))));
   EXPECT_THAT(page.texts("code"), Contains(HasSubstr("calibrate --detections")));
+  film({{40, {0, 1, 2}}});
+  EXPECT_THAT(run_for_json(words({"--report", path("page.html")}))["warnings"],
+              Contains(AllOf(HasSubstr("page.no_map.html"), HasSubstr("of an earlier run"))));
 }
 
 TEST_F(CalibrateReport, IsCheckedBeforeTheWork) {
