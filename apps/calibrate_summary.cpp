@@ -49,6 +49,16 @@ nlohmann::json told(const PrintBatches& batches) {
           {"sigma", batches.sigma}};
 }
 
+nlohmann::json told(const TimeError& error) {
+  const bool is_readout = error.kind == TimeError::Kind::kReadout;
+  nlohmann::json one = {{"camera", error.camera},
+                        {"what", is_readout ? "readout" : "delay"},
+                        {"value_s", error.value_s},
+                        {"sigma_s", error.sigma_s}};
+  if (!is_readout) one["first_camera"] = error.first_camera;
+  return one;
+}
+
 nlohmann::json told(const ResponseFindings& responses) {
   nlohmann::json list = nlohmann::json::array();
   for (const ResponseFinding& one : responses)
@@ -105,11 +115,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
   if (refinement) summary["refinement"] = told(*refinement);
   if (result.print_batches) summary["print_batches"] = told(*result.print_batches);
   if (result.print_aspect) summary["print_aspect"] = *result.print_aspect;
-  for (const TimeError& error : result.time_errors)
-    summary["time_errors"].push_back({{"camera", error.camera},
-                                      {"what", error.kind == TimeError::Kind::kReadout ? "readout" : "delay"},
-                                      {"value_s", error.value_s},
-                                      {"sigma_s", error.sigma_s}});
+  for (const TimeError& error : result.time_errors) summary["time_errors"].push_back(told(error));
   if (files.camera) summary["camera"] = files.camera->string();
   std::string text = fmt::format(
       "{} tags from {} of {} frames ({} unreadable); {} observations, {} rejected; residual {:.3f} px (rms "
