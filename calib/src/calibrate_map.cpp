@@ -25,6 +25,7 @@
 #include "repeated_frames.h"
 #include "resting_frames.h"
 #include "starting_cameras.h"
+#include "time_errors.h"
 
 namespace apriltrack {
 namespace {
@@ -222,10 +223,12 @@ void add_other_parts(Observations observations, const std::vector<Part>& parts,
   for (std::size_t i = 1; i < parts.size(); ++i) {
     try {
       const std::vector<ViewCandidates> candidates = solve_views(observations, parts[i].views, parallel);
-      const PartSolution other = solve_part(observations, {observations.cameras, candidates, &main.cameras},
-                                            parts[i], held_tags[i], options, {}, parallel, log);
+      const PartSolution other =
+          solve_part(observations, {observations.cameras, candidates, &main.cameras, main.time_errors},
+                     parts[i], held_tags[i], options, {}, parallel, log);
       MapEvidence evidence = part_evidence(observations, other, options);
       report_quality(observations, other, options, findings);
+      result.time_errors = with_known(std::move(result.time_errors), other.time_errors);
       const std::size_t number = result.other_parts.size() + 2;  // the main map is the first
       result.other_parts.push_back(
           to_map(observations, other, fmt::format("{}_part_{}", options.map_frame, number)));

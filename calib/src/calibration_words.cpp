@@ -77,6 +77,7 @@ std::string words_of_what_stays(const Observations& observations, const PartSolu
   using IsOf = bool (CameraParameter::*)() const;
   const std::vector<int> cameras = cameras_of(observations, solution.part);
   const CameraParameters refined = parameters_of(solution.cameras.refined);
+  const std::string& first_name = observations.cameras[static_cast<std::size_t>(cameras.front())].name;
   const auto stays = [&](const std::string& what, IsOf is_of) -> std::string {
     std::vector<std::string> names;
     for (const int camera : cameras) {
@@ -85,7 +86,7 @@ std::string words_of_what_stays(const Observations& observations, const PartSolu
         names.push_back(observations.cameras[static_cast<std::size_t>(camera)].name);
     }
     if (is_of == &CameraParameter::is_of_place && cameras.size() > 1)
-      std::erase(names, observations.cameras.front().name);  // the others' places are told from it
+      std::erase(names, first_name);  // the others' places are told from it
     if (names.empty() || std::ranges::none_of(refined, is_of)) return names.empty() ? "" : what;
     return fmt::format("{} of {}", what, fmt::join(names, ", "));
   };
@@ -135,7 +136,8 @@ void report_quality(const Observations& observations, const PartSolution& soluti
         fmt::format("no covariances, and no check that the views determine every pose: the map has {} tags, "
                     "and the matrix to invert grows with the square of their number (at most {} tags)",
                     solution.part.tags.size(), options.max_tags_with_covariance));
-  for (const TimeError& error : solution.time_errors) findings.warnings.push_back(words_of(error));
+  for (std::size_t i = solution.known_time_errors.size(); i < solution.time_errors.size(); ++i)
+    findings.warnings.push_back(words_of(solution.time_errors[i]));
   report_findings(observations, solution, findings);
   const bool is_first = !solution.are_cameras_given;  // what is true of the cameras is said once
   if (is_first) report_cameras(observations, solution, options, findings);

@@ -100,6 +100,7 @@ void keep_to_constraints(const Observations& observations, const CovarianceOpera
   std::ranges::move(doubts_of_cameras(observations, solution.cameras), std::back_inserter(map.doubts));
   std::ranges::move(words_of_prints(solution.print_batches, solution.print_aspect),
                     std::back_inserter(map.doubts));
+  for (const TimeError& error : solution.time_errors) map.doubts.push_back(words_of(error));
   solution.constrained = constrain_map(solution.constraints, map, joint);
   keep_to(solution.constrained->change, solution.joint);
   solution.state.T_map_tag = solution.constrained->T_map_tag;
@@ -118,7 +119,8 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
   solution.scale = linear.scale;
   find_prints(observations, linear, solution);
   solution.time_errors =
-      by_the_larger(find_time_errors(observations, linear, solution.state), solution.time_errors);
+      with_known(solution.known_time_errors,
+                 by_the_larger(find_time_errors(observations, linear, solution.state), solution.time_errors));
   const auto shared = errors_of_part(observations, solution, linear.views, *linear.poses);
   solution.covariances = tag_covariances(*linear.poses, solution.part.tags, shared);
   scale_by(solution.scale, solution.covariances);
@@ -238,6 +240,7 @@ PartSolution solve_part(Observations& observations, const CamerasOfPart& cameras
   ImprovedPart improved =
       improve_part(task, part, std::move(first), cameras.known, observations, parallel, log);
   solution.are_cameras_given = cameras.known != nullptr;
+  solution.known_time_errors = cameras.time_errors;
   take_improved(std::move(improved), solution);
   const std::vector<ViewCandidates>& by_cameras = solution.cameras.candidates;
   const PartTask by_better{observations, by_cameras.empty() ? cameras.candidates : by_cameras, options};

@@ -32,7 +32,8 @@ struct PartSolution {
   BetterCameras cameras;
   std::optional<PrintBatches> print_batches;
   std::optional<double> print_aspect;  ///< If it is not the lenses (find_print_aspect).
-  std::vector<TimeError> time_errors;
+  std::vector<TimeError> time_errors;  ///< Those first that another part told.
+  std::vector<TimeError> known_time_errors;
   bool are_cameras_given = false;  ///< Of another part: these views had no share in them.
   std::vector<TagFinding> findings;
   std::vector<int> undecided;     ///< Left out, for the views leave them two poses, and no fault says why.
@@ -46,6 +47,7 @@ struct CamerasOfPart {
   const std::vector<ViewCandidates>& candidates;  ///< Of all views, by these.
   /// What another part says of `start`: no part has cameras of its own. None: to be estimated.
   const BetterCameras* known = nullptr;
+  std::vector<TimeError> time_errors = {};  ///< That it says of them.
 };
 
 /// Start, robust adjustment, outliers removed, clean adjustment, mirrored tags turned, covariances; all of it

@@ -5,14 +5,20 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
+
+#include "camera_parameters.h"
+#include "camera_refinement.h"
 
 namespace apriltrack {
 namespace {
 
 constexpr double kMostApart_s = 0.15;  // over longer stretches no hand moves evenly
+constexpr double kLeastApart_s =
+    0.005;  // nearer ones are the same moment, of cameras with clocks of their own
 // Standard deviations before anything is asked, and what is never worth telling. Whole milliseconds are
 // usual among triggered cameras that are told their times by a driver.
 constexpr double kUsualReadout_s = 0.05, kUsualDelay_s = 0.05;
@@ -30,14 +36,9 @@ class CornerSpeeds {
     for (const std::size_t v : views) frames.insert(observations.views[v].frame);
     std::vector<int> by_time(frames.begin(), frames.end());
     std::ranges::sort(by_time, {}, [&](int frame) { return time_of(frame); });
-    for (std::size_t i = 0; i < by_time.size(); ++i) {
-      const auto near = [&](std::size_t other) {
-        const double apart_s = std::abs(seconds_between(time_of(by_time[i]), time_of(by_time[other])));
-        return apart_s <= kMostApart_s ? by_time[other] : by_time[i];
-      };
-      neighbours_[by_time[i]] = {i > 0 ? near(i - 1) : by_time[i],
-                                 i + 1 < by_time.size() ? near(i + 1) : by_time[i]};
-    }
+    const std::vector<int> backwards(by_time.rbegin(), by_time.rend());
+    for (const auto& [frame, before] : next_in(backwards)) neighbours_[frame] = {before, frame};
+    for (const auto& [frame, after] : next_in(by_time)) neighbours_[frame].second = after;
   }
 
   /// Zero where that is not known.
@@ -54,6 +55,18 @@ class CornerSpeeds {
   }
 
  private:
+  /// Each frame's next one at another moment; itself where none is near.
+  std::map<int, int> next_in(const std::vector<int>& frames) const {
+    std::map<int, int> result;
+    std::size_t next = 0;
+    for (const int frame : frames) {
+      const auto apart_s = [&] { return std::abs(seconds_between(time_of(frame), time_of(frames[next]))); };
+      while (next < frames.size() && apart_s() < kLeastApart_s) ++next;
+      result[frame] = next < frames.size() && apart_s() <= kMostApart_s ? frames[next] : frame;
+    }
+    return result;
+  }
+
   Timestamp time_of(int frame) const { return observations_.frames[static_cast<std::size_t>(frame)]; }
 
   const Observations& observations_;
@@ -61,8 +74,10 @@ class CornerSpeeds {
   std::map<int, std::pair<int, int>> neighbours_;  ///< Of a frame; itself where there is none near.
 };
 
+/// Of a picture whose centre is its lens's, about; where that cannot be, rows without end have no times.
 double num_rows(const RigCamera& camera) {
-  return 2.0 * camera.model.pinhole().cy;  // of a picture whose centre is its lens's, about
+  const double cy = camera.model.pinhole().cy;
+  return cy > 0.0 ? 2.0 * cy : std::numeric_limits<double>::infinity();
 }
 
 /// Of whitened residuals by one second of the error.
@@ -118,27 +133,41 @@ bool is_clear(const TimeError& error) {
   return std::abs(error.value_s) > std::max(least_s, kClearly * error.sigma_s);
 }
 
-}  // namespace
-
-std::vector<TimeError> find_time_errors(const Observations& observations, const LinearPart& part,
-                                        const MapState& state) {
-  std::vector<TimeError> errors = what_to_ask(observations, part.part.views);
+/// To first order, the poses and `others` free to follow.
+void estimate(const Observations& observations, const LinearPart& part, const MapState& state,
+              const CameraParameters& others, std::vector<TimeError>& errors) {
   std::vector<double> unit_s;
   for (const TimeError& error : errors)
     unit_s.push_back(error.kind == Kind::kReadout ? kUsualReadout_s : kUsualDelay_s);
-  const ParameterInformation asked =
-      part.poses->eliminate_poses(columns_of(observations, part.part.views, state, errors, unit_s));
-  const auto num = static_cast<Eigen::Index>(errors.size());
-  const Eigen::LDLT<Eigen::MatrixXd> system(asked.information +
-                                            part.scale.noise_variance * Eigen::MatrixXd::Identity(num, num));
+  std::vector<ParameterView> columns = columns_of(observations, part.part.views, state, errors, unit_s);
+  if (!others.empty())
+    columns = beside(std::move(columns), camera_columns(observations, part.part.views, state, others));
+  const ParameterInformation asked = part.poses->eliminate_poses(columns);
+  const Eigen::MatrixXd prior =  // of unit variance, in the units of the residuals
+      part.scale.noise_variance *
+      Eigen::MatrixXd::Identity(asked.information.rows(), asked.information.cols());
+  const Eigen::LDLT<Eigen::MatrixXd> system(asked.information + prior);
   const Eigen::VectorXd value = -system.solve(asked.gradient);
-  const Eigen::MatrixXd covariance =
-      system.solve(system.solve(gradient_covariance(asked, part.scale)).transpose());
+  const Eigen::MatrixXd spread = gradient_covariance(asked, part.scale) + prior * prior;
+  const Eigen::MatrixXd covariance = system.solve(system.solve(spread).transpose());
   for (std::size_t k = 0; k < errors.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     errors[k].value_s = unit_s[k] * value[i];
     errors[k].sigma_s = unit_s[k] * std::sqrt(std::max(0.0, covariance(i, i)));
   }
+}
+
+}  // namespace
+
+std::vector<TimeError> find_time_errors(const Observations& observations, const LinearPart& part,
+                                        const MapState& state) {
+  std::vector<TimeError> errors = what_to_ask(observations, part.part.views);
+  estimate(observations, part, state, {}, errors);
+  if (std::ranges::none_of(errors, is_clear)) return {};
+  // Where all moves one way, a lens or a baseline that is a little off looks like times.
+  const std::vector<int> cameras = cameras_of(observations, part.part);
+  estimate(observations, part, state,
+           intrinsic_parameters(cameras, observations.cameras) + extrinsic_parameters(cameras), errors);
   std::erase_if(errors, [](const TimeError& error) { return !is_clear(error); });
   return errors;
 }
@@ -152,6 +181,18 @@ std::vector<TimeError> by_the_larger(std::vector<TimeError> errors, const std::v
     }
   }
   return errors;
+}
+
+std::vector<TimeError> with_known(std::vector<TimeError> known, const std::vector<TimeError>& found) {
+  const std::size_t num_known = known.size();
+  for (const TimeError& error : found) {
+    const auto end = known.begin() + static_cast<std::ptrdiff_t>(num_known);
+    const auto is_same = [&](const TimeError& other) {
+      return error.camera == other.camera && error.kind == other.kind;
+    };
+    if (std::none_of(known.begin(), end, is_same)) known.push_back(error);
+  }
+  return known;
 }
 
 std::vector<ParameterView> columns_of_time_errors(const Observations& observations,
@@ -170,14 +211,14 @@ std::string words_of(const TimeError& error) {
       "Sound tags may be accused for it. The covariances count it, and the map is not refined on pictures";
   if (error.kind == Kind::kReadout)
     return fmt::format(
-        "{}: the rows of a picture look as if they were taken one after another, over {:.1f} ms from the "
-        "first to the last (sigma {:.1f}): a rolling shutter, which bends what moves. Film anew, more slowly "
-        "or standing still for each picture, or with a global shutter. {}",
-        error.camera, value_ms, sigma_ms, kWhatFollows);
+        "{}: the rows of a picture look as if they were taken one after another, over {:.1f} ms from the {} "
+        "(sigma {:.1f}): a rolling shutter, which bends what moves. Film anew, more slowly or standing still "
+        "for each picture, or with a global shutter. {}",
+        error.camera, std::abs(value_ms), value_ms > 0.0 ? "first to the last" : "last to the first",
+        sigma_ms, kWhatFollows);
   return fmt::format(
-      "{}: its pictures look as if they were taken {:.1f} ms (sigma {:.1f}) {} those of {} that have the "
-      "same "
-      "times. Trigger the cameras together, or correct the times. {}",
+      "{}: its pictures look as if they were taken {:.1f} ms (sigma {:.1f}) {} those of {} of the same time. "
+      "Trigger the cameras together, or correct the times. {}",
       error.camera, std::abs(value_ms), sigma_ms, value_ms > 0.0 ? "after" : "before", error.first_camera,
       kWhatFollows);
 }

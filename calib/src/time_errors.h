@@ -18,6 +18,9 @@ std::vector<TimeError> find_time_errors(const Observations& observations, const 
 /// a part of them. What is gone since, a lens was.
 std::vector<TimeError> by_the_larger(std::vector<TimeError> errors, const std::vector<TimeError>& before);
 
+/// Those of another part's map first, then what is new.
+std::vector<TimeError> with_known(std::vector<TimeError> known, const std::vector<TimeError>& found);
+
 /// How the views depend on each of them as an error of unit variance. They may be other views of the same
 /// recording, and `state` of a map of these.
 std::vector<ParameterView> columns_of_time_errors(const Observations& observations,

@@ -17,6 +17,7 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 constexpr double kFramePeriod_s = 0.05;  // of exact_detections()
@@ -85,10 +86,11 @@ std::vector<FrameDetections> rolled(const SyntheticWorld& world, double readout_
   return frames;
 }
 
-CalibrationResult calibrated(const SyntheticWorld& world, std::vector<FrameDetections> frames) {
+CalibrationResult calibrated(const SyntheticWorld& world, std::vector<FrameDetections> frames,
+                             const CalibrationOptions& options = {}) {
   RandomStream random(5);
   test::add_edge_noise(frames, 0.1, -0.45, random);
-  return test::calibrate(world, frames);
+  return test::calibrate(world, frames, options);
 }
 
 TEST(TimeErrors, OfAGlobalShutterAreNone) {
@@ -127,6 +129,89 @@ TEST(TimeErrors, OfACameraThatIsTriggeredLateAreToldAndCounted) {
                                HasSubstr(part > 0.0 ? "after those of cam0" : "before those of cam0"))));
     EXPECT_LT(test::mean_normalised_error(world, result), 2.0) << part;
   }
+}
+
+/// An upside-down sensor reads its last row first.
+TEST(TimeErrors, OfRowsThatAreReadBackwardsAreToldAsSuch) {
+  const SyntheticWorld world = moving_world(1);
+  const CalibrationResult result = calibrated(world, rolled(world, -0.02));
+  ASSERT_EQ(result.time_errors.size(), 1U);
+  EXPECT_NEAR(result.time_errors[0].value_s, -0.02, 0.003);
+  EXPECT_THAT(result.warnings,
+              Contains(AllOf(HasSubstr("from the last to the first"), Not(HasSubstr("over -")))));
+}
+
+/// Two cameras whose clocks are 10 us apart: who takes the other's picture for the moment before divides by
+/// that.
+TEST(TimeErrors, AreAskedOfMomentsThatAreApart) {
+  const SyntheticWorld world = moving_world(2);
+  std::vector<FrameDetections> frames = rolled(world, 0.02);
+  for (FrameDetections& frame : frames)
+    if (frame.camera == "cam1") frame.timestamp = advance(frame.timestamp, 1e-5);
+  const CalibrationResult result = calibrated(world, frames);
+  ASSERT_EQ(result.time_errors.size(), 2U);
+  for (const TimeError& error : result.time_errors) {
+    EXPECT_EQ(error.kind, TimeError::Kind::kReadout) << error.camera;
+    EXPECT_NEAR(error.value_s, 0.02, 0.003) << error.camera;
+  }
+}
+
+/// Twelve frames of other tags do not say it by themselves; the camera is the same.
+TEST(TimeErrors, AreCountedInOtherPartsToo) {
+  const SyntheticWorld world = moving_world(1);
+  std::vector<FrameDetections> frames = rolled(world, 0.02);
+  const TagKey middle = world.map.tags[world.map.tags.size() / 2].key;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const bool is_of_second = i % 2 == 1 && i < 24;
+    std::erase_if(frames[i].detections,
+                  [&](const Detection& detection) { return is_of_second == (detection.tag < middle); });
+  }
+  const CalibrationResult result = calibrated(world, frames);
+  ASSERT_EQ(result.other_parts.size(), 1U);
+  ASSERT_EQ(result.time_errors.size(), 1U);
+  EXPECT_EQ(std::ranges::count_if(result.warnings,
+                                  [](const std::string& warning) {
+                                    return warning.find("rolling shutter") != std::string::npos;
+                                  }),
+            1);
+  double largest = 0.0;
+  EXPECT_LT(test::mean_normalised_error(world.map, result.held_tags_of_other_parts[0], result.other_parts[0],
+                                        &largest),
+            2.0);
+}
+
+TEST(TimeErrors, OfOtherPartsStandBesideThoseThatAreKnown) {
+  const TimeError readout{.camera = "cam0", .value_s = 0.03}, other{.camera = "cam0", .value_s = 0.02};
+  const TimeError delay{.camera = "cam1", .kind = TimeError::Kind::kDelay, .value_s = 0.01};
+  const std::vector<TimeError> both = with_known({readout}, {other, delay});
+  ASSERT_EQ(both.size(), 2U);
+  EXPECT_EQ(both[0].value_s, readout.value_s);
+  EXPECT_EQ(both[1].camera, delay.camera);
+}
+
+/// On a cart that goes straight ahead, 5 mm of the baseline are 10 ms of one camera.
+TEST(TimeErrors, AreNotToldWhereABaselineMayBeOff) {
+  SyntheticWorld world = moving_world(2);
+  const Pose first = world.T_world_rig.front();
+  for (std::size_t i = 0; i < world.T_world_rig.size(); ++i)
+    world.T_world_rig[i] =
+        first * Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()),
+                     Eigen::Vector3d(0.025 * (static_cast<double>(i % 40) - 20.0), 0.0, 0.0));
+  world.T_world_rig.resize(40);
+  std::vector<FrameDetections> frames = test::exact_detections(world);
+  world.rig.cameras[1].T_this_previous =
+      Pose(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(-0.305, 0.0, 0.0));
+  const CalibrationResult result = calibrated(world, frames);
+  EXPECT_THAT(result.time_errors, IsEmpty());
+}
+
+TEST(TimeErrors, AreInDoubtWhereConstraintsContradictTheMap) {
+  const SyntheticWorld world = moving_world(1);
+  CalibrationOptions options;
+  options.constraints = {test::false_distance(world)};
+  const std::string message =
+      test::error_of(ErrorKind::kNoResult, [&] { calibrated(world, rolled(world, 0.02), options); });
+  EXPECT_THAT(message, HasSubstr("cam0: the rows of a picture look as if they were taken one after another"));
 }
 
 }  // namespace

@@ -157,7 +157,7 @@ struct CalibrationResult {
 /// The tags' covariances rest on the residuals that are left (their size, and how much neighbouring frames
 /// repeat them) and on corner_bias_px. Errors that all tags share (a lens that is not the file's, prints that
 /// are not as stated) are in them only where they were estimated, or where the views clearly propose them
-/// (open_corrections, print_batches, print_aspect).
+/// (open_corrections, print_batches, print_aspect, time_errors).
 ///
 /// Throws Error(kNoResult) when no two tags connect, ids are not unique, the adjustment does not converge, or
 /// a constraint contradicts all else, and says what to do; Error(kInvalidInput) when a size is missing, a
