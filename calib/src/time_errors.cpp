@@ -16,9 +16,8 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kMostApart_s = 0.15;  // over longer stretches no hand moves evenly
-constexpr double kLeastApart_s =
-    0.005;  // nearer ones are the same moment, of cameras with clocks of their own
+constexpr double kMostApart_s = 0.15;    // over longer stretches no hand moves evenly
+constexpr double kLeastApart_s = 0.005;  // nearer ones are one moment, by clocks that differ
 // Standard deviations before anything is asked, and what is never worth telling. Whole milliseconds are
 // usual among triggered cameras that are told their times by a driver.
 constexpr double kUsualReadout_s = 0.05, kUsualDelay_s = 0.05;
