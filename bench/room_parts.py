@@ -118,7 +118,7 @@ def words(outcomes):
     for o in outcomes:
         for text in {without_names(text) for text in o.statements}:
             said[text].append(o)
-    rows = [{"status": some[0].status, "words": text[:150], "rooms": len(some), "for example": ", ".join(f"{o.kind} {o.seed}" for o in some[:3])}
+    rows = [{"status": some[0].status, "words": text[:150], "rooms": len(some), "for example": ", ".join(f"{o.kind} {o.seed}" for o in (some if some[0].is_crash() else some[:3]))}
             for text, some in sorted(said.items(), key=lambda item: -len(item[1]))]
     if rows:
         recordings.table(rows)

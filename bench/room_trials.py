@@ -11,6 +11,8 @@ import json
 import multiprocessing
 import pathlib
 import re
+import resource
+import signal
 import subprocess
 import tempfile
 import time
@@ -37,7 +39,8 @@ TAGLESS = ("focal",)
 WRONG_DEG, WRONG_SHARE, WRONG_SIGMAS = 10.0, 0.1, 5.0
 MAX_NAMED_SHARE = 1 / 3  # a warning that names more of the map's tags says nothing of one
 OUTPUT = "calibrated.yaml"
-TIMEOUT_S = 120
+MOST_CPU_S = 120  # not of the clock: whatever else the machine does makes no crash of a slow room
+MOST_WAIT_S = 20 * MOST_CPU_S  # where something waits for ever
 
 
 @dataclass
@@ -113,10 +116,16 @@ def command(program, folder):
             str(folder / "tag_sizes.yaml"), "--output", str(folder / OUTPUT), "--json", "--quiet", "--threads", "1"]
 
 
+def limit_cpu():
+    resource.setrlimit(resource.RLIMIT_CPU, (MOST_CPU_S, MOST_CPU_S + 1))
+
+
 def calibrate(program, folder, *more):
     """(status, what it said: its summary, or the error's text, seconds)"""
     begin = time.monotonic()
-    done = subprocess.run([*command(program, folder), *more], capture_output=True, text=True, timeout=TIMEOUT_S)
+    done = subprocess.run([*command(program, folder), *more], capture_output=True, text=True, timeout=MOST_WAIT_S, preexec_fn=limit_cpu)
+    if done.returncode == -signal.SIGXCPU:
+        return done.returncode, f"no end within {MOST_CPU_S} s of CPU", time.monotonic() - begin
     said = json.loads(done.stdout) if done.returncode == 0 else done.stderr.strip()
     return done.returncode, said, time.monotonic() - begin
 
@@ -236,7 +245,7 @@ def trial(trials, kind, seed):
         try:
             status, said, seconds = calibrate(trials.program, folder, *held_tag(case, trials.held))
         except subprocess.TimeoutExpired:
-            status, said, seconds = -1, f"no end within {TIMEOUT_S} s", float(TIMEOUT_S)
+            status, said, seconds = -1, f"no end within {MOST_WAIT_S} s", float(MOST_WAIT_S)
         statements, left_out = ([said], []) if status else (said["warnings"], [int(key.split("/")[1]) for key in said["left_out"]])
         outcome = Outcome(kind, seed, status, statements, left_out, seconds, case.culprits, case.size, case.signal_px, case.evidence,
                           case.room.sigma_px, len(case.views.frame), len(set(case.room.ids)))
