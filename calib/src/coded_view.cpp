@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "blurred_picture.h"
 #include "plane_ray.h"
 #include "upper_median.h"
 
@@ -37,7 +36,7 @@ CodedView::CodedView(PhotometricView pixels, const CameraModel& camera, const Pr
 bool CodedView::predict_picture(Rows& rows) const {
   const auto blur = plane_blur(*camera_, T_camera_tag_, tag_.half_size_m, {psf_sigma_px_, pixels_.streak_px});
   if (!blur) return false;
-  const BlurredPicture picture(tag_.pattern, blur->picture);
+  const BlurredPattern picture(tag_.pattern);
   const TagPlane plane(T_camera_tag_, tag_.half_size_m);
   const auto count = static_cast<Eigen::Index>(pixels_.light.size());
   rows.by_unknowns.resize(count, kNumUnknowns);
@@ -45,9 +44,8 @@ bool CodedView::predict_picture(Rows& rows) const {
   for (Eigen::Index i = 0; i < count; ++i) {
     const Eigen::Vector2d& ray = pixels_.rays[static_cast<std::size_t>(i)];
     const PlanePoint at = plane.meet(ray);
-    const PictureSample sample = picture.at(at.uv.x(), at.uv.y());
-    rows.by_unknowns.row(i) << plane.by_pose(ray, at, sample),
-        sample.by_log_sigma_u * blur->log_sigma_u_by_psf + sample.by_log_sigma_v * blur->log_sigma_v_by_psf,
+    const PatternSample sample = picture.at(at.uv.x(), at.uv.y(), blur->pattern);
+    rows.by_unknowns.row(i) << plane.by_pose(ray, at, sample), sample.by_covariance(blur->covariance_by_psf),
         sample.light, 1.0, sample.light * at.uv.x(), sample.light * at.uv.y();
     rows.by_print[i] = std::hypot(sample.by_u, sample.by_v) / tag_.half_size_m;
   }

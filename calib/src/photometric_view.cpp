@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "blurred_picture.h"
 #include "plane_ray.h"
 #include "upper_median.h"
 
@@ -99,18 +98,17 @@ class PixelFit {
  private:
   void predict(const PrintedTag& tag, const Pose& T_camera_tag, const PlaneBlur& blur,
                const TagLight& light) {
-    const BlurredPicture picture(tag.pattern, blur.picture);
+    const BlurredPattern picture(tag.pattern);
     const TagPlane plane(T_camera_tag, tag.half_size_m);
     for (Eigen::Index i = 0; i < seen_.size(); ++i) {
       const Eigen::Vector2d& ray = view_.rays[static_cast<std::size_t>(i)];
       const PlanePoint at = plane.meet(ray);
-      const PictureSample sample = picture.at(at.uv.x(), at.uv.y());
+      const PatternSample sample = picture.at(at.uv.x(), at.uv.y(), blur.pattern);
       places_.col(i) = at.uv;
       factors_[i] = light.factor(at.uv.x(), at.uv.y());
       const double white = factors_[i] * sample.light;
       colours_.row(i) << white, 1.0, white * at.uv.x(), white * at.uv.y();
-      unknowns_.row(i) << plane.by_pose(ray, at, sample),
-          sample.by_log_sigma_u * blur.log_sigma_u_by_psf + sample.by_log_sigma_v * blur.log_sigma_v_by_psf;
+      unknowns_.row(i) << plane.by_pose(ray, at, sample), sample.by_covariance(blur.covariance_by_psf);
     }
   }
 
@@ -154,7 +152,7 @@ bool read_pixels(const TagPatch& patch, const Camera& camera, const PrintedTag& 
                  double psf_sigma_px, PhotometricView& view) {
   const auto blur = plane_blur(camera.model, T_camera_tag, tag.half_size_m, {psf_sigma_px, view.streak_px});
   if (!blur) return false;
-  const BlurredPicture picture(tag.pattern, blur->picture);
+  const BlurredPattern picture(tag.pattern);
   const Eigen::Vector3d normal = T_camera_tag.rotation_matrix().col(2);
   const TagPlane plane(T_camera_tag, tag.half_size_m);
   const double area = static_cast<double>(patch.pixels.width()) * patch.pixels.height();
@@ -164,7 +162,7 @@ bool read_pixels(const TagPatch& patch, const Camera& camera, const PrintedTag& 
     if (!ray || !(ray->z() > 0.0) || !(normal.dot(*ray) > 0.0)) return;
     const Eigen::Vector2d slope = ray->hnormalized();
     const PlanePoint at = plane.meet(slope);
-    if (picture.at(at.uv.x(), at.uv.y()).known < kAllPrinted) return;
+    if (picture.at(at.uv.x(), at.uv.y(), blur->pattern).known < kAllPrinted) return;
     if (is_near_saturated(patch, camera.response, x, y)) return;
     view.rays.push_back(slope);
     view.light.push_back(static_cast<double>(camera.response.to_linear(patch.pixels(x, y))));

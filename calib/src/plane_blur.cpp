@@ -24,9 +24,7 @@ std::optional<PlaneBlur> plane_blur(const CameraModel& camera, const Pose& T_cam
   image += blur.streak_px * blur.streak_px.transpose() / 12.0;
   const Eigen::Matrix2d plane = plane_from_pixel * image * plane_from_pixel.transpose();
   const Eigen::Matrix2d of_lens = plane_from_pixel * plane_from_pixel.transpose();
-  return PlaneBlur{{std::sqrt(plane(0, 0)), std::sqrt(plane(1, 1)), plane(0, 1)},
-                   blur.psf_sigma_px * of_lens(0, 0) / plane(0, 0),
-                   blur.psf_sigma_px * of_lens(1, 1) / plane(1, 1)};
+  return PlaneBlur{PatternBlur::of(plane), 2.0 * blur.psf_sigma_px * of_lens};
 }
 
 }  // namespace apriltrack

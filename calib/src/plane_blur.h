@@ -5,7 +5,7 @@
 
 #include "apriltrack/camera/camera_model.h"
 #include "apriltrack/geometry/pose.h"
-#include "blurred_picture.h"
+#include "apriltrack/tags/blurred_pattern.h"
 
 namespace apriltrack {
 
@@ -17,8 +17,8 @@ struct ImageBlur {
 
 /// The blur of the image as the tag's plane has it, along its axes, at its centre; in half tag sizes.
 struct PlaneBlur {
-  PictureBlur picture;
-  double log_sigma_u_by_psf = 0.0, log_sigma_v_by_psf = 0.0;  ///< Per pixel of psf_sigma_px.
+  PatternBlur pattern;
+  Eigen::Matrix2d covariance_by_psf = Eigen::Matrix2d::Zero();  ///< Per pixel of psf_sigma_px.
 };
 
 /// nullopt where the camera does not see the centre, or the plane from its edge.

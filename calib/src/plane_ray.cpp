@@ -14,7 +14,7 @@ PlanePoint TagPlane::meet(const Eigen::Vector2d& ray) const {
 /// As the plane moves by p = rho + theta x point, its point under the ray moves by -p in it, and along the
 /// ray as far as it takes to stay in the plane.
 Eigen::Matrix<double, 1, 6> TagPlane::by_pose(const Eigen::Vector2d& ray, const PlanePoint& at,
-                                              const PictureSample& sample) const {
+                                              const PatternSample& sample) const {
   const Eigen::Vector3d direction = ray.homogeneous();
   const Eigen::Vector3d along = sample.by_u * R_.col(0) + sample.by_v * R_.col(1);
   const Eigen::Vector3d by_move =

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 #include "apriltrack/geometry/pose.h"
-#include "blurred_picture.h"
+#include "apriltrack/tags/blurred_pattern.h"
 
 namespace apriltrack {
 
@@ -22,7 +22,7 @@ class TagPlane {
   PlanePoint meet(const Eigen::Vector2d& ray) const;
   /// How the light at `at` under the ray changes, by a left perturbation of T_camera_tag.
   Eigen::Matrix<double, 1, 6> by_pose(const Eigen::Vector2d& ray, const PlanePoint& at,
-                                      const PictureSample& sample) const;
+                                      const PatternSample& sample) const;
 
  private:
   Eigen::Matrix3d R_;

@@ -41,7 +41,7 @@ PhotometricView painted_view(const PhotometricScene& scene, const PhotometricSta
                             truth.T_map_tag[static_cast<std::size_t>(tag)];
   const PlaneBlur blur =
       *plane_blur(lens.model, T_camera_tag, print.half_size_m, {kLensBlur_px, view.streak_px});
-  const BlurredPicture picture(print.pattern, blur.picture);
+  const BlurredPattern picture(print.pattern);
   const Pose T_tag_camera = T_camera_tag.inverse();
   for (int y = 0; y < lens.height; ++y) {
     for (int x = 0; x < lens.width; ++x) {
@@ -51,7 +51,7 @@ PhotometricView painted_view(const PhotometricScene& scene, const PhotometricSta
       const Eigen::Vector2d uv = (eye - eye.z() / direction.z() * direction).head<2>() / print.half_size_m;
       if (uv.cwiseAbs().maxCoeff() > print.pattern.half_extent() - 0.12) continue;
       view.rays.push_back(ray.hnormalized());
-      view.light.push_back(0.04 + 0.7 * picture.at(uv.x(), uv.y()).light);
+      view.light.push_back(0.04 + 0.7 * picture.at(uv.x(), uv.y(), blur.pattern).light);
     }
   }
   view.num_coarse = view.light.size();

@@ -62,9 +62,9 @@ TEST(PlaneBlur, IsWhatLensPixelAndStreakSmear) {
     const auto blur = plane_blur(kBentLens, pose, kHalfEdge_m, {0.5, streak_px});
     ASSERT_TRUE(blur.has_value());
     const Eigen::Matrix2d expected = smeared_place(pose, 0.5, streak_px);
-    EXPECT_NEAR(blur->picture.sigma_u, std::sqrt(expected(0, 0)), 0.01 * std::sqrt(expected(0, 0)));
-    EXPECT_NEAR(blur->picture.sigma_v, std::sqrt(expected(1, 1)), 0.01 * std::sqrt(expected(1, 1)));
-    EXPECT_NEAR(blur->picture.covariance_uv, expected(0, 1),
+    EXPECT_NEAR(blur->pattern.sigma_u, std::sqrt(expected(0, 0)), 0.01 * std::sqrt(expected(0, 0)));
+    EXPECT_NEAR(blur->pattern.sigma_v, std::sqrt(expected(1, 1)), 0.01 * std::sqrt(expected(1, 1)));
+    EXPECT_NEAR(blur->pattern.covariance_uv, expected(0, 1),
                 0.02 * std::sqrt(expected(0, 0) * expected(1, 1)));
   }
 }
@@ -76,10 +76,12 @@ TEST(PlaneBlur, TellsHowItFollowsTheLens) {
     return *plane_blur(kBentLens, tilted_tag(), kHalfEdge_m, {psf_px, streak_px});
   };
   const PlaneBlur blur = blur_of(0.6), above = blur_of(0.6 + kStep_px), below = blur_of(0.6 - kStep_px);
-  EXPECT_NEAR(blur.log_sigma_u_by_psf,
-              std::log(above.picture.sigma_u / below.picture.sigma_u) / (2.0 * kStep_px), 1e-6);
-  EXPECT_NEAR(blur.log_sigma_v_by_psf,
-              std::log(above.picture.sigma_v / below.picture.sigma_v) / (2.0 * kStep_px), 1e-6);
+  const auto by_psf = [&](double more, double less) { return (more - less) / (2.0 * kStep_px); };
+  const auto square = [](double sigma) { return sigma * sigma; };
+  const auto& [more, less] = std::pair(above.pattern, below.pattern);
+  EXPECT_NEAR(blur.covariance_by_psf(0, 0), by_psf(square(more.sigma_u), square(less.sigma_u)), 1e-6);
+  EXPECT_NEAR(blur.covariance_by_psf(1, 1), by_psf(square(more.sigma_v), square(less.sigma_v)), 1e-6);
+  EXPECT_NEAR(blur.covariance_by_psf(0, 1), by_psf(more.covariance_uv, less.covariance_uv), 1e-6);
 }
 
 }  // namespace

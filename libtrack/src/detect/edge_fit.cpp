@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "apriltrack/base/geman_mcclure.h"
+#include "apriltrack/base/normal_table.h"
 
 namespace apriltrack {
 namespace {
@@ -29,45 +30,6 @@ constexpr double kMinOutlierScale = 0.06;
 /// Of the residuals' root mean square.
 constexpr double kOutlierScale = 4.0;
 
-/// Cumulative and density of the standard normal distribution, interpolated from a table to 1e-5: thousands
-/// of values are needed per tag, and erfc alone would take most of the detector's own time.
-class NormalTable {
- public:
-  static const NormalTable& get() {
-    static const NormalTable table;
-    return table;
-  }
-  struct Value {
-    double cumulative;
-    double density;
-  };
-  Value at(double z) const {
-    const double place = (z + kRange) * kPerUnit;
-    if (!(place > 0.0)) return {0.0, 0.0};
-    if (place >= kSize - 1) return {1.0, 0.0};
-    const auto i = static_cast<std::size_t>(place);
-    const double f = place - static_cast<double>(i);
-    return {cumulative_[i] + f * (cumulative_[i + 1] - cumulative_[i]),
-            density_[i] + f * (density_[i + 1] - density_[i])};
-  }
-
- private:
-  static constexpr int kPerUnit = 128;
-  static constexpr double kRange = 4.5;
-  static constexpr int kSize = 2 * 576 + 1;
-
-  NormalTable() {
-    for (int i = 0; i < kSize; ++i) {
-      const double z = static_cast<double>(i) / kPerUnit - kRange;
-      cumulative_[static_cast<std::size_t>(i)] = 0.5 * std::erfc(-z / std::numbers::sqrt2);
-      density_[static_cast<std::size_t>(i)] = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
-    }
-  }
-
-  std::array<double, kSize> cumulative_;
-  std::array<double, kSize> density_;
-};
-
 /// What a profile shows, blurred, at `across` pixels from where the edge is taken to lie.
 struct BlurredLevel {
   double level;     ///< 0 inside to 1 outside.
@@ -81,8 +43,8 @@ BlurredLevel blurred_level(const NormalTable& normal, const EdgeProfile& profile
   for (int i = 0; i < profile.num_changes; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const double z = (across - profile.position_px[k]) * inverse_sigma;
-    const NormalTable::Value value = normal.at(z);
-    sum.level += profile.height[k] * value.cumulative;
+    const NormalValue value = normal.at(z);
+    sum.level += profile.height[k] * value.below;
     sum.by_z += profile.height[k] * value.density;
     sum.by_sigma -= profile.height[k] * value.density * z;
   }
