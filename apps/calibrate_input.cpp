@@ -72,6 +72,7 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
     }
     FrameLoopOptions options{detector, &camera, num_threads, "detect " + recording.input};
     options.detector->response = camera.response;
+    options.detector->camera_model = camera.model;
     SourceOptions source_of_camera = source_options;
     source_of_camera.log = console.log();
     if (recording.is_named) source_of_camera.camera_name = recording.camera;

@@ -77,6 +77,7 @@ DetectorOptions detector_options(const DetectArguments& arguments, const std::op
   DetectorOptions options = arguments.detector;
   options.refine_edges = !arguments.no_refine;
   if (camera) options.response = camera->response;
+  if (camera) options.camera_model = camera->model;
   if (!arguments.response.empty()) options.response = parse_response(arguments.response);
   options.check();
   return options;

@@ -119,6 +119,7 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
   const auto source = open_any(named.input, source_options, facts.tells_times);
   DetectorOptions detector = options.detector;
   if (facts.camera) detector.response = facts.camera->response;
+  if (facts.camera) detector.camera_model = facts.camera->model;
   EvenSample sample;
   const FrameCounts counts =
       detect_frames(*source, {detector, nullptr, options.num_threads, "look at " + named.input}, console,

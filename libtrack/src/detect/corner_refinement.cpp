@@ -12,7 +12,7 @@ namespace apriltrack {
 namespace {
 
 constexpr int kMaxRounds = 4;
-constexpr double kConverged_px = 0.02;
+constexpr double kConverged_px = 0.2;  // the pattern fit goes on from there
 /// What an ordinary lens bends an edge of length L: |k1| x / (4 f) L^2, say k1 = -0.3, x = 0.2, f = 500 px.
 /// Small tags so get straight edges, which are twice as sure at their ends, and large ones follow the lens.
 constexpr double kLensBend_per_px = 3e-5;
@@ -98,8 +98,9 @@ double shortest_edge(const Quad& quad) {
 
 }  // namespace
 
-std::optional<Quad> refine_corners(const GrayView& image, const ResponseCurve& response,
-                                   const TagPattern& pattern, bool is_white_inside, const Quad& start_px) {
+std::optional<RefinedCorners> refine_corners(const GrayView& image, const ResponseCurve& response,
+                                             const TagPattern& pattern, bool is_white_inside,
+                                             const Quad& start_px) {
   const LightSampler sampler(image, response);
   const double cell_px = shortest_edge(start_px) / pattern.width_at_border();
   const double max_move_px = std::max(3.0, 1.25 * cell_px);
@@ -116,7 +117,9 @@ std::optional<Quad> refine_corners(const GrayView& image, const ResponseCurve& r
     quad = next;
     if (move < kConverged_px) break;
   }
-  return quad;
+  double variance_px2 = 0.0;
+  for (const FittedEdge& edge : fitted->edges) variance_px2 += edge.sigma_px * edge.sigma_px / kNumCorners;
+  return RefinedCorners{quad, std::sqrt(variance_px2)};
 }
 
 }  // namespace apriltrack

@@ -9,6 +9,11 @@
 
 namespace apriltrack {
 
+struct RefinedCorners {
+  Quad corners_px;
+  double blur_sigma_px = 0.0;  ///< Across the edges, root mean square; the pixel's own area included.
+};
+
 /// Corners as intersections of curves fitted to the four edges in linear light (docs/algorithms/detector.md).
 ///
 /// Samples lie across each edge, inside up to two and a half cells deep and outside as far as the family
@@ -16,7 +21,8 @@ namespace apriltrack {
 /// not pull the edge. pattern: of the tag that was read. is_white_inside: the family's border is reversed.
 /// start_px: the quad as found, right to about a cell.
 /// nullopt when an edge cannot be fitted or a corner would move by more than what the start may be wrong.
-std::optional<Quad> refine_corners(const GrayView& image, const ResponseCurve& response,
-                                   const TagPattern& pattern, bool is_white_inside, const Quad& start_px);
+std::optional<RefinedCorners> refine_corners(const GrayView& image, const ResponseCurve& response,
+                                             const TagPattern& pattern, bool is_white_inside,
+                                             const Quad& start_px);
 
 }  // namespace apriltrack

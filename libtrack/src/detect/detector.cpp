@@ -15,6 +15,7 @@
 #include "library_detector.h"
 #include "light_sampler.h"
 #include "merge.h"
+#include "pattern_fit.h"
 #include "two_cell_border.h"
 
 namespace apriltrack {
@@ -83,14 +84,20 @@ class Detector::Implementation {
   }
 
  private:
+  struct Corners {
+    Quad px;
+    std::optional<CornerCovariance> covariance_px2;
+  };
+
   std::vector<Detection> localised(const GrayView& image, std::vector<Candidate> candidates) {
     std::vector<Detection> detections;
     if (has_grids_) drop_one_cell_borders(image, &candidates);
     for (const Candidate& candidate : merge_same_quads(std::move(candidates))) {
-      const std::optional<Quad> corners = localise(image, candidate);
+      const std::optional<Corners> corners = localise(image, candidate);
       if (!corners) continue;
       detections.push_back(candidate.detection);
-      detections.back().corners_px = *corners;
+      detections.back().corners_px = corners->px;
+      detections.back().covariance_px2 = corners->covariance_px2;
     }
     sort_detections(detections);
     return detections;
@@ -159,7 +166,8 @@ class Detector::Implementation {
       candidates->push_back({{{options_.families[found.family_index], found.id},
                               found.corners_px,
                               found.hamming,
-                              found.decision_margin},
+                              found.decision_margin,
+                              std::nullopt},
                              is_linear_light});
     }
   }
@@ -178,19 +186,25 @@ class Detector::Implementation {
   /// leads to edges that look like this tag's: the image cuts the tag or something hides an edge, and the
   /// library's corners are pixels away; or the code was read by chance. Below 1 % of what is found
   /// (bench/detector_accuracy.cpp).
-  std::optional<Quad> localise(const GrayView& image, const Candidate& candidate) const {
+  std::optional<Corners> localise(const GrayView& image, const Candidate& candidate) const {
     std::vector<Candidate> starts = candidate.others;
     starts.insert(starts.begin(), candidate);
     std::stable_partition(starts.begin(), starts.end(),
                           [](const Candidate& c) { return c.is_from_linear_light; });
-    if (!options_.refine_edges) return starts.front().detection.corners_px;
+    if (!options_.refine_edges) return Corners{starts.front().detection.corners_px, std::nullopt};
     const TagKey& tag = candidate.detection.tag;
     const TagFamily& family = TagFamily::get(tag.family);
     const TagPattern pattern = family.pattern(tag.id);
+    const LightSampler light(image, options_.response);
     for (const Candidate& start : starts) {
-      const std::optional<Quad> refined = refine_corners(
-          image, options_.response, pattern, family.has_reversed_border(), start.detection.corners_px);
-      if (refined) return *refined;
+      const auto edges = refine_corners(image, options_.response, pattern, family.has_reversed_border(),
+                                        start.detection.corners_px);
+      PatternFitStart from{start.detection.corners_px};
+      if (edges) from = {edges->corners_px, edges->blur_sigma_px};
+      if (options_.camera_model) from.camera = &*options_.camera_model;
+      const auto fitted = fit_pattern(light, pattern, from);
+      if (fitted) return Corners{fitted->corners_px, fitted->covariance_px2};
+      if (edges) return Corners{edges->corners_px, std::nullopt};
     }
     return std::nullopt;
   }

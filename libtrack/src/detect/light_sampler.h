@@ -17,6 +17,10 @@ class LightSampler {
   LightSampler(const GrayView& image, const ResponseCurve& response)
       : image_(image), light_(response.linear_light()) {}
 
+  int width() const { return image_.width(); }
+  int height() const { return image_.height(); }
+  double of_pixel(int x, int y) const { return static_cast<double>(light_[image_.row(y)[x]]); }
+
   /// Between the four pixels around; nullopt outside the image.
   std::optional<double> at(const Eigen::Vector2d& point) const {
     const double x = std::floor(point.x());

@@ -22,6 +22,7 @@ DetectorOptions detector_options_for(const Camera& camera, const TagMap& map, De
   check_tag_map(map);
   options.families = families_of(map);
   options.response = camera.response;
+  options.camera_model = camera.model;
   return options;
 }
 

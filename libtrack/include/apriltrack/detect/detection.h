@@ -13,6 +13,8 @@
 
 namespace apriltrack {
 
+using CornerCovariance = Eigen::Matrix<double, 8, 8>;
+
 /// One tag found in one image.
 struct Detection {
   TagKey tag;
@@ -22,6 +24,8 @@ struct Detection {
   std::optional<int> hamming;  ///< Bits corrected; unknown when corners come from a file without it.
   std::optional<double>
       decision_margin;  ///< Grey levels between a bit and its threshold, mean over the bits.
+  /// Of the corners' errors, x0 y0 x1 y1 ..., px^2; nullopt where nobody told it.
+  std::optional<CornerCovariance> covariance_px2 = std::nullopt;
 };
 
 /// The detections of one frame of one camera: what a calibration starts from.

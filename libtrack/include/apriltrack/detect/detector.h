@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "apriltrack/camera/camera_model.h"
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/image/image.h"
 #include "apriltrack/image/response.h"
@@ -17,6 +19,9 @@ struct DetectorOptions {
   /// are lost. linear(): one search, in the image as it is; with refine_edges off that is what the AprilTag
   /// library finds.
   ResponseCurve response = ResponseCurve::srgb();
+  /// Of the camera that takes the images: its lens bends a tag's edges, by half a pixel and more where it is
+  /// wide. None: a bend that ordinary lenses have is estimated with the corners.
+  std::optional<CameraModel> camera_model = std::nullopt;
   /// Corners from curves fitted to the tag's edges; a tag whose edges cannot be fitted (hidden, cut by the
   /// image) is not reported, for its corners would be pixels off. Off: the quad's corners as the library
   /// found them, with biases of up to a pixel; only to reproduce old results.

@@ -1,0 +1,166 @@
+#include "pattern_pixels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tag_quad.h"
+
+namespace apriltrack {
+namespace {
+
+/// Of larger tags a part of the pixels is asked, most of them near edges between black and white: the place
+/// shows nowhere else.
+constexpr double kMaxPixels = 1000.0;
+/// A part of them leads the first steps.
+constexpr double kCoarsePixels = 250.0;
+/// How far from an edge its blur shows, in its sigmas.
+constexpr double kEdgeReach = 2.0;
+/// Of the pixels where nothing changes, which tell light and noise alone, so many of those near edges'
+/// density.
+constexpr double kFlatShare = 0.15;
+
+/// The pixels of an upright rectangle, straightened: exactly at the nodes of a grid, between them bilinear. A
+/// lens of 1.2e-4 px of bend per px^2 errs by 2.4e-4 px over such a step.
+class StraightGrid {
+ public:
+  StraightGrid(const TagPlaces& places, int x0, int y0, int x1, int y1) : places_(places), x0_(x0), y0_(y0) {
+    if (!places.is_straightened()) return;
+    columns_ = (x1 - x0) / kStep + 2;
+    const int rows = (y1 - y0) / kStep + 2;
+    for (int j = 0; j < rows; ++j)
+      for (int i = 0; i < columns_; ++i)
+        nodes_.push_back(places.straight(Eigen::Vector2d(x0 + i * kStep, y0 + j * kStep)));
+  }
+
+  std::optional<Eigen::Vector2d> at(int x, int y) const {
+    if (nodes_.empty()) return Eigen::Vector2d(x, y);
+    const int i = (x - x0_) / kStep, j = (y - y0_) / kStep;
+    const double fx = static_cast<double>((x - x0_) % kStep) / kStep;
+    const double fy = static_cast<double>((y - y0_) % kStep) / kStep;
+    const auto* above = &nodes_[static_cast<std::size_t>(j * columns_ + i)];
+    const auto* below = above + columns_;
+    if (!above[0] || !above[1] || !below[0] || !below[1]) return places_.straight(Eigen::Vector2d(x, y));
+    return Eigen::Vector2d((1.0 - fy) * ((1.0 - fx) * *above[0] + fx * *above[1]) +
+                           fy * ((1.0 - fx) * *below[0] + fx * *below[1]));
+  }
+
+ private:
+  static constexpr int kStep = 4;
+
+  const TagPlaces& places_;
+  int x0_, y0_, columns_ = 0;
+  std::vector<std::optional<Eigen::Vector2d>> nodes_;
+};
+
+/// In [0, 1), even over the pixels at every density: a lattice of the plastic number's powers (Roberts 2018).
+double lattice_place(int x, int y) {
+  const double place = 0.7548776662466927 * x + 0.5698402909980532 * y;
+  return place - std::floor(place);
+}
+
+/// Whether there is black and white within `reach` (along u, along v) of a point.
+bool is_near_edge(const TagPattern& pattern, const Eigen::Vector2d& uv, const Eigen::Vector2d& reach) {
+  const double here = pattern.brightness(uv.x(), uv.y());
+  return pattern.brightness(uv.x() - reach.x(), uv.y()) != here ||
+         pattern.brightness(uv.x() + reach.x(), uv.y()) != here ||
+         pattern.brightness(uv.x(), uv.y() - reach.y()) != here ||
+         pattern.brightness(uv.x(), uv.y() + reach.y()) != here;
+}
+
+/// Of a printed tag's area, about, what lies within `reach_cells` of an edge: half of the cells' borders are
+/// edges.
+double share_near_edges(double reach_cells) {
+  const double flat = 1.0 - std::min(1.0, reach_cells);  // along one axis
+  return 1.0 - flat * flat;
+}
+
+}  // namespace
+
+std::optional<TagPlaces> TagPlaces::about(const Eigen::Vector2d& middle_px, const CameraModel* camera) {
+  TagPlaces places(middle_px);
+  if (!camera) return places;
+  places.view_ = StraightView::about(middle_px, *camera);
+  if (!places.view_) return std::nullopt;
+  return places;
+}
+
+std::optional<Eigen::Vector2d> TagPlaces::straight(const Eigen::Vector2d& pixel) const {
+  return view_ ? view_->straight(pixel) : pixel;
+}
+
+std::optional<Eigen::Vector2d> TagPlaces::pixel(const Eigen::Vector2d& straight,
+                                                Eigen::Matrix2d* derivative) const {
+  if (view_) return view_->pixel(straight, derivative);
+  if (derivative) derivative->setIdentity();
+  return straight;
+}
+
+Eigen::Matrix2d TagPlaces::straight_by_pixel() const {
+  return view_ ? view_->straight_by_pixel() : Eigen::Matrix2d(Eigen::Matrix2d::Identity());
+}
+
+Eigen::Matrix2d projective_derivative(const Eigen::Matrix3d& map, const Eigen::Vector3d& image) {
+  const double per_z = 1.0 / image.z();
+  const Eigen::Vector2d at = image.head<2>() * per_z;
+  return (map.topLeftCorner<2, 2>() - at * map.block<1, 2>(2, 0)) * per_z;
+}
+
+double quad_area(const Quad& quad) {
+  double twice = 0.0;
+  for (std::size_t k = 0; k < kNumCorners; ++k) {
+    const Eigen::Vector2d &a = quad[k], &b = quad[(k + 1) % kNumCorners];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return 0.5 * std::abs(twice);
+}
+
+PatternPixels collect_pixels(const LightSampler& light, const TagPlaces& places, const TagPattern& pattern,
+                             const Eigen::Matrix3d& straight_from_tag, double blur_sigma_px) {
+  const double reach_px = 0.5 + blur_sigma_px;
+  Quad print;
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9), high = -low;
+  for (std::size_t k = 0; k < kNumCorners; ++k) {
+    const Eigen::Vector3d corner = straight_from_tag * (pattern.half_extent() * kTagQuad[k]).homogeneous();
+    const auto pixel = places.pixel(corner.hnormalized(), nullptr);
+    if (!(corner.z() > 0.0) || !pixel || !pixel->allFinite()) return {};
+    print[k] = *pixel;
+    low = low.cwiseMin(*pixel);
+    high = high.cwiseMax(*pixel);
+  }
+  const int x0 = std::max(0, static_cast<int>(std::floor(std::max(-1.0, low.x() - reach_px))));
+  const int y0 = std::max(0, static_cast<int>(std::floor(std::max(-1.0, low.y() - reach_px))));
+  const int x1 = static_cast<int>(std::ceil(std::min(light.width() - 1.0, high.x() + reach_px)));
+  const int y1 = static_cast<int>(std::ceil(std::min(light.height() - 1.0, high.y() + reach_px)));
+  if (x1 < x0 || y1 < y0) return {};
+  const StraightGrid grid(places, x0, y0, x1, y1);
+  Eigen::Matrix3d tag_from_straight = straight_from_tag.inverse();
+  if ((tag_from_straight * places.middle().homogeneous()).z() < 0.0) tag_from_straight = -tag_from_straight;
+  const double area = quad_area(print);
+  const double cell_px = std::sqrt(area) / pattern.cells().width();
+  const double edge_px = kEdgeReach * blur_sigma_px + 0.5;
+  const double of_edges = share_near_edges(edge_px / cell_px);
+  const double share = kMaxPixels / area / (of_edges + kFlatShare * (1.0 - of_edges));
+  const double coarse_share = share * kCoarsePixels / kMaxPixels;
+  PatternPixels pixels;
+  std::vector<PatternPixel> others;
+  for (int y = y0; y <= y1; ++y) {
+    for (int x = x0; x <= x1; ++x) {
+      const double turn = lattice_place(x, y);
+      if (turn >= share) continue;
+      const std::optional<Eigen::Vector2d> straight = grid.at(x, y);
+      if (!straight) continue;
+      const Eigen::Vector3d image = tag_from_straight * straight->homogeneous();
+      if (!(image.z() > 0.0)) continue;
+      const Eigen::Vector2d uv = image.head<2>() / image.z();
+      const Eigen::Vector2d per_px = projective_derivative(tag_from_straight, image).rowwise().norm();
+      if (uv.cwiseAbs().maxCoeff() - pattern.half_extent() > reach_px * per_px.maxCoeff()) continue;
+      if (turn >= kFlatShare * share && share < 1.0 && !is_near_edge(pattern, uv, edge_px * per_px)) continue;
+      (turn < coarse_share ? pixels.all : others).push_back({*straight, light.of_pixel(x, y), x, y});
+    }
+  }
+  pixels.num_coarse = pixels.all.size();
+  pixels.all.insert(pixels.all.end(), others.begin(), others.end());
+  return pixels;
+}
+
+}  // namespace apriltrack
