@@ -18,6 +18,7 @@
 #include "calibration_result.h"
 #include "calibration_words.h"
 #include "camera_gravity.h"
+#include "claimed_noise.h"
 #include "constraint_tags.h"
 #include "halves.h"
 #include "part_evidence.h"
@@ -284,7 +285,9 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
   const auto begin = std::chrono::steady_clock::now();
   Findings findings;
   try {
-    CalibrationResult result = calibrated(frames, rig, sizes, options, findings, log);
+    CalibrationOptions claimed = options;
+    if (const auto kept = kept_errors(frames)) claimed.corner_bias_px = kept->corners_px;
+    CalibrationResult result = calibrated(frames, rig, sizes, claimed, findings, log);
     result.warnings = std::move(findings.warnings);
     result.left_out = std::move(findings.left_out);
     std::sort(result.left_out.begin(), result.left_out.end());

@@ -1,5 +1,6 @@
 #include "corner_noise.h"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 
 namespace apriltrack {
@@ -21,6 +22,14 @@ Matrix8d edge_noise_whitening(const CornersPx& corners, const EdgeNoise& noise) 
     W.block<1, 2>(2 * edge + 1, 2 * end) = -difference_weight * normal;
   }
   return W;
+}
+
+Matrix8d corner_whitening(const CornersPx& corners, const Matrix8d& covariance_px2, const EdgeNoise& noise) {
+  const Matrix8d of_model = edge_noise_whitening(corners, noise);
+  const double beyond = kBeyondClaim_px / noise.sigma_px;
+  const Matrix8d in_model =
+      of_model * covariance_px2 * of_model.transpose() + beyond * beyond * Matrix8d::Identity();
+  return in_model.llt().matrixL().solve(of_model);
 }
 
 Vector8d inward_displacements(const CornersPx& corners) {

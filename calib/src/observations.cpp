@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -207,16 +208,28 @@ Observations number_views(const std::vector<UsableFrame>& frames,
     previous = &frame;
     for (const auto& [tag, places] : frame.detections) {
       if (places.size() > 1 || !index.contains(tag)) continue;
-      const CornersPx& corners = places.front()->corners_px;
-      observations.views.push_back({index[tag], static_cast<int>(observations.frames.size()) - 1,
-                                    frame.camera, corners, edge_noise_whitening(corners, noise),
-                                    inward_displacements(corners)});
+      TagView view{index[tag],   static_cast<int>(observations.frames.size()) - 1,
+                   frame.camera, places.front()->corners_px,
+                   {},           {}};
+      view.covariance_px2 = places.front()->covariance_px2;
+      view.set_noise(view.corners_px, noise);
+      observations.views.push_back(view);
     }
   }
   return observations;
 }
 
 }  // namespace
+
+void TagView::set_noise(const CornersPx& edges, const EdgeNoise& noise) {
+  inward = inward_displacements(edges);
+  const Matrix8d of_model = edge_noise_whitening(edges, noise);
+  whitening = of_model;
+  by_model_errors.setIdentity();
+  if (!covariance_px2) return;
+  whitening = corner_whitening(edges, *covariance_px2, noise);
+  by_model_errors = whitening * of_model.inverse();
+}
 
 Observations collect_observations(std::span<const FrameDetections> frames, const CameraRig& rig,
                                   const TagSizes& sizes, const CalibrationOptions& options,

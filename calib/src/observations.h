@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,6 +20,13 @@ struct TagView {
   Vector8d inward;     ///< How the corners move when all edges move inward by one pixel.
   int num_frames = 1;  ///< Whose mean it is: more than one where the scene stood still.
   int place = -1;  ///< From which its frame was taken, if others were taken from there, too; -1: none was.
+  std::optional<Matrix8d> covariance_px2 =
+      std::nullopt;  ///< Of the corners' errors, where a detector told it.
+  /// How errors of unit variance by EdgeNoise enter the whitened numbers: the identity without a covariance.
+  Matrix8d by_model_errors = Matrix8d::Identity();
+
+  /// Sets `whitening`, `by_model_errors` and `inward`. edges: corners that set the edges' directions.
+  void set_noise(const CornersPx& edges, const EdgeNoise& noise);
 };
 
 struct RigCamera {

@@ -1,5 +1,6 @@
 #include "part_evidence.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -43,6 +44,21 @@ MappedView mapped_view(const Observations& observations, const PartSolution& sol
   return mapped;
 }
 
+/// Of the part's views on average: in units of EdgeNoise, whatever their detector claims.
+CornerNoise usual_noise(const Observations& observations, const PartSolution& solution,
+                        const CalibrationOptions& options) {
+  Eigen::Array2d claimed = Eigen::Array2d::Zero();  // variances: of sums, of differences
+  for (const std::size_t v : solution.part.views) {
+    const Matrix8d in_model = observations.views[v].by_model_errors.inverse();
+    const Vector8d variances = in_model.rowwise().squaredNorm();
+    for (Eigen::Index i = 0; i < 8; ++i) claimed[i % 2] += 0.25 * variances[i];
+  }
+  claimed = (claimed / static_cast<double>(solution.part.views.size())).sqrt();
+  const NoiseScale& measured = solution.state.noise;
+  return {options.corner_sigma_px, options.edge_end_correlation, measured.sum * claimed[0],
+          measured.difference * claimed[1]};
+}
+
 }  // namespace
 
 MapEvidence part_evidence(const Observations& observations, const PartSolution& solution,
@@ -62,8 +78,7 @@ MapEvidence part_evidence(const Observations& observations, const PartSolution& 
     const auto t = static_cast<std::size_t>(tag);
     evidence.rejected.push_back(solution.views_offered_by_tag[t] - kept[t]);
   }
-  evidence.noise = {options.corner_sigma_px, options.edge_end_correlation, solution.state.noise.sum,
-                    solution.state.noise.difference};
+  evidence.noise = usual_noise(observations, solution, options);
   evidence.joint = solution.joint;
   return evidence;
 }

@@ -12,8 +12,7 @@ void take_edges_from_map(const std::vector<std::size_t>& views, const MapState& 
     for (int corner = 0; corner < kNumCorners; ++corner)
       corners_px[static_cast<std::size_t>(corner)] += residual_px.segment<2>(2 * corner);
     if (!is_quad_of_tag(corners_px)) continue;
-    view.whitening = edge_noise_whitening(corners_px, noise);
-    view.inward = inward_displacements(corners_px);
+    view.set_noise(corners_px, noise);
   }
 }
 

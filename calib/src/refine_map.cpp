@@ -10,6 +10,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
+#include "claimed_noise.h"
 #include "held_out.h"
 #include "photometric_adjustment.h"
 #include "refined_places.h"
@@ -221,7 +222,9 @@ RefinementResult refine_map(const CalibrationResult& calibration, std::span<cons
   result.constraint_audits = calibration.constraint_audits;
   result.warnings = calibration.warnings;
   try {
-    result.reason = refine_on_pictures(calibration, frames, rig, options, log, result);
+    RefinementOptions claimed = options;
+    if (const auto kept = kept_errors(frames)) claimed.picture_bias_px = kept->pictures_px;
+    result.reason = refine_on_pictures(calibration, frames, rig, claimed, log, result);
   } catch (const Stopped&) {
     result.reason = "interrupted";
     result.is_stopped = true;

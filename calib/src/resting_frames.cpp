@@ -225,8 +225,7 @@ class PlaceMerge {
       if (is_dropped_[v]) continue;
       TagView& one = view(v);
       one.corners_px = mean_px[sight_of(one)];
-      one.whitening = edge_noise_whitening(one.corners_px, noise_);
-      one.inward = inward_displacements(one.corners_px);
+      one.set_noise(one.corners_px, noise_);
       one.num_frames = static_cast<int>(moments.size());
     }
   }

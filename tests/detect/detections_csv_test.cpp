@@ -124,5 +124,77 @@ TEST(DetectionsCsv, ReadsBackWhatItWrites) {
     EXPECT_LT((frames[0].detections[0].corners_px[k] - detection.corners_px[k]).norm(), 1e-6);
 }
 
+/// The header with all 36 columns of the covariance, but for `left_out`.
+std::string header_with_covariance(const std::string& left_out = "") {
+  std::string header = "timestamp_ns,camera,family,id,c0x,c0y,c1x,c1y,c2x,c2y,c3x,c3y";
+  for (int i = 0; i < 8; ++i) {
+    for (int j = i; j < 8; ++j) {
+      const std::string name = "cov_" + std::to_string(i) + std::to_string(j);
+      if (name != left_out) header += "," + name;
+    }
+  }
+  return header + "\n";
+}
+
+/// A row with `diagonal` on the covariance's diagonal and `other` beside it.
+std::string row_with_covariance(const std::string& diagonal, const std::string& other) {
+  std::string row = "5,cam0,tag36h11,3,1,2,3,4,5,6,7,8";
+  for (int i = 0; i < 8; ++i)
+    for (int j = i; j < 8; ++j) row += "," + (i == j ? diagonal : other);
+  return row + "\n";
+}
+
+TEST(DetectionsCsvCovariance, IsKeptOnARoundTrip) {
+  CornerCovariance covariance;
+  for (int i = 0; i < 8; ++i)
+    for (int j = 0; j < 8; ++j) covariance(i, j) = i == j ? 0.01 + 0.001 * i : 1e-4 * (1 + i + j) / 16.0;
+  const std::vector<FrameDetections> frames = {
+      {{7},
+       "cam0",
+       {{{"tag36h11", 1}, {}, 0, 30.0, covariance}, {{"tag36h11", 2}, {}, 0, 30.0, std::nullopt}}}};
+  const std::filesystem::path path = test::temporary_folder() / "covariance.csv";
+  write_detections_csv(path, frames);
+  const auto read = read_detections_csv(path);
+  ASSERT_EQ(read.at(0).detections.size(), 2U);
+  ASSERT_TRUE(read[0].detections[0].covariance_px2);
+  EXPECT_LT((*read[0].detections[0].covariance_px2 - covariance).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_FALSE(read[0].detections[1].covariance_px2);
+}
+
+TEST(DetectionsCsvCovariance, IsReadAsTheUpperTriangleRowByRow) {
+  std::string row = "5,cam0,tag36h11,3,1,2,3,4,5,6,7,8";
+  for (int i = 0; i < 8; ++i)
+    for (int j = i; j < 8; ++j) row += "," + std::to_string(i == j ? 1.0 + i : 0.01 * i + 0.001 * j);
+  const auto frames = read_detections_csv(write_text(header_with_covariance() + row + "\n"));
+  const CornerCovariance& covariance = *frames.at(0).detections.at(0).covariance_px2;
+  EXPECT_EQ(covariance(3, 3), 4.0);
+  EXPECT_NEAR(covariance(2, 5), 0.025, 1e-12);
+  EXPECT_NEAR(covariance(5, 2), 0.025, 1e-12);
+}
+
+TEST(DetectionsCsvCovariance, IsNotWrittenWhereNobodyHasOne) {
+  const std::filesystem::path path = test::temporary_folder() / "plain.csv";
+  write_detections_csv(path,
+                       std::vector<FrameDetections>{{{7}, "cam0", {{{"tag36h11", 1}, {}, 0, 30.0, {}}}}});
+  std::ifstream file(path);
+  std::string header;
+  std::getline(file, header);
+  EXPECT_EQ(header + "\n", kHeader);
+}
+
+TEST(DetectionsCsvCovariance, NamesLineAndColumnOfWhatIsWrong) {
+  EXPECT_THAT(message_of(header_with_covariance("cov_37") + row_with_covariance("1", "0")),
+              AllOf(HasSubstr(".csv:1"), HasSubstr("cov_37"), HasSubstr("missing")));
+  const std::string header = header_with_covariance();
+  EXPECT_THAT(message_of(header + row_with_covariance("nan", "0")),
+              AllOf(HasSubstr(".csv:2"), HasSubstr("cov_00")));
+  EXPECT_THAT(message_of(header + row_with_covariance("-1", "0")),
+              AllOf(HasSubstr(".csv:2"), HasSubstr("cov_00"), HasSubstr("> 0")));
+  EXPECT_THAT(message_of(header + row_with_covariance("1", "")),
+              AllOf(HasSubstr(".csv:2"), HasSubstr("cov_01"), HasSubstr("empty")));
+  EXPECT_THAT(message_of(header + row_with_covariance("1", "1.5")),
+              AllOf(HasSubstr(".csv:2"), HasSubstr("positive definite")));
+}
+
 }  // namespace
 }  // namespace apriltrack

@@ -38,7 +38,8 @@ struct CalibrationOptions {
   double edge_end_correlation = -0.45;
   /// Error of the same kind that a tag keeps in ALL of its views (lens model, uneven light, print): it does
   /// not average, and the fit hides most of it from the residuals. Counts for the covariance only; 0 = none.
-  /// Of our own renderer's pictures 0.03 is true, of path-traced ones 0.07 (docs/algorithms/calibration.md).
+  /// Of corners whose detector tells no covariance: where covariances are told, what they claim takes its
+  /// place (docs/algorithms/calibration.md).
   double corner_bias_px = 0.05;
   /// How far a detector's edges may lie inside or outside the true ones (px, along their normals, the same
   /// for all tags): estimated with this sigma where it is > 0, and taken over where frames that were held out

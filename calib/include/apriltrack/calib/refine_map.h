@@ -17,7 +17,8 @@ struct RefinementOptions {
   /// Moments that are looked at, spread evenly; more where a tag would be seen in fewer than a dozen of them.
   int max_moments = 150;
   /// Error of a tag's corners that it keeps in ALL of its views (print, light, lens model): as
-  /// CalibrationOptions::corner_bias_px, of pictures. Counts for the covariance only; 0 = none.
+  /// CalibrationOptions::corner_bias_px, of pictures. Counts for the covariance only; 0 = none. Where the
+  /// frames' detections have covariances, what these claim takes its place.
   double picture_bias_px = 0.015;
   int num_threads = 1;          ///< 0 = as many as the machine has cores. The result does not depend on it.
   ShouldStop should_stop = {};  ///< refine_map() then returns soon, its map not accepted.
