@@ -183,7 +183,7 @@ TEST(DetectionsCsvCovariance, IsNotWrittenWhereNobodyHasOne) {
 }
 
 TEST(DetectionsCsvCovariance, NamesLineAndColumnOfWhatIsWrong) {
-  EXPECT_THAT(message_of(header_with_covariance("cov_37") + row_with_covariance("1", "0")),
+  EXPECT_THAT(message_of(header_with_covariance("cov_37")),
               AllOf(HasSubstr(".csv:1"), HasSubstr("cov_37"), HasSubstr("missing")));
   const std::string header = header_with_covariance();
   EXPECT_THAT(message_of(header + row_with_covariance("nan", "0")),

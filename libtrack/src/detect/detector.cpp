@@ -22,7 +22,8 @@ namespace apriltrack {
 namespace {
 
 constexpr double kMaxDecimate = 8.0;
-constexpr int kMaxHamming = 2;  // what the decoding tables correct
+constexpr int kMaxHamming = 2;         // what the decoding tables correct
+constexpr double kUsualBlur_px = 0.6;  // of a lens in focus, the pixel's own area included
 /// Kalibr's printed grids, whose black squares touch the tags' corners.
 constexpr std::string_view kGridFamily = "tag36h11b2";
 
@@ -183,9 +184,8 @@ class Detector::Implementation {
   }
 
   /// Quads found in linear light are nearer to the truth, so they are tried first. nullopt when no start
-  /// leads to edges that look like this tag's: the image cuts the tag or something hides an edge, and the
-  /// library's corners are pixels away; or the code was read by chance. Below 1 % of what is found
-  /// (bench/detector_accuracy.cpp).
+  /// leads to a picture of this tag: something hides too much of it, or the code was read by chance. Below 1
+  /// % of what is found (bench/detector_accuracy.cpp).
   std::optional<Corners> localise(const GrayView& image, const Candidate& candidate) const {
     std::vector<Candidate> starts = candidate.others;
     starts.insert(starts.begin(), candidate);
@@ -196,13 +196,17 @@ class Detector::Implementation {
     const TagFamily& family = TagFamily::get(tag.family);
     const TagPattern pattern = family.pattern(tag.id);
     const LightSampler light(image, options_.response);
+    const CameraModel* camera = options_.camera_model ? &*options_.camera_model : nullptr;
     for (const Candidate& start : starts) {
-      const auto edges = refine_corners(image, options_.response, pattern, family.has_reversed_border(),
-                                        start.detection.corners_px);
-      PatternFitStart from{start.detection.corners_px};
-      if (edges) from = {edges->corners_px, edges->blur_sigma_px};
-      if (options_.camera_model) from.camera = &*options_.camera_model;
-      const auto fitted = fit_pattern(light, pattern, from);
+      const Quad& quad = start.detection.corners_px;
+      const auto edges =
+          refine_corners(image, options_.response, pattern, family.has_reversed_border(), quad);
+      const PatternFitStart from = edges ? PatternFitStart{edges->corners_px, edges->blur_sigma_px, camera}
+                                         : PatternFitStart{quad, kUsualBlur_px, camera};
+      auto fitted = fit_pattern(light, pattern, from);
+      if (!fitted && !edges &&
+          !family.has_reversed_border())  // perhaps cut out with less white than it needs
+        fitted = fit_pattern(light, without_margin(pattern), from);
       if (fitted) return Corners{fitted->corners_px, fitted->covariance_px2};
       if (edges) return Corners{edges->corners_px, std::nullopt};
     }

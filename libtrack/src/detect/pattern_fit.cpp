@@ -268,14 +268,16 @@ class PatternFit {
     std::nth_element(sizes.begin(), middle, sizes.end());
     const GemanMcClure error(
         std::max(kOutlierScale * 1.4826 * *middle, kMinOutlierScale * state_.contrast()));
-    double squares = 0.0, sum = 0.0;
+    double squares = 0.0, sum = 0.0, slopes = 0.0;
     for (Eigen::Index i = 0; i < residuals_.size(); ++i) {
       if (weights_[i] == 0.0) continue;
       const double r2 = residuals_[i] * residuals_[i];
       weights_[i] = error.weight(r2);
       squares += weights_[i] * r2;
       sum += weights_[i];
+      slopes += weights_[i] * (4.0 * std::sqrt(weights_[i]) - 3.0);
     }
+    share_of_slope_ = std::max(0.5, slopes / std::max(sum, 1.0));
     residual_rms_ = std::sqrt(squares / std::max(sum, 1.0));
     const double freedom = std::max(sum - kNumUnknowns, 0.1 * sum);
     variance_ = std::max(squares / std::max(freedom, 1.0), 1e-6 * state_.contrast() * state_.contrast());
@@ -334,18 +336,20 @@ class PatternFit {
     return axes.eigenvectors() * variances.asDiagonal() * axes.eigenvectors().transpose();
   }
 
-  /// What the pixels' noise makes of the estimate, and what the priors may be wrong by.
+  /// What the pixels' noise makes of the estimate, and what the priors may be wrong by: an M-estimate's
+  /// covariance (Huber 1981), from the weighted residuals, and how much less they change than the residuals.
   Matrix8d covariance_of_place() const {
     std::vector<FittedPixel> fitted;
     fitted.reserve(pixels_.all.size());
     for (Eigen::Index i = 0; i < residuals_.size(); ++i) {
       const PatternPixel& pixel = pixels_.all[static_cast<std::size_t>(i)];
-      fitted.push_back({pixel.x, pixel.y, residuals_[i], weights_[i], gradient2_[i]});
+      fitted.push_back({pixel.x, pixel.y, weights_[i] * residuals_[i], weights_[i], gradient2_[i]});
     }
     const Eigen::Matrix<double, 8, kNumUnknowns> place_by_gradient =
         information_.ldlt().solve(Information::Identity()).topRows<8>();
     const Eigen::Matrix<double, 8, Eigen::Dynamic> place_by_light =
-        place_by_gradient * rows_ * weights_.asDiagonal();
+        place_by_gradient * rows_ * (weights_.array() > 0.0).cast<double>().matrix().asDiagonal() /
+        share_of_slope_;
     return ResidualNoise(std::move(fitted), kNumUnknowns).covariance_of_sum(place_by_light) +
            variance_ * place_by_gradient * held_.asDiagonal() * place_by_gradient.transpose();
   }
@@ -364,6 +368,7 @@ class PatternFit {
   Eigen::VectorXd residuals_, weights_;
   double num_counted_ = 0.0;  ///< Pixels that show the print.
   double residual_rms_ = 0.0, variance_ = 0.0;
+  double share_of_slope_ = 1.0;  ///< Mean of d (weight r) / dr, over the mean weight.
   Information information_;
   Unknowns gradient_, held_;  ///< held_: the priors' part of the information.
 };
@@ -398,6 +403,13 @@ std::optional<FittedPattern> fit_pattern(const LightSampler& light, const TagPat
   if (!fitted || fitted->residual_rms > kMaxResidual || fitted->used_share < kMinUsedShare)
     return std::nullopt;
   return fitted;
+}
+
+TagPattern without_margin(const TagPattern& pattern) {
+  Image<float> inner(pattern.cells().width() - 2, pattern.cells().height() - 2);
+  for (int y = 0; y < inner.height(); ++y)
+    for (int x = 0; x < inner.width(); ++x) inner(x, y) = pattern.cells()(x + 1, y + 1);
+  return {std::move(inner), pattern.width_at_border()};
 }
 
 }  // namespace apriltrack

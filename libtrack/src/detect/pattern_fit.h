@@ -38,4 +38,7 @@ struct PatternFitStart {
 std::optional<FittedPattern> fit_pattern(const LightSampler& light, const TagPattern& pattern,
                                          const PatternFitStart& start);
 
+/// The pattern without its outermost ring of cells: of a tag that is cut out along its border.
+TagPattern without_margin(const TagPattern& pattern);
+
 }  // namespace apriltrack
