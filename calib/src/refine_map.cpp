@@ -46,9 +46,10 @@ class Refinement {
   Refinement(const RefinementInput& input, const CalibrationResult& calibration, ParallelFor parallel)
       : input_(input), calibration_(calibration), parallel_(std::move(parallel)) {}
 
-  /// What moments that are held out say of the calibration, and of a map refined without them. Both with the
-  /// light and the lens of the latter, so that only places differ. Why the latter is not to be taken; empty
-  /// where it is.
+  /// What moments that are held out say of the calibration, and of a map refined without them, each with the
+  /// light and the lens that the other moments show with its places: light that was fitted to refined places
+  /// takes up a part of what these are wrong by, and would speak against all others. Why the latter is not to
+  /// be taken; empty where it is.
   std::string judge(RefinementResult& result) {
     PhotometricAdjustment others(input_.scene, input_.start, parallel_);
     others.choose_moments(moments_where(input_.num_moments, false));
@@ -56,8 +57,11 @@ class Refinement {
       return "the refinement of three moments of four does not settle";
     trained_ = others.state();
     follow_tags(input_.start.T_map_tag, moments_where(input_.num_moments, true), trained_);
-    PhotometricState before = trained_;
-    before.T_map_tag = input_.start.T_map_tag;
+    PhotometricAdjustment unmoved(input_.scene, input_.start, parallel_);
+    unmoved.choose_moments(moments_where(input_.num_moments, false));
+    if (!unmoved.run({.held_tag = std::nullopt, .is_light_free = true}, kMostRefinementSteps))
+      return "the light of three moments of four does not settle on the map of the corners";
+    PhotometricState before = unmoved.state();
     before.T_map_rig = input_.start.T_map_rig;
     const auto of_before = disagreements2_of_held_out(std::move(before));
     if (!of_before) return "the poses of pictures that were held out do not settle on the map of the corners";
