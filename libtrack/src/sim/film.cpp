@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "drawing_order.h"
 
 namespace apriltrack {
 namespace {
@@ -35,22 +36,6 @@ void include(RayBounds& all, const RayBounds& one) {
   all.max_x = std::max(all.max_x, one.max_x);
   all.min_y = std::min(all.min_y, one.min_y);
   all.max_y = std::max(all.max_y, one.max_y);
-}
-
-/// What lies on the walls first, then from far to near.
-std::vector<std::size_t> drawing_order(const PreparedScene& prepared, double time_s) {
-  const Pose T_camera_world = prepared.scene->T_world_camera.at(time_s).inverse();
-  std::vector<double> distance;
-  for (const auto& body : prepared.bodies) {
-    const Eigen::Vector3d centre =
-        T_camera_world * (prepared.scene->T_world_body(*body.body, time_s) * body.centre_body);
-    distance.push_back(body.lies_on_walls ? 1e9 : centre.norm());
-  }
-  std::vector<std::size_t> order(prepared.bodies.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return distance[a] > distance[b]; });
-  return order;
 }
 
 BodyInstant view_body(const PreparedScene& prepared, const PreparedScene::PreparedBody& body,
