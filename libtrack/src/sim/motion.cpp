@@ -25,11 +25,15 @@ double Channel::at(double time_s) const {
     const double window = std::exp(-0.5 * since_s * since_s / (burst.width_s * burst.width_s));
     value += burst.amplitude * window * std::sin(kTwoPi * burst.frequency_hz * since_s + burst.phase_rad);
   }
+  for (const Step& step : steps) {
+    value +=
+        0.5 * step.amplitude * std::erfc((step.centre_s - time_s) / (step.width_s * std::numbers::sqrt2));
+  }
   return value;
 }
 
 bool Channel::is_constant() const {
-  return rate_per_s == 0.0 && waves.empty() && bursts.empty();
+  return rate_per_s == 0.0 && waves.empty() && bursts.empty() && steps.empty();
 }
 
 Motion Motion::fixed(const Pose& pose) {

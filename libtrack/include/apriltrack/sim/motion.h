@@ -23,12 +23,22 @@ struct Burst {
   double phase_rad = 0.0;
 };
 
+/// From one value to another: amplitude * Phi((t - centre_s) / width_s), Phi the normal distribution's
+/// integral. A row of steps is a way past given places, which stays within their bounds; a narrow one is a
+/// jolt.
+struct Step {
+  double amplitude = 0.0;
+  double centre_s = 0.0;
+  double width_s = 0.1;  ///< > 0.
+};
+
 /// One coordinate as a smooth (infinitely often differentiable) function of time.
 struct Channel {
   double offset = 0.0;
   double rate_per_s = 0.0;
   std::vector<Wave> waves;
   std::vector<Burst> bursts;
+  std::vector<Step> steps = {};
 
   double at(double time_s) const;
   bool is_constant() const;
