@@ -64,9 +64,17 @@ RayBounds view_bounds(const ViewGrid& grid) {
   return all;
 }
 
+/// Of a fisheye the pixel itself, for at 70 degrees off its axis a pinhole would show a path 8 times as long.
+Eigen::Vector2d place_px(const CameraModel& lens, const Eigen::Vector3d& point_camera) {
+  const Eigen::Vector2d ray = point_camera.head<2>() / point_camera.z();
+  const bool is_fisheye = std::holds_alternative<EquidistantDistortion>(lens.distortion());
+  const auto pixel = is_fisheye ? lens.project(point_camera) : std::nullopt;
+  return pixel ? *pixel : Eigen::Vector2d(lens.pinhole().fx * ray.x(), lens.pinhole().fy * ray.y());
+}
+
 /// In pixels of the lens without its distortion; nullopt outside the view, grown by a quarter on each side.
 /// Paths out there, wild where points pass the camera's own plane, are not seen.
-std::optional<Eigen::Vector2d> pixel_near_view(const Eigen::Vector3d& point_camera, const Pinhole& lens,
+std::optional<Eigen::Vector2d> pixel_near_view(const Eigen::Vector3d& point_camera, const CameraModel& lens,
                                                const RayBounds& view) {
   if (point_camera.z() < kNearestPoint_m) return std::nullopt;
   const Eigen::Vector2d ray = point_camera.head<2>() / point_camera.z();
@@ -74,13 +82,13 @@ std::optional<Eigen::Vector2d> pixel_near_view(const Eigen::Vector3d& point_came
   const double margin_y = 0.25 * (view.max_y - view.min_y);
   const bool is_near = ray.x() >= view.min_x - margin_x && ray.x() <= view.max_x + margin_x &&
                        ray.y() >= view.min_y - margin_y && ray.y() <= view.max_y + margin_y;
-  return is_near ? std::optional(Eigen::Vector2d(lens.fx * ray.x(), lens.fy * ray.y())) : std::nullopt;
+  return is_near ? std::optional(place_px(lens, point_camera)) : std::nullopt;
 }
 
 double longest_path_px(const PreparedScene& prepared, const Followed& followed, double middle_s,
                        double exposure_s) {
   const Scene& scene = *prepared.scene;
-  const Pinhole& lens = scene.camera.model.pinhole();
+  const CameraModel& lens = scene.camera.model;
   const RayBounds view = view_bounds(prepared.grid);
   std::vector<double> paths(followed.points.size(), 0.0);
   std::vector<std::optional<Eigen::Vector2d>> last(followed.points.size());
