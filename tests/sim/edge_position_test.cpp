@@ -146,6 +146,26 @@ TEST(EdgePosition, OfADistortedTagIsTheTruth) {
       0.22, 2);
 }
 
+/// 52 to 59 degrees off the axis.
+TEST(EdgePosition, OfATagFarOffTheAxisOfAFisheyeIsTheTruth) {
+  const CameraModel model(Pinhole{262, 262, 319.5, 239.5}, EquidistantDistortion({-0.02, 0.003, 0.0, 0.0}));
+  RandomStream random(3);
+  CornerCheck check;
+  for (int i = 0; i < 12; ++i) {
+    const double off_axis = random.uniform(0.90, 1.03);
+    const Eigen::Quaterniond R =
+        rotation_exp(Eigen::Vector3d(0.0, off_axis, 0.0)) *
+        rotation_exp(
+            Eigen::Vector3d(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-3.0, 3.0)));
+    const Eigen::Vector3d place(0.8 * std::sin(off_axis), random.uniform(-0.15, 0.15),
+                                0.8 * std::cos(off_axis));
+    const Scene scene = one_tag(Pose(R, place), model);
+    check.add(scene, Renderer(scene).sensor_light({0}, 0.004));
+  }
+  EXPECT_LT(std::abs(check.edges.mean()), 0.25 * kMaxMeanError_px);
+  EXPECT_LT(check.edges.rms(), kMaxMeanError_px);
+}
+
 /// Mean over a pixel's area by brute force: many point samples of the pattern through the truth.
 TEST(EdgePosition, PixelsAreTheMeanOverTheirArea) {
   const CameraModel model(Pinhole{520.6, 519.4, 322.4, 237.3},

@@ -50,7 +50,10 @@ std::optional<PanelView> PanelView::make(const PreparedPanel& prepared, const Po
   view.half_v_ = static_cast<float>(panel.half_size_m.y() / prepared.unit_m);
   view.set_bounds(T_camera_panel);
   if (view.bounds_.min_x > view.bounds_.max_x) return std::nullopt;
+  view.tag_u_ = static_cast<float>(panel.tag_centre_m.x() / prepared.unit_m);
+  view.tag_v_ = static_cast<float>(panel.tag_centre_m.y() / prepared.unit_m);
   view.set_shading(T_world_panel, lighting);
+  if (panel.gloss > 0.0) view.set_gloss(T_panel_camera, T_world_panel, lighting);
   return view;
 }
 
@@ -92,8 +95,30 @@ void PanelView::set_shading(const Pose& T_world_panel, const Lighting& lighting)
   shade_per_v_ = (light(0.0, half.y()) - light(0.0, -half.y())) / (2.0F * half_v_);
 }
 
-float PanelView::picture_at(float u, float v, float unit_per_px) const {
-  const Texture& picture = *prepared_->panel->picture;
+void PanelView::set_gloss(const Pose& T_panel_camera, const Pose& T_world_panel, const Lighting& lighting) {
+  const double unit_m = prepared_->unit_m;
+  const Eigen::Vector3d lamp = T_world_panel.inverse() * lighting.lamp_world / unit_m;
+  if (lamp.z() >= 0.0) return;  // shines on the back
+  const Panel& panel = *prepared_->panel;
+  gloss_ = static_cast<float>(panel.gloss);
+  gloss_sharpness_ = static_cast<float>(1.0 / (panel.gloss_width_rad * panel.gloss_width_rad));
+  lamp_ = lamp.cast<float>();
+  const Eigen::Vector3d eye = T_panel_camera.translation() / unit_m;
+  mirrored_eye_ = Eigen::Vector3d(eye.x(), eye.y(), -eye.z()).cast<float>();
+}
+
+/// A Gaussian lobe about the mirrored ray, exp(-(1 - cos a) / width^2); it changes little within a pixel, so
+/// that its middle stands for it.
+float PanelView::highlight(float u, float v) const {
+  const Eigen::Vector3f point(u, v, 0.0F);
+  const Eigen::Vector3f mirrored_ray = point - mirrored_eye_;
+  const Eigen::Vector3f to_lamp = lamp_ - point;
+  const float cosine =
+      mirrored_ray.dot(to_lamp) / std::sqrt(mirrored_ray.squaredNorm() * to_lamp.squaredNorm());
+  return gloss_ * std::exp(gloss_sharpness_ * (cosine - 1.0F));
+}
+
+float PanelView::picture_at(const Texture& picture, float u, float v, float unit_per_px) const {
   const int wanted = static_cast<int>(std::lround(std::log2(std::max(unit_per_px, 1.0F))));
   const int index = std::min(wanted, picture.num_levels() - 1);
   const Image<float>& level = picture.level(index);
@@ -109,6 +134,15 @@ float PanelView::picture_at(float u, float v, float unit_per_px) const {
   return top + fy * (bottom - top);
 }
 
+/// Of a panel without a tag, where it covers the whole area.
+PanelView::Shown PanelView::show_paint(float u, float v, float unit_per_px) const {
+  const Panel& panel = *prepared_->panel;
+  const float reflectance =
+      panel.picture ? picture_at(*panel.picture, u, v, unit_per_px) : static_cast<float>(panel.reflectance);
+  const float opacity = panel.opacity ? picture_at(*panel.opacity, u, v, unit_per_px) : 1.0F;
+  return {reflectance * opacity, opacity};
+}
+
 /// A part of a pixel as an upright box of the panel's plane, with the part's variance along each axis: what
 /// an edge along u or v makes of it is then right in place, and nearly so in shape.
 PanelView::Shown PanelView::show_part(float u, float v, float width_u, float width_v) const {
@@ -118,13 +152,15 @@ PanelView::Shown PanelView::show_part(float u, float v, float width_u, float wid
   const Panel& panel = *prepared_->panel;
   const auto white = static_cast<float>(panel.reflectance);
   if (prepared_->cells) {
-    const float ink = prepared_->cells->ink_in_box(u - 0.5F * width_u, u + 0.5F * width_u, v - 0.5F * width_v,
-                                                   v + 0.5F * width_v) /
+    const float tag_u = u - tag_u_;
+    const float tag_v = v - tag_v_;
+    const float ink = prepared_->cells->ink_in_box(tag_u - 0.5F * width_u, tag_u + 0.5F * width_u,
+                                                   tag_v - 0.5F * width_v, tag_v + 0.5F * width_v) /
                       area;
     return {white * coverage - (white - static_cast<float>(panel.ink)) * ink, coverage};
   }
-  const float reflectance = panel.picture ? picture_at(u, v, std::sqrt(area)) : white;
-  return {reflectance * coverage, coverage};
+  const Shown paint = show_paint(u, v, std::sqrt(area));
+  return {paint.colour * coverage, paint.coverage * coverage};
 }
 
 PanelView::Shown PanelView::show(float u, float v, const Footprint& area, int splits) const {
@@ -133,11 +169,12 @@ PanelView::Shown PanelView::show(float u, float v, const Footprint& area, int sp
   const Panel& panel = *prepared_->panel;
   if (std::abs(u) + reach_u <= half_u_ && std::abs(v) + reach_v <= half_v_) {
     if (!prepared_->cells) {
-      return {panel.picture ? picture_at(u, v, std::sqrt(std::abs(area.a * area.d - area.b * area.c)))
-                            : static_cast<float>(panel.reflectance),
-              1.0F};
+      return show_paint(u, v, std::sqrt(std::abs(area.a * area.d - area.b * area.c)));
     }
-    const float ink = prepared_->cells->uniform_ink(u - reach_u, u + reach_u, v - reach_v, v + reach_v);
+    const float tag_u = u - tag_u_;
+    const float tag_v = v - tag_v_;
+    const float ink =
+        prepared_->cells->uniform_ink(tag_u - reach_u, tag_u + reach_u, tag_v - reach_v, tag_v + reach_v);
     if (ink >= 0.0F)
       return {static_cast<float>(panel.reflectance + ink * (panel.ink - panel.reflectance)), 1.0F};
   }
@@ -215,7 +252,8 @@ void PanelView::draw(const TileLook& look, int splits, BodyLayer& layer) const {
       if (row.is_touched[x] == 0) continue;
       const Shown shown = show(row.u[x], row.v[x], {row.a[x], row.b[x], row.c[x], row.d[x]}, splits);
       const float shade = shade_ + shade_per_u_ * row.u[x] + shade_per_v_ * row.v[x];
-      put(shade * shown.colour, shown.coverage, layer.colour[y * kTileWidth + x],
+      const float mirrored = gloss_ > 0.0F ? highlight(row.u[x], row.v[x]) : 0.0F;
+      put(shade * shown.colour + mirrored * shown.coverage, shown.coverage, layer.colour[y * kTileWidth + x],
           layer.coverage[y * kTileWidth + x]);
     }
   }

@@ -45,12 +45,15 @@ class PanelView {
   };
 
   void set_bounds(const Pose& T_camera_panel);
+  void set_gloss(const Pose& T_panel_camera, const Pose& T_world_panel, const Lighting& lighting);
   void set_shading(const Pose& T_world_panel, const Lighting& lighting);
   bool trace_row(const Tile& tile, const float* ray_x, const float* ray_y, RowOfAreas& row) const;
   void put(float colour, float coverage, float& layer_colour, float& layer_coverage) const;
   Shown show(float u, float v, const Footprint& area, int splits) const;
   Shown show_part(float u, float v, float width_u, float width_v) const;
-  float picture_at(float u, float v, float unit_per_px) const;
+  float picture_at(const Texture& picture, float u, float v, float unit_per_px) const;
+  Shown show_paint(float u, float v, float unit_per_px) const;
+  float highlight(float u, float v) const;
 
   const PreparedPanel* prepared_ = nullptr;
   bool is_decal_ = false;
@@ -62,6 +65,12 @@ class PanelView {
   float shade_ = 1.0F;  ///< Irradiance, linear over the panel.
   float shade_per_u_ = 0.0F;
   float shade_per_v_ = 0.0F;
+  float tag_u_ = 0.0F;  ///< Of the tag's middle, in units.
+  float tag_v_ = 0.0F;
+  float gloss_ = 0.0F;  ///< Radiance in the middle of the lamp's mirror image; 0: none is seen.
+  float gloss_sharpness_ = 0.0F;
+  Eigen::Vector3f lamp_ = Eigen::Vector3f::Zero();          ///< In units, frame of the panel.
+  Eigen::Vector3f mirrored_eye_ = Eigen::Vector3f::Zero();  ///< Behind the panel.
   RayBounds bounds_;
 };
 

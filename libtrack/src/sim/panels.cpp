@@ -1,4 +1,6 @@
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "apriltrack/base/check.h"
@@ -35,6 +37,39 @@ void add_tags(Body& body, const TagMap& map, const TagPrint& print) {
   APRILTRACK_CHECK(print.margin_cells >= 0.0, "margin_cells must be 0 or more");
   check_tag_map(map);
   for (const MapTag& tag : map.tags) body.panels.push_back(tag_panel(tag, print));
+}
+
+Eigen::Vector3d Bend::at(double u_m, double v_m) const {
+  const double angle = curl_rad * u_m / width_m;
+  const double half = 0.5 * angle;
+  const double chord = std::abs(half) < 1e-9 ? u_m : u_m * std::sin(half) / half;
+  const double twisted = twist_rad * u_m / width_m;
+  const Eigen::Vector3d on_line(chord * std::cos(half), 0.0, -chord * std::sin(half));
+  return on_line + rotation_exp({0.0, angle, 0.0}) *
+                       (rotation_exp({twisted, 0.0, 0.0}) * Eigen::Vector3d(0.0, v_m, 0.0));
+}
+
+Bend add_bent_tag(Body& body, const MapTag& tag, Bend bend, const TagPrint& print) {
+  constexpr int kStrips = 24;  // a curl of 60 degrees then lies within 0.02 % of its width from the strips
+  const Panel flat = tag_panel(tag, print);
+  bend.width_m = 2.0 * flat.half_size_m.x();
+  const double step_m = bend.width_m / kStrips;
+  for (int i = 0; i < kStrips; ++i) {
+    const double u_m = (i + 0.5) * step_m - 0.5 * bend.width_m;
+    const Eigen::Vector3d left = bend.at(u_m - 0.5 * step_m, 0.0);
+    const Eigen::Vector3d right = bend.at(u_m + 0.5 * step_m, 0.0);
+    const Eigen::Quaterniond R_tag_strip = rotation_exp({0.0, bend.curl_rad * u_m / bend.width_m, 0.0}) *
+                                           rotation_exp({bend.twist_rad * u_m / bend.width_m, 0.0, 0.0});
+    Panel strip = flat;
+    strip.T_body_panel = tag.T_map_tag * Pose(R_tag_strip, 0.5 * (left + right));
+    strip.half_size_m.x() = 0.5 * (right - left).norm();
+    strip.tag_centre_m.x() = -u_m;
+    strip.is_decal = false;  // strips share their borders, as the sides of a solid do
+    body.panels.push_back(strip);
+    const Pose half_turn(rotation_exp({0.0, std::numbers::pi, 0.0}), Eigen::Vector3d::Zero());
+    body.panels.push_back(plain_panel(strip.T_body_panel * half_turn, strip.half_size_m, print.paper));
+  }
+  return bend;
 }
 
 void add_box(Body& body, const Pose& T_body_box, const Eigen::Vector3d& size_m, double reflectance) {

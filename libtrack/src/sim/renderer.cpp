@@ -32,12 +32,19 @@ void check_scene(const Scene& scene, const RenderOptions& options) {
 PreparedPanel prepare(const Panel& panel) {
   PreparedPanel prepared;
   prepared.panel = &panel;
+  APRILTRACK_CHECK(!panel.opacity || (!panel.tag && (!panel.picture ||
+                                                     panel.picture->texel_m() == panel.opacity->texel_m())),
+                   "a panel with an opacity has no tag, and a picture of the same texel_m or none");
+  APRILTRACK_CHECK(panel.gloss >= 0.0 && panel.gloss_width_rad > 0.0,
+                   "gloss must be 0 or more, gloss_width_rad > 0");
   if (panel.tag) {
     APRILTRACK_CHECK(panel.cell_m > 0.0, "cell_m of a tag must be > 0");
     prepared.cells = std::make_shared<const TagCells>(*panel.tag);
     prepared.unit_m = panel.cell_m;
   } else if (panel.picture) {
     prepared.unit_m = panel.picture->texel_m();
+  } else if (panel.opacity) {
+    prepared.unit_m = panel.opacity->texel_m();
   }
   return prepared;
 }

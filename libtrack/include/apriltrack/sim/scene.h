@@ -31,11 +31,19 @@ struct TagPrint {
 struct Panel {
   Pose T_body_panel;
   Eigen::Vector2d half_size_m = Eigen::Vector2d::Zero();
-  double reflectance = 0.5;                ///< Of a plain panel, and of a tag's paper.
-  double ink = 0.0;                        ///< Of a tag's black cells.
-  std::shared_ptr<const TagPattern> tag;   ///< Printed in the middle; null: a plain or pictured panel.
-  double cell_m = 0.0;                     ///< Edge of one cell of the tag.
+  double reflectance = 0.5;               ///< Of a plain panel, and of a tag's paper.
+  double ink = 0.0;                       ///< Of a tag's black cells.
+  std::shared_ptr<const TagPattern> tag;  ///< Printed in the middle; null: a plain or pictured panel.
+  double cell_m = 0.0;                    ///< Edge of one cell of the tag.
+  /// Where the tag's middle lies in the panel; beyond its border, too, where the panel is a strip of a print.
+  Eigen::Vector2d tag_centre_m = Eigen::Vector2d::Zero();
   std::shared_ptr<const Texture> picture;  ///< Reflectance over the whole panel; null: none.
+  /// Share of the light from behind that the panel stops, over the whole panel; null: all. With a reflectance
+  /// of 0 this is a shadow. Not of a tag; of the same texel size as the picture.
+  std::shared_ptr<const Texture> opacity;
+  /// Gloss: radiance that the lamp's mirror image adds in its middle, and the standard deviation of its lobe.
+  double gloss = 0.0;
+  double gloss_width_rad = 0.05;
   /// Lies on another panel or on a wall, and is painted over what the body shows so far; else the panel is a
   /// side of a convex solid whose sides meet without a gap.
   bool is_decal = false;
@@ -122,6 +130,22 @@ struct Scene {
 /// Prints the tags of `map` as decals of `body`, whose frame is the map's. Throws what check_tag_map()
 /// throws.
 void add_tags(Body& body, const TagMap& map, const TagPrint& print = {});
+
+/// How a sheet is bent: rolled about its upright middle line, and twisted about its level one.
+struct Bend {
+  double curl_rad =
+      0.0;  ///< Between the normals of the left and the right border; > 0: the borders come forward.
+  double twist_rad = 0.0;  ///< Between the upright lines of the left and the right border.
+  double width_m = 1.0;    ///< Of the sheet.
+
+  /// Where the point (u, v) of the flat sheet lies; frame of a tag, the sheet's middle at the origin.
+  Eigen::Vector3d at(double u_m, double v_m) const;
+};
+
+/// A tag on a bent sheet of white paper of its own, as upright flat strips. `body` must have no other panels
+/// but those of such sheets. bend.width_m is not regarded: the sheet is as wide as the print with its margin.
+/// Returns the bend with that width.
+Bend add_bent_tag(Body& body, const MapTag& tag, Bend bend, const TagPrint& print = {});
 
 /// A box with its centre at T_body_box: six plain sides.
 void add_box(Body& body, const Pose& T_body_box, const Eigen::Vector3d& size_m, double reflectance);
