@@ -22,7 +22,7 @@ std::vector<double> light_on_tags(const World& world) {
 ResponseCurve draw_response(Draw& draw) {
   const double kind = draw.uniform(0.0, 1.0);
   if (kind < 0.7) return ResponseCurve::srgb();
-  if (kind < 0.85) return ResponseCurve::gamma(0.1 * std::round(10.0 * draw.uniform(1.6, 2.4)));
+  if (kind < 0.85) return ResponseCurve::gamma(std::round(10.0 * draw.uniform(1.6, 2.4)) / 10.0);
   return ResponseCurve::linear();
 }
 

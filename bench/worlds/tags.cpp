@@ -139,7 +139,7 @@ void draw_tags(World& world, std::uint64_t attempt) {
   for (int i = 0; i < num_sizes; ++i) {
     const double low = world.kind == WorldKind::kBody ? 0.35 * largest_m : style.low_size_m;
     sizes.push_back(
-        1e-3 * std::round(1e3 * draw.log_uniform(low, largest_m)));  // whole millimetres, as people print
+        std::round(1e3 * draw.log_uniform(low, largest_m)) / 1e3);  // whole millimetres, as people print
   }
   const std::string main = kFamilies[draw.weighted(kMainFamily)];
   const std::string second = kFamilies[draw.weighted(kSecondFamily)];
@@ -151,7 +151,7 @@ void draw_tags(World& world, std::uint64_t attempt) {
     const std::string& family = draw.chance(share_of_second) ? second : main;
     const TagKey key{family, draw.integer(0, TagFamily::get(family).num_codes() - 1)};
     const double size_m = size_for(family, sizes[static_cast<std::size_t>(draw.integer(0, num_sizes - 1))]);
-    if (used.contains(key) || !hanger.hang(key, 1e-4 * std::round(1e4 * size_m))) continue;
+    if (used.contains(key) || !hanger.hang(key, std::round(1e4 * size_m) / 1e4)) continue;
     used.insert(key);
   }
   world.drawn["tags"] = {{"wanted", wanted},

@@ -134,6 +134,8 @@ def trial(trials, task):
             outcome.failure += f"make: {error.strip()}"
     except subprocess.TimeoutExpired:
         outcome.failure += f"no end within {MOST_WAIT_S} s"
+    except Exception as error:  # one world that cannot be judged must not end a run of 200; it is counted
+        outcome.failure += f"{type(error).__name__}: {error}"
     finally:
         if not trials.keep:
             shutil.rmtree(folder, ignore_errors=True)
