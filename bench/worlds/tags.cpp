@@ -138,8 +138,8 @@ void draw_tags(World& world, std::uint64_t attempt) {
   const int num_sizes = draw.integer(1, 4);
   for (int i = 0; i < num_sizes; ++i) {
     const double low = world.kind == WorldKind::kBody ? 0.35 * largest_m : style.low_size_m;
-    sizes.push_back(
-        std::round(1e3 * draw.log_uniform(low, largest_m)) / 1e3);  // whole millimetres, as people print
+    sizes.push_back(std::round(1e3 * draw.log_uniform(low, largest_m)) /
+                    1e3);  // whole millimetres, as people print
   }
   const std::string main = kFamilies[draw.weighted(kMainFamily)];
   const std::string second = kFamilies[draw.weighted(kSecondFamily)];
