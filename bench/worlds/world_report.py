@@ -33,7 +33,7 @@ def figures_of_maps(outcomes):
         "tags": tags, "joined": joined, "mapped of those joined": (joined - lost) / max(joined, 1),
         "mapped": sum(len(o.map["mapped"]) for o in maps), "worlds with all joined tags": sum(not o.lost() for o in maps),
         "sound tags accused": sum(len(o.accused) for o in outcomes), "worlds that accuse": sum(bool(o.accused) for o in outcomes),
-        "sound tags doubted": sum(len(o.doubted) for o in outcomes), "left out, joined": sum(len(set(o.left_out) & set(o.joined)) for o in outcomes),
+        "worlds that accuse the sound camera": sum(o.is_camera_accused for o in outcomes), "sound tags doubted": sum(len(o.doubted) for o in outcomes), "left out, joined": sum(len(set(o.left_out) & set(o.joined)) for o in outcomes),
         "flipped": sum(len(o.map["flipped"]) for o in maps), "wrong claims": sum(len(o.map["wrong_claims"]) for o in maps),
         "worlds with wrong claims": sum(bool(o.map["wrong_claims"]) for o in maps),
         "rms mm: median, 90 %, max": [quantile(rms, q) for q in (0.5, 0.9, 1.0)],

@@ -47,6 +47,7 @@ class Outcome:
     doubted: list = field(default_factory=list)  # sound tags
     is_named: bool = False
     is_tag_named: bool = False
+    is_camera_accused: bool = False
     map: dict = field(default_factory=dict)
     corners: np.ndarray = None
     good_views: int = 0
@@ -111,6 +112,7 @@ def judge(trials, outcome, folder):
     outcome.doubted = sorted(world_words.doubts(outcome.statements, set(truth.places)) - set(accused) - truth.culprits)
     findings = [finding["text"] for finding in doctor.get("findings", []) if finding["about"] in world_words.CAMERA_FINDINGS]
     outcome.is_named = truth.fault != "none" and world_words.is_named(truth.fault, truth.culprits, outcome.statements + findings)
+    outcome.is_camera_accused = world_words.is_camera_accused(outcome.statements + findings)
     outcome.is_tag_named = bool(truth.culprits & set(accused))
     if outcome.status == 0:
         outcome.map = world_score.judge_map(output, truth)
@@ -137,6 +139,8 @@ def trial(trials, task):
     except Exception as error:  # one world that cannot be judged must not end a run of 200; it is counted
         outcome.failure += f"{type(error).__name__}: {error}"
     finally:
-        if not trials.keep:
+        if trials.keep:
+            (folder / "outcome.json").write_text(json.dumps({**vars(outcome), "corners": None}, indent=1, default=str) + "\n")
+        else:
             shutil.rmtree(folder, ignore_errors=True)
     return outcome

@@ -13,7 +13,7 @@ KEYS = rf"((?:{KEY})(?:(?:, | and ){KEY})*)"
 ACCUSATIONS = {
     "moved": rf"^{KEYS} (?:was|were) moved",
     "loose": rf"^{KEYS} hangs? loosely",
-    "duplicate": rf"^{KEYS} (?:is|are) seen at two places",
+    "duplicate": rf"^{KEYS} (?:is|are) seen at two places(?!.*not used there)",
     "wrong_size": rf"^{KEYS} looks? [\d.]+ %",
     "bent": rf"^{KEYS} (?:is|are) bent",
     "contradicted": rf"^(?:left out: )?{KEYS}: .*contradict",
@@ -43,10 +43,14 @@ def doubts(statements, known):
     return set().union(*(keys_in(text) & known for text in statements if room_trials.kinds_in(text) - {"focal", "one_frame"}))
 
 
+def is_camera_accused(statements):
+    return any(re.search(CAMERA_WORDS, text, re.IGNORECASE) for text in statements)
+
+
 def is_named(fault, culprits, statements):
     """Whether a statement names the fault: the tag and this kind alone; of a camera's fault, the camera's numbers."""
     if fault in CAMERA_KINDS:
-        return any(re.search(CAMERA_WORDS, text, re.IGNORECASE) for text in statements)
+        return is_camera_accused(statements)
     outright = accusations(statements)
     if any(outright.get(key, set()) == {fault} for key in culprits):
         return True
