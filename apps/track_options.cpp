@@ -126,9 +126,9 @@ void add_track_options(CLI::App& command, TrackArguments& arguments) {
       ->capture_default_str();
   command
       .add_option("--max-hamming", arguments.options.localizer.detector.max_hamming,
-                  "Most corrected bits of a tag")
-      ->check(corrected_bits())
-      ->capture_default_str();
+                  "Wrong bits that may be corrected, 0 to 2; default: by how often chance reads the family's "
+                  "codes. Given, it is taken as it is, for few-bit families (tag16h5) too")
+      ->check(corrected_bits());
   command
       .add_option("--decimate", arguments.options.localizer.detector.decimate,
                   "Search in an image this many times smaller: faster, but small tags are missed")

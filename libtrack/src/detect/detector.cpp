@@ -8,6 +8,7 @@
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
+#include "apriltrack/detect/chance_readings.h"
 #include "apriltrack/tags/tag_family.h"
 #include "corner_refinement.h"
 #include "joined_borders.h"
@@ -15,6 +16,7 @@
 #include "library_detector.h"
 #include "light_sampler.h"
 #include "merge.h"
+#include "pattern_correlation.h"
 #include "two_cell_border.h"
 
 namespace apriltrack {
@@ -35,6 +37,15 @@ void check_decimate(double decimate) {
     refuse("decimate", fmt::format("{}", decimate), "1, 1.5, or a whole number from 2 to 8");
 }
 
+std::vector<int> max_hamming_of(const DetectorOptions& options) {
+  std::vector<int> limits;
+  for (const std::string& name : options.families) {
+    const TagFamily& family = TagFamily::get(name);
+    limits.push_back(options.max_hamming.value_or(corrected_bits_by_picture(family)));
+  }
+  return limits;
+}
+
 }  // namespace
 
 void DetectorOptions::check() const {
@@ -47,14 +58,15 @@ void DetectorOptions::check() const {
   check_decimate(decimate);
   if (!(min_decision_margin >= 0.0 && min_decision_margin <= 255.0))
     refuse("min_decision_margin", fmt::format("{}", min_decision_margin), "in [0, 255]");
-  if (!(max_hamming >= 0 && max_hamming <= kMaxHamming))
-    refuse("max_hamming", fmt::format("{}", max_hamming), "in [0, 2]");
+  if (max_hamming && !(*max_hamming >= 0 && *max_hamming <= kMaxHamming))
+    refuse("max_hamming", fmt::format("{}", *max_hamming), "in [0, 2]");
 }
 
 class Detector::Implementation {
  public:
   explicit Implementation(const DetectorOptions& options)
       : options_((options.check(), options)),
+        max_hamming_(max_hamming_of(options)),
         library_(options.families, options.refine_edges),
         has_grids_(std::ranges::find(options.families, kGridFamily) != options.families.end()) {
     library_pixel_offset();  // measured here, once, lest the first image wait for it
@@ -88,7 +100,7 @@ class Detector::Implementation {
     if (has_grids_) drop_one_cell_borders(image, &candidates);
     for (const Candidate& candidate : merge_same_quads(std::move(candidates))) {
       const std::optional<Quad> corners = localise(image, candidate);
-      if (!corners) continue;
+      if (!corners || !is_beyond_chance(image, candidate.detection, *corners)) continue;
       detections.push_back(candidate.detection);
       detections.back().corners_px = *corners;
     }
@@ -155,7 +167,7 @@ class Detector::Implementation {
       // A chance code is a thousand times likelier with two wrong bits than with none (sum of C(36, k)
       // patterns).
       const double min_margin = options_.min_decision_margin * (1 + found.hamming);
-      if (found.hamming > options_.max_hamming || found.decision_margin < min_margin) continue;
+      if (found.hamming > max_hamming_[found.family_index] || found.decision_margin < min_margin) continue;
       candidates->push_back({{{options_.families[found.family_index], found.id},
                               found.corners_px,
                               found.hamming,
@@ -172,6 +184,16 @@ class Detector::Implementation {
       const TagKey& tag = candidate.detection.tag;
       return tag.family == kGridFamily && !has_two_cell_border(light, tag.id, candidate.detection.corners_px);
     });
+  }
+
+  /// Where random bits read as the family's codes too often, the picture must show the tag's cells, too. Who
+  /// says how many bits may be corrected takes that risk himself.
+  bool is_beyond_chance(const GrayView& image, const Detection& detection, const Quad& corners_px) const {
+    const TagFamily& family = TagFamily::get(detection.tag.family);
+    if (options_.max_hamming || detection.hamming.value_or(0) <= corrected_bits_by_code(family)) return true;
+    const LightSampler light(image, options_.response);
+    return pattern_correlation(light, family.pattern(detection.tag.id), family.has_reversed_border(),
+                               corners_px, kLeastPatternCorrelation) >= kLeastPatternCorrelation;
   }
 
   /// Quads found in linear light are nearer to the truth, so they are tried first. nullopt when no start
@@ -196,6 +218,7 @@ class Detector::Implementation {
   }
 
   DetectorOptions options_;
+  std::vector<int> max_hamming_;  ///< Of each of the families.
   LibraryDetector library_;
   bool has_grids_;
 };

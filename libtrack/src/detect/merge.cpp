@@ -4,6 +4,8 @@
 #include <tuple>
 #include <utility>
 
+#include "apriltrack/tags/tag_family.h"
+
 namespace apriltrack {
 namespace {
 
@@ -50,7 +52,9 @@ bool is_same_quad(const Detection& a, const Detection& b) {
 
 std::vector<Candidate> merge_same_quads(std::vector<Candidate> candidates) {
   const auto rank = [](const Candidate& c) {
-    return std::pair(c.detection.hamming.value_or(0), -c.detection.decision_margin.value_or(0.0));
+    const TagFamily& family = TagFamily::get(c.detection.tag.family);
+    return std::pair(family.chance_of_reading(c.detection.hamming.value_or(0)),
+                     -c.detection.decision_margin.value_or(0.0));
   };
   std::stable_sort(candidates.begin(), candidates.end(),
                    [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });

@@ -18,9 +18,9 @@ struct Candidate {
 /// ways to turn it, none is off by more than a quarter of the lesser quad's mean edge.
 bool is_same_quad(const Detection& a, const Detection& b);
 
-/// What stays of detections found in several images or by several families: of each square the one with fewer
-/// corrected bits, then with the higher margin, then the first in the list. The same tag found elsewhere, the
-/// same way up, goes into its `others`.
+/// What stays of detections found in several images or by several families: of each square the one that
+/// chance reads most seldom (within a family: with fewer corrected bits), then with the higher margin, then
+/// the first in the list. The same tag found elsewhere, the same way up, goes into its `others`.
 std::vector<Candidate> merge_same_quads(std::vector<Candidate> candidates);
 
 /// By family, id, then centre (x, y).

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,7 +28,10 @@ struct DetectorOptions {
   /// Grey levels, for a code read without a wrong bit; every corrected bit asks for as much again. Detections
   /// below are dropped. 5 keeps tags in a twentieth of the usual light and drops what is read into noise.
   double min_decision_margin = 5.0;
-  int max_hamming = 2;  ///< Corrected bits, 0 to 2; detections above are dropped.
+  /// Corrected bits, 0 to 2; detections above are dropped. By default each family has its own limit, by how
+  /// often chance reads its codes (chance_readings.h): 2, but 1 for tag16h5 and for families of over 5,000
+  /// codes; and families with few bits must also look like the tag that they are read as.
+  std::optional<int> max_hamming = std::nullopt;
 
   /// Throws Error(kInvalidInput) that names the option, its value and its range.
   void check() const;
