@@ -166,7 +166,7 @@ void add_detect_command(CLI::App& app) {
   command
       .add_option("--max-hamming", arguments->detector.max_hamming,
                   "Wrong bits that may be corrected, 0 to 2; default: by how often chance reads the family's "
-                  "codes. Given, it is taken as it is, for few-bit families (tag16h5) too")
+                  "codes (2 for tag36h11, 0 for tag16h5)")
       ->check(corrected_bits());
   command.add_flag("--no-refine", arguments->no_refine, "Leave the corners where the library found them");
   command.add_option("--rate", arguments->rate_hz, "Frames per second, for images without times")

@@ -127,7 +127,7 @@ void add_track_options(CLI::App& command, TrackArguments& arguments) {
   command
       .add_option("--max-hamming", arguments.options.localizer.detector.max_hamming,
                   "Wrong bits that may be corrected, 0 to 2; default: by how often chance reads the family's "
-                  "codes. Given, it is taken as it is, for few-bit families (tag16h5) too")
+                  "codes (2 for tag36h11, 0 for tag16h5)")
       ->check(corrected_bits());
   command
       .add_option("--decimate", arguments.options.localizer.detector.decimate,

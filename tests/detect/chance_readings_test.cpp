@@ -60,10 +60,10 @@ TEST(ChanceReadings, LimitTheCorrectedBitsOfEachFamily) {
     const char* family;
     int by_code, by_picture;
   };
-  for (const auto& [name, by_code, by_picture] : {Limit{"tag16h5", -1, 1},
-                                                  {"tag25h9", 1, 2},
-                                                  {"tagCircle21h7", 0, 2},
-                                                  {"tag36h10", 2, 2},
+  for (const auto& [name, by_code, by_picture] : {Limit{"tag16h5", -1, 0},
+                                                  {"tag25h9", 0, 2},
+                                                  {"tagCircle21h7", -1, 1},
+                                                  {"tag36h10", 1, 2},
                                                   {"tag36h11", 2, 2},
                                                   {"tagStandard41h12", 2, 2},
                                                   {"tagStandard52h13", 1, 1}}) {
@@ -120,6 +120,8 @@ TEST(ChanceReadings, OfFewBitsAreDroppedWhereThePictureIsNotTheTags) {
   EXPECT_GE(readings_in(others, {.families = {"tag16h5"}, .max_hamming = 2}), 5U);
   EXPECT_EQ(readings_in(others, {.families = {"tag16h5"}}), 0U);
   std::size_t anyhow = 0, by_default = 0;
+  EXPECT_EQ(readings_in(others, {.families = {"tag16h5"}, .max_hamming = 0}), 0U)
+      << "a lower limit is no risk";
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     const GrayImage image = wall_of(squares_of_grey_cells(seed));
     anyhow += readings_in(image, {.families = {"tag16h5"}, .max_hamming = 2});

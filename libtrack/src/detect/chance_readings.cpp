@@ -6,8 +6,9 @@ namespace apriltrack {
 namespace {
 
 /// Squares of a frame that are no tags of the family, but whose four edges can be fitted. Every 15th frame of
-/// 13 films and photos has 1 to 8 of them, and 3 on average; sheets full of other markers have 30 to 50.
-constexpr double kSquaresPerFrame = 8.0;
+/// 13 films and photos has 1 to 8 of them, and 3 on average; sheets full of other markers, where tags are
+/// taken for others', have 30 and, of 60 markers, 49.
+constexpr double kSquaresPerFrame = 30.0;
 /// Of these, the part whose picture correlates with the tag that their own bits spell by
 /// kLeastPatternCorrelation: 1 of 1708 (at most 3, with 90 % confidence).
 constexpr double kShareLikeATag = 0.002;

@@ -187,10 +187,11 @@ class Detector::Implementation {
   }
 
   /// Where random bits read as the family's codes too often, the picture must show the tag's cells, too. Who
-  /// says how many bits may be corrected takes that risk himself.
+  /// lets more bits be corrected than that would allow takes the risk.
   bool is_beyond_chance(const GrayView& image, const Detection& detection, const Quad& corners_px) const {
     const TagFamily& family = TagFamily::get(detection.tag.family);
-    if (options_.max_hamming || detection.hamming.value_or(0) <= corrected_bits_by_code(family)) return true;
+    const bool is_risk_taken = options_.max_hamming.value_or(0) > corrected_bits_by_picture(family);
+    if (is_risk_taken || detection.hamming.value_or(0) <= corrected_bits_by_code(family)) return true;
     const LightSampler light(image, options_.response);
     return pattern_correlation(light, family.pattern(detection.tag.id), family.has_reversed_border(),
                                corners_px, kLeastPatternCorrelation) >= kLeastPatternCorrelation;

@@ -29,8 +29,9 @@ struct DetectorOptions {
   /// below are dropped. 5 keeps tags in a twentieth of the usual light and drops what is read into noise.
   double min_decision_margin = 5.0;
   /// Corrected bits, 0 to 2; detections above are dropped. By default each family has its own limit, by how
-  /// often chance reads its codes (chance_readings.h): 2, but 1 for tag16h5 and for families of over 5,000
-  /// codes; and families with few bits must also look like the tag that they are read as.
+  /// often chance reads its codes (chance_readings.h): 2, but 1 for tagCircle21h7 and for families of over
+  /// 5,000 codes, and 0 for tag16h5. Up to that limit readings that chance makes too often must also look
+  /// like the tag that they are read as; a higher one given here takes all as they are.
   std::optional<int> max_hamming = std::nullopt;
 
   /// Throws Error(kInvalidInput) that names the option, its value and its range.
