@@ -37,13 +37,12 @@ void check_decimate(double decimate) {
     refuse("decimate", fmt::format("{}", decimate), "1, 1.5, or a whole number from 2 to 8");
 }
 
-std::vector<int> max_hamming_of(const DetectorOptions& options) {
-  std::vector<int> limits;
-  for (const std::string& name : options.families) {
-    const TagFamily& family = TagFamily::get(name);
-    limits.push_back(options.max_hamming.value_or(corrected_bits_by_picture(family)));
-  }
-  return limits;
+/// With the corrected bits up to which a reading is looked at.
+std::vector<LibraryDetector::Family> families_of(const DetectorOptions& options) {
+  std::vector<LibraryDetector::Family> families;
+  for (const std::string& name : options.families)
+    families.push_back({name, options.max_hamming.value_or(corrected_bits_by_picture(TagFamily::get(name)))});
+  return families;
 }
 
 }  // namespace
@@ -66,8 +65,8 @@ class Detector::Implementation {
  public:
   explicit Implementation(const DetectorOptions& options)
       : options_((options.check(), options)),
-        max_hamming_(max_hamming_of(options)),
-        library_(options.families, options.refine_edges),
+        families_(families_of(options)),
+        library_(families_, options.refine_edges),
         has_grids_(std::ranges::find(options.families, kGridFamily) != options.families.end()) {
     library_pixel_offset();  // measured here, once, lest the first image wait for it
   }
@@ -167,7 +166,8 @@ class Detector::Implementation {
       // A chance code is a thousand times likelier with two wrong bits than with none (sum of C(36, k)
       // patterns).
       const double min_margin = options_.min_decision_margin * (1 + found.hamming);
-      if (found.hamming > max_hamming_[found.family_index] || found.decision_margin < min_margin) continue;
+      if (found.hamming > families_[found.family_index].corrected_bits || found.decision_margin < min_margin)
+        continue;
       candidates->push_back({{{options_.families[found.family_index], found.id},
                               found.corners_px,
                               found.hamming,
@@ -219,7 +219,7 @@ class Detector::Implementation {
   }
 
   DetectorOptions options_;
-  std::vector<int> max_hamming_;  ///< Of each of the families.
+  std::vector<LibraryDetector::Family> families_;
   LibraryDetector library_;
   bool has_grids_;
 };
