@@ -13,6 +13,7 @@
 
 #include "apriltrack/base/random.h"
 #include "apriltrack/detect/detector.h"
+#include "merge.h"
 #include "pattern_correlation.h"
 #include "plane_renderer.h"
 
@@ -119,9 +120,9 @@ TEST(ChanceReadings, OfFewBitsAreDroppedWhereThePictureIsNotTheTags) {
   const GrayImage others = wall_of(tags_of_another_family());
   EXPECT_GE(readings_in(others, {.families = {"tag16h5"}, .max_hamming = 2}), 5U);
   EXPECT_EQ(readings_in(others, {.families = {"tag16h5"}}), 0U);
-  std::size_t anyhow = 0, by_default = 0;
   EXPECT_EQ(readings_in(others, {.families = {"tag16h5"}, .max_hamming = 0}), 0U)
       << "a lower limit is no risk";
+  std::size_t anyhow = 0, by_default = 0;
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     const GrayImage image = wall_of(squares_of_grey_cells(seed));
     anyhow += readings_in(image, {.families = {"tag16h5"}, .max_hamming = 2});
@@ -191,23 +192,37 @@ TEST(PatternCorrelation, IsOneOfTheTagItselfAndLessOfAnother) {
   EXPECT_EQ(pattern_correlation(light, pattern, false, outside), 0.0) << "cut by the image";
 }
 
-TEST(Detector, OfTwoReadingsOfASquareKeepsTheOneThatChanceReadsMoreSeldom) {
-  // A tag36h11 with one wrong bit, which as a tag16h5 would be read without one now and then.
-  const TagPattern good = TagFamily::get("tag36h11").pattern(17);
-  int read = 0;
-  Detector detector({.families = {"tag16h5", "tag36h11"}, .max_hamming = 2});
-  for (int bit = 0; bit < 36; ++bit) {
-    Image<float> cells = good.cells();
-    float& cell = cells(2 + bit % 6, 2 + bit / 6);
-    cell = 1.0F - cell;
-    const GrayImage image =
-        picture_of(TagPattern(std::move(cells), good.width_at_border()), {.width_px = 60.0});
-    for (const Detection& detection : detector.detect(image.view())) {
-      EXPECT_EQ(detection.tag, (TagKey{"tag36h11", 17})) << bit;
-      ++read;
+TEST(ChanceReadings, OfACodeWhoseCellsLookOtherwiseAreLeftOut) {
+  // In the middle of each cell, where it is read, the bits of a code; round that their opposite.
+  const TagPattern pattern = TagFamily::get("tag16h5").pattern(3);
+  constexpr int kParts = 3, kWidth = 6;
+  const int margin = (pattern.cells().width() - kWidth) / 2;
+  Image<float> cells(kParts * kWidth, kParts * kWidth);
+  for (int y = 0; y < cells.height(); ++y) {
+    for (int x = 0; x < cells.width(); ++x) {
+      const int column = x / kParts, row = y / kParts;
+      const float bit = pattern.cells()(column + margin, row + margin);
+      const bool is_border = std::min({column, row, kWidth - 1 - column, kWidth - 1 - row}) == 0;
+      const bool is_middle = x % kParts == 1 && y % kParts == 1;
+      cells(x, y) = is_border || is_middle ? bit : 1.0F - bit;
     }
   }
-  EXPECT_EQ(read, 36);
+  const GrayImage image = picture_of(TagPattern(std::move(cells), kParts * kWidth), {.width_px = 90.0});
+  ASSERT_EQ(readings_in(image, {.families = {"tag16h5"}, .max_hamming = 2}), 1U);
+  const FoundTags found = Detector({.families = {"tag16h5"}}).find(image.view());
+  EXPECT_TRUE(found.detections.empty());
+  ASSERT_EQ(found.left_out.size(), 1U);
+  EXPECT_EQ(found.left_out[0].reading.tag, (TagKey{"tag16h5", 3}));
+  EXPECT_EQ(found.left_out[0].reason, LeftOutReason::kMayBeChance);
+}
+
+TEST(ChanceReadings, OfTwoReadingsOfASquareTheOneStaysThatChanceMakesMoreSeldom) {
+  const Quad square = {Eigen::Vector2d(10.0, 60.0), {60.0, 60.0}, {60.0, 10.0}, {10.0, 10.0}};
+  const Candidate with_a_wrong_bit = {.detection = {{"tag36h11", 17}, square, 1, 40.0}};
+  const Candidate of_few_bits = {.detection = {{"tag16h5", 3}, square, 0, 90.0}};
+  const auto kept = merge_same_quads({of_few_bits, with_a_wrong_bit});
+  ASSERT_EQ(kept.size(), 1U);
+  EXPECT_EQ(kept[0].detection.tag, (TagKey{"tag36h11", 17}));
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ class Detector::Implementation {
 
   const DetectorOptions& options() const { return options_; }
 
-  std::vector<Detection> detect(const GrayView& image) { return localised(image, find(image)); }
+  FoundTags find(const GrayView& image) { return localised(image, candidates_in(image)); }
 
   std::vector<Detection> detect_in(const GrayView& image, std::span<const TagRegion> regions,
                                    double decimate) {
@@ -90,25 +90,30 @@ class Detector::Implementation {
         candidates.push_back(std::move(candidate));
       }
     }
-    return localised(image, std::move(candidates));
+    return localised(image, std::move(candidates)).detections;
   }
 
  private:
-  std::vector<Detection> localised(const GrayView& image, std::vector<Candidate> candidates) {
-    std::vector<Detection> detections;
+  FoundTags localised(const GrayView& image, std::vector<Candidate> candidates) {
+    FoundTags found;
     if (has_grids_) drop_one_cell_borders(image, &candidates);
     for (const Candidate& candidate : merge_same_quads(std::move(candidates))) {
       const std::optional<Quad> corners = localise(image, candidate);
-      if (!corners || !is_beyond_chance(image, candidate.detection, *corners)) continue;
-      detections.push_back(candidate.detection);
-      detections.back().corners_px = *corners;
+      if (!corners || !is_beyond_chance(image, candidate.detection, *corners)) {
+        found.left_out.push_back(
+            {candidate.detection, corners ? LeftOutReason::kMayBeChance : LeftOutReason::kEdgesNotFitted});
+        continue;
+      }
+      found.detections.push_back(candidate.detection);
+      found.detections.back().corners_px = *corners;
     }
-    sort_detections(detections);
-    return detections;
+    sort_detections(found.detections);
+    sort_left_out(found.left_out);
+    return found;
   }
 
   /// Finding in linear light alone loses dark tags, in the raw image alone blurred ones: both, each tag once.
-  std::vector<Candidate> find(const GrayView& image) {
+  std::vector<Candidate> candidates_in(const GrayView& image) {
     std::vector<Candidate> candidates;
     const bool is_linear = options_.response.is_linear();
     find_in(image, is_linear, &candidates);
@@ -231,7 +236,11 @@ Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
 
 std::vector<Detection> Detector::detect(const GrayView& image) {
-  return implementation_->detect(image);
+  return implementation_->find(image).detections;
+}
+
+FoundTags Detector::find(const GrayView& image) {
+  return implementation_->find(image);
 }
 
 std::vector<Detection> Detector::detect_in(const GrayView& image, std::span<const TagRegion> regions,

@@ -17,6 +17,12 @@ Eigen::Vector2d centre_of(const Detection& detection) {
   return sum / kNumCorners;
 }
 
+bool is_before(const Detection& a, const Detection& b) {
+  const Eigen::Vector2d centre_a = centre_of(a);
+  const Eigen::Vector2d centre_b = centre_of(b);
+  return std::tie(a.tag, centre_a.x(), centre_a.y()) < std::tie(b.tag, centre_b.x(), centre_b.y());
+}
+
 double mean_edge(const Detection& detection) {
   double sum = 0.0;
   for (std::size_t k = 0; k < kNumCorners; ++k)
@@ -74,11 +80,12 @@ std::vector<Candidate> merge_same_quads(std::vector<Candidate> candidates) {
 }
 
 void sort_detections(std::vector<Detection>& detections) {
-  std::stable_sort(detections.begin(), detections.end(), [](const Detection& a, const Detection& b) {
-    const Eigen::Vector2d centre_a = centre_of(a);
-    const Eigen::Vector2d centre_b = centre_of(b);
-    return std::tie(a.tag, centre_a.x(), centre_a.y()) < std::tie(b.tag, centre_b.x(), centre_b.y());
-  });
+  std::stable_sort(detections.begin(), detections.end(), is_before);
+}
+
+void sort_left_out(std::vector<LeftOutTag>& tags) {
+  std::stable_sort(tags.begin(), tags.end(),
+                   [](const LeftOutTag& a, const LeftOutTag& b) { return is_before(a.reading, b.reading); });
 }
 
 }  // namespace apriltrack

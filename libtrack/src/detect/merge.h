@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "apriltrack/detect/detection.h"
+#include "apriltrack/detect/detector.h"
 
 namespace apriltrack {
 
@@ -25,5 +26,6 @@ std::vector<Candidate> merge_same_quads(std::vector<Candidate> candidates);
 
 /// By family, id, then centre (x, y).
 void sort_detections(std::vector<Detection>& detections);
+void sort_left_out(std::vector<LeftOutTag>& tags);
 
 }  // namespace apriltrack

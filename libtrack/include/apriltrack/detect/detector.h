@@ -44,6 +44,24 @@ struct TagRegion {
   std::string family;  ///< The only one looked for there; empty: all of the detector's.
 };
 
+/// Why a tag that was read is not reported.
+enum class LeftOutReason {
+  kEdgesNotFitted,  ///< Too small or blurred, hidden, or cut by the image: its corners would be pixels off.
+  kMayBeChance,     ///< Of a family with few bits, and the picture does not look like the tag.
+};
+
+/// A tag that was read and is not reported.
+struct LeftOutTag {
+  Detection reading;  ///< Corners as the AprilTag library found them: right to a few pixels.
+  LeftOutReason reason = LeftOutReason::kEdgesNotFitted;
+};
+
+/// All that was read in an image, in the order of Detector::detect().
+struct FoundTags {
+  std::vector<Detection> detections;
+  std::vector<LeftOutTag> left_out;
+};
+
 /// Finds tags. One detector works on one image at a time; give each thread its own.
 class Detector {
  public:
@@ -56,6 +74,8 @@ class Detector {
   /// Sorted by family, id, then centre (x, y); the same image gives the same answer, always. An id that is
   /// seen twice is reported twice.
   std::vector<Detection> detect(const GrayView& image);
+  /// The same, and what was read and left out.
+  FoundTags find(const GrayView& image);
 
   /// The same, of what lies whole within one of the regions, which must lie inside the image: for tags about
   /// whose place one knows. A region's family must be one of the options'. Searched in linear
