@@ -38,6 +38,7 @@ struct DetectArguments {
   std::optional<double> rate_hz;
   int num_threads = 0;
   Console console;
+  std::optional<int> bits;
 };
 
 /// What a run found.
@@ -88,9 +89,11 @@ Record detect(const DetectArguments& arguments) {
   if (!arguments.camera_name.empty()) name = arguments.camera_name;
   const FrameLoopOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
                                     arguments.num_threads, "detect"};
-  const std::unique_ptr<FrameSource> source = open_source(
-      arguments.input,
-      {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name, .log = arguments.console.log()});
+  const std::unique_ptr<FrameSource> source =
+      open_source(arguments.input, {.rate_hz = arguments.rate_hz,
+                                    .bits = arguments.bits,
+                                    .camera_name = arguments.camera_name,
+                                    .log = arguments.console.log()});
   Record record;
   record.counts = detect_frames(*source, options, arguments.console, [&](DetectedFrame frame) {
     record.add({frame.source.timestamp, name, std::move(frame.detections)});
@@ -178,3 +181,4 @@ void add_detect_command(CLI::App& app) {
 }
 
 }  // namespace apriltrack::app
+  add_bits_option(command, arguments->bits);

@@ -79,9 +79,11 @@ bool track_detections(const TrackArguments& arguments, const std::vector<FrameDe
 bool track_images(const TrackArguments& arguments, const Camera& camera, const Method& method,
                   TrackRecord& record, std::optional<TrackVideo>& video) {
   const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
-  const std::unique_ptr<FrameSource> source = open_source(
-      arguments.input,
-      {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name, .log = arguments.console.log()});
+  const std::unique_ptr<FrameSource> source =
+      open_source(arguments.input, {.rate_hz = arguments.rate_hz,
+                                    .bits = arguments.bits,
+                                    .camera_name = arguments.camera_name,
+                                    .log = arguments.console.log()});
   const std::string exposure_of_camera =
       fmt::format("{}: {}.exposure_time", camera_file(arguments).string(), camera.name);
   ExposureCheck exposures(arguments.console);

@@ -56,7 +56,8 @@ void check_track_arguments(const CLI::App& command, const TrackArguments& argume
       throw invalid_input("--detections",
                           fmt::format("is for --method pnp: '{}' looks at images", arguments.method()));
     }
-    refuse_beside_detections(command, {"--rate", "--decimate", "--min-margin", "--max-hamming", "--video"});
+    refuse_beside_detections(command,
+                             {"--rate", "--bits", "--decimate", "--min-margin", "--max-hamming", "--video"});
   }
   refuse_options_of_other_methods(command, arguments.method());
   if (!arguments.input.empty()) check_input(arguments.input);
@@ -113,6 +114,7 @@ void add_track_options(CLI::App& command, TrackArguments& arguments) {
                      "Web page about the run, one file: how far it can be trusted, where not, and why");
   command.add_option("--rate", arguments.rate_hz, "Frames a second, for images whose names are no times")
       ->check(rate());
+  add_bits_option(command, arguments.bits);
   command
       .add_option("--threads", arguments.options.num_threads,
                   "Frames looked at side by side; 0: one per core, 8 at most. Changes no pose, but latencies "
