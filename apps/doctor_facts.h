@@ -23,6 +23,7 @@ struct SeenTag {
   double margin = 0.0;                           ///< Decision margin in grey levels.
   std::optional<double> blur_px = std::nullopt;  ///< As motion_of_blur_px; none where edges were hidden.
   bool is_clipped = false;                       ///< Its paper is at 255.
+  int corrected_bits = 0;                        ///< Of its code.
   bool is_at_border = false;                     ///< A corner lies in the image's outermost 3 %.
   std::array<Eigen::Vector2d, kNumCorners> corners_px = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(),
                                                          Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};

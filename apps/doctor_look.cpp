@@ -40,7 +40,9 @@ bool is_clipped(const Detection& detection, const GrayView& image) {
 
 SeenTag seen_tag(const Detection& detection, const GrayView& image, const ResponseCurve& response) {
   constexpr double kBorder = 0.03;
-  SeenTag seen{.tag = detection.tag, .margin = detection.decision_margin.value_or(0.0)};
+  SeenTag seen{.tag = detection.tag,
+               .margin = detection.decision_margin.value_or(0.0),
+               .corrected_bits = detection.hamming.value_or(0)};
   seen.corners_px = detection.corners_px;
   for (std::size_t k = 0; k < kNumCorners; ++k) {
     const Eigen::Vector2d& corner = detection.corners_px[k];
@@ -119,7 +121,8 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
   const auto source = open_any(named.input, source_options, facts.tells_times);
   DetectorOptions detector = options.detector;
   if (facts.camera) detector.response = facts.camera->response;
-  EvenSample sample;
+  constexpr std::size_t kSampledFrames = 20;
+  EvenSample sample(kSampledFrames);
   const FrameCounts counts =
       detect_frames(*source, {detector, nullptr, options.num_threads, "look at " + named.input}, console,
                     [&](DetectedFrame frame) {
