@@ -14,6 +14,8 @@
 #include "commands.h"
 #include "frame_loop.h"
 #include "inputs.h"
+#include "left_out_tags.h"
+#include "odd_picture_watch.h"
 #include "option_checks.h"
 #include "outputs.h"
 
@@ -36,9 +38,9 @@ struct DetectArguments {
   DetectorOptions detector;
   bool no_refine = false;
   std::optional<double> rate_hz;
+  std::optional<int> bits;
   int num_threads = 0;
   Console console;
-  std::optional<int> bits;
 };
 
 /// What a run found.
@@ -47,6 +49,8 @@ struct Record {
   std::vector<FrameDetections> frames;  ///< Those with tags.
   std::set<TagKey> tags;
   std::size_t num_detections = 0;
+  LeftOutTags left_out;
+  std::optional<std::string> odd_pictures;  ///< What is wrong with pictures in which hardly a tag is read.
 
   void add(FrameDetections frame) {
     if (frame.detections.empty()) return;
@@ -95,21 +99,30 @@ Record detect(const DetectArguments& arguments) {
                                     .camera_name = arguments.camera_name,
                                     .log = arguments.console.log()});
   Record record;
+  OddPictureWatch watch;
   record.counts = detect_frames(*source, options, arguments.console, [&](DetectedFrame frame) {
+    if (frame.source.is_readable()) watch.add(frame.source.pixels.view(), frame.detections);
+    record.left_out.add(frame.left_out);
     record.add({frame.source.timestamp, name, std::move(frame.detections)});
   });
+  record.odd_pictures = watch.told(*options.detector);
   return record;
 }
 
 void check_result(const DetectArguments& arguments, const Record& record) {
-  if (!record.frames.empty()) return;
+  if (!record.frames.empty()) {
+    if (record.odd_pictures) arguments.console.warning(*record.odd_pictures);
+    return;
+  }
   if (record.counts.are_all_blank())
     throw no_result(arguments.input, told_of_blank_images(record.counts.readable));
+  if (record.odd_pictures) throw no_result(arguments.input, *record.odd_pictures);
   throw no_result(
       arguments.input,
-      fmt::format("no tag of family {} in any of {} frames; try the family that is printed (--family), "
+      fmt::format("no tag of family {} in any of {} frames{}; try the family that is printed (--family), "
                   "--decimate 1, a lower --min-margin; tags need a white margin and about 12 px of width",
-                  fmt::join(arguments.detector.families, ", "), record.counts.readable));
+                  fmt::join(arguments.detector.families, ", "), record.counts.readable,
+                  record.left_out.told_after()));
 }
 
 void finish(const DetectArguments& arguments, const Record& record) {
@@ -120,13 +133,15 @@ void finish(const DetectArguments& arguments, const Record& record) {
                                   {"unreadable", record.counts.unreadable},
                                   {"detections", record.num_detections},
                                   {"tags", tags},
+                                  {"readings_left_out", record.left_out.json()},
                                   {"interrupted", record.counts.is_interrupted},
                                   {"output", arguments.output}};
-  arguments.console.finish(summary,
-                           fmt::format("{} of {} frames with tags, {} unreadable; {} detections of {} tags\n"
-                                       "detections: {}",
-                                       record.frames.size(), record.counts.readable, record.counts.unreadable,
-                                       record.num_detections, record.tags.size(), arguments.output));
+  arguments.console.finish(
+      summary,
+      fmt::format("{} of {} frames with tags, {} unreadable; {} detections of {} tags{}\n"
+                  "detections: {}",
+                  record.frames.size(), record.counts.readable, record.counts.unreadable,
+                  record.num_detections, record.tags.size(), record.left_out.told_after(), arguments.output));
 }
 
 void run(const DetectArguments& arguments) {
@@ -174,6 +189,7 @@ void add_detect_command(CLI::App& app) {
   command.add_flag("--no-refine", arguments->no_refine, "Leave the corners where the library found them");
   command.add_option("--rate", arguments->rate_hz, "Frames per second, for images without times")
       ->check(rate());
+  add_bits_option(command, arguments->bits);
   command.add_option("--threads", arguments->num_threads, "Threads; 0 = one per core, up to 8")
       ->check(threads());
   arguments->console.add_options(command);
@@ -181,4 +197,3 @@ void add_detect_command(CLI::App& app) {
 }
 
 }  // namespace apriltrack::app
-  add_bits_option(command, arguments->bits);

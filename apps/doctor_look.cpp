@@ -15,6 +15,7 @@
 #include "doctor_sample.h"
 #include "frame_loop.h"
 #include "inputs.h"
+#include "odd_picture_watch.h"
 #include "takes.h"
 
 namespace apriltrack::app {
@@ -119,6 +120,7 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
   source_options.log = console.log();
   source_options.camera_name = named.is_named ? named.camera : options.camera_name;
   const auto source = open_any(named.input, source_options, facts.tells_times);
+  OddPictureWatch watch;
   DetectorOptions detector = options.detector;
   if (facts.camera) detector.response = facts.camera->response;
   constexpr std::size_t kSampledFrames = 20;
@@ -128,10 +130,13 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
                     [&](DetectedFrame frame) {
                       if (!frame.source.is_readable()) return;
                       sample.offer(frame.source.pixels.view());
+                      watch.add(frame.source.pixels.view(), frame.detections);
+                      facts.left_out.add(frame.left_out);
                       facts.frames.push_back(facts_of(frame, detector.response));
                     });
   facts.unreadable = counts.unreadable;
   is_interrupted = counts.is_interrupted;
+  if (!is_interrupted) facts.odd_pictures = watch.look(detector);
   if (!is_interrupted && options.tries_other_families) {
     facts.other_families = read_other_families(sample.images(), detector, options.num_threads, console);
     facts.sampled = sample.images().size();

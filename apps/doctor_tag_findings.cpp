@@ -12,6 +12,7 @@
 #include "apriltrack/eval/statistics.h"
 #include "apriltrack/tags/tag_family.h"
 #include "doctor_findings.h"
+#include "odd_picture_watch.h"
 
 namespace apriltrack::app {
 namespace {
@@ -238,6 +239,19 @@ std::vector<Finding> find_in_families(const Facts& facts) {
        fmt::format("no tag of {} in {} frames{}; tags must be sharp, with their white margin, and some 20 "
                    "px wide or more",
                    asked, frames, tried ? ", nor of any other family" : " (is another --family printed?)")}};
+}
+
+std::vector<Finding> find_in_odd_pictures(const RecordingFacts& recording) {
+  std::vector<Finding> findings;
+  if (const auto& odd = recording.odd_pictures)
+    findings.push_back({Severity::kStops,
+                        odd->are_mirrored && odd->are_inverted ? "mirrored_and_inverted"
+                        : odd->are_mirrored                    ? "mirrored"
+                                                               : "inverted",
+                        told(*odd)});
+  if (!recording.left_out.is_empty())
+    findings.push_back({Severity::kNote, "readings_left_out", recording.left_out.told()});
+  return findings;
 }
 
 namespace {

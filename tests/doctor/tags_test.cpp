@@ -218,7 +218,7 @@ TEST(DoctorFamilies, AnotherOneBesidesIsAWarning) {
 TEST(DoctorFamilies, ChanceReadingsOfFewBitsAreNone) {
   constexpr std::size_t kFrames = 400;                         // 0.04 chance readings are expected
   const FamilyReadings scattered{"tag16h5", 30, 18, 3, 40.0};  // over 30 ids
-  const FamilyReadings faint{"tag16h5", 30, 18, 18, 9.0};      // one shadow, frame after frame
+  const FamilyReadings faint{"tag16h5", 130, 118, 118, 9.0};   // one shadow, frame after frame
   for (const FamilyReadings& chance : {scattered, faint}) {
     EXPECT_FALSE(is_surely_there(chance, kFrames));
     EXPECT_THAT(find_in_families(with_other(frames_of(20, {1}), chance, kFrames)), IsEmpty());
@@ -241,6 +241,31 @@ TEST(DoctorFamilies, WhatMayBeChanceOfTheFamilyAskedForIsTold) {
   for (FrameFacts& one : facts.recordings[0].frames)
     one.tags = {{.tag = {"tag16h5", 7}, .edge_px = 30.0, .margin = 40.0}};
   EXPECT_THAT(find_in_families(facts), IsEmpty());
+}
+
+TEST(DoctorOddPictures, AreToldInPlaceOfTagsThatAreNotThere) {
+  Facts facts = facts_of(recording(frames_of(20, {})));
+  facts.recordings[0].odd_pictures = OddPictures{.are_mirrored = true, .tags = {tag36(3), tag36(4)}};
+  auto findings = find_all(facts);
+  ASSERT_FALSE(findings.empty());
+  EXPECT_EQ(findings[0].about, "mirrored");
+  EXPECT_EQ(findings[0].severity, Severity::kStops);
+  EXPECT_THAT(findings[0].text, HasSubstr("tags are read in their mirror image (tag36h11/3 and 1 more)"));
+  EXPECT_EQ(std::ranges::count(findings, "no_tags", &Finding::about), 0);
+  facts.recordings[0].odd_pictures = OddPictures{.are_inverted = true, .tags = {tag36(3)}};
+  findings = find_all(facts);
+  EXPECT_EQ(findings[0].about, "inverted");
+  EXPECT_THAT(findings[0].text, HasSubstr("print tags black on white"));
+}
+
+TEST(DoctorLeftOut, ReadingsAreANote) {
+  Facts facts = facts_of(recording(frames_of(20, {1, 2})));
+  facts.recordings[0].left_out.add(
+      std::vector<LeftOutTag>{{{tag36(8), {}, 0, 90.0}, LeftOutReason::kEdgesNotFitted}});
+  const auto findings = find_all(facts);
+  ASSERT_THAT(abouts(findings), ElementsAre("readings_left_out"));
+  EXPECT_EQ(findings[0].severity, Severity::kNote);
+  EXPECT_THAT(findings[0].text, HasSubstr("1 reading of a tag (tag36h11/8) was left out because the edges"));
 }
 
 TEST(DoctorFamilies, OneReadingOfManyBitsIsEnough) {
