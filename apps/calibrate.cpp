@@ -147,6 +147,16 @@ std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sig
   return refinement;
 }
 
+/// Of pictures without a tag that is all there is to say.
+void tell_of_odd_pictures(const CalibrateOptions& a, const Sightings& sightings) {
+  const bool has_tags =
+      std::ranges::any_of(sightings.frames, [](const auto& one) { return !one.detections.empty(); });
+  if (!has_tags && !sightings.odd_pictures.empty())
+    throw no_result("calibrate", sightings.odd_pictures.front());
+  for (const std::string& odd : sightings.odd_pictures) a.console.warning(odd);
+  if (!has_tags && !sightings.left_out.is_empty()) a.console.warning(sightings.left_out.told());
+}
+
 void make_map(CLI::App& command, CalibrateOptions& a) {
   if (!a.constraints.empty()) a.calibration.constraints = read_map_constraints(a.constraints);
   const std::filesystem::path camera = camera_file(a);
@@ -162,6 +172,7 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
   if (sightings.counts.are_all_blank() &&
       std::ranges::all_of(sightings.frames, [](const auto& one) { return one.detections.empty(); }))
     throw no_result("calibrate", told_of_blank_images(sightings.counts.readable));
+  tell_of_odd_pictures(a, sightings);
 
   warn_of_unseen_sizes(a, sightings);
   complete_resolutions(a, camera, recordings, rig);  // not before: images are held against the file's own

@@ -12,6 +12,7 @@
 #include "apriltrack/base/error.h"
 #include "frame_loop.h"
 #include "inputs.h"
+#include "odd_picture_watch.h"
 #include "patch_keeper.h"
 #include "rig_detections.h"
 #include "takes.h"
@@ -79,13 +80,18 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
     const std::unique_ptr<FrameSource> source = open_source(recording.input, source_of_camera);
     std::vector<FrameDetections> frames;
     PatchKeeper keeper;
+    OddPictureWatch watch;
     const FrameCounts counts = detect_frames(*source, options, console, [&](DetectedFrame frame) {
       if (!frame.source.is_readable()) return;
+      watch.add(frame.source.pixels.view(), frame.detections);
+      all.left_out.add(frame.left_out);
       frames.push_back({frame.source.timestamp, camera.name, std::move(frame.detections)});
       frames.back().exposure_s = frame.source.exposure_s;
       if (with_patches) keeper.keep(frame.source.frame().image, frames.back());
     });
     takes.add(recording.input, {camera.name}, std::move(frames));
+    if (const auto odd = watch.told(*options.detector))
+      all.odd_pictures.push_back(recording.input + ": " + *odd);
     all.counts.readable += counts.readable;
     all.counts.unreadable += counts.unreadable;
     all.counts.blank += counts.blank;

@@ -9,6 +9,7 @@
 #include "apriltrack/source/frame_source.h"
 #include "console.h"
 #include "frame_loop.h"
+#include "left_out_tags.h"
 
 namespace apriltrack::app {
 
@@ -27,6 +28,9 @@ struct Recording {
 struct Sightings {
   std::vector<FrameDetections> frames;  ///< In the order of time, by one clock (see Takes).
   FrameCounts counts;
+  LeftOutTags left_out;
+  /// What is wrong with pictures in which hardly a tag is read.
+  std::vector<std::string> odd_pictures;
   std::vector<std::string> warnings;  ///< What to know of their times and, of detection files, corners.
   /// The cameras of which corners at odd places are among these: calibrate_map, which warns of them too,
   /// knows no file and no line.

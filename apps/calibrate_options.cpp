@@ -45,6 +45,7 @@ void add_input_options(CLI::App& command, CalibrateOptions& a) {
       ->capture_default_str();
   command.add_option("--rate", a.source.rate_hz, "Frames a second, for images whose names are no times")
       ->check(rate());
+  add_bits_option(command, a.source.bits);
   command.add_option("--step", a.source.step, "Use every STEP-th frame")
       ->check(whole_number(1))
       ->capture_default_str();
@@ -213,8 +214,8 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
   if (a.tag_size_m && !(*a.tag_size_m > 0.0 && *a.tag_size_m <= 100.0))
     throw invalid_input("--tag-size", fmt::format("must be in (0, 100] metres (is {})", *a.tag_size_m));
   if (!a.detections.empty())
-    refuse_beside_detections(
-        command, {"--step", "--max-frames", "--rate", "--family", "--decimate", "--no-refine", "--response"});
+    refuse_beside_detections(command, {"--step", "--max-frames", "--rate", "--bits", "--family", "--decimate",
+                                       "--no-refine", "--response"});
   check_families(a.detector.families);
   if (!a.held_tag.empty()) written_held_tag(a.held_tag);
   a.detector.check();

@@ -14,6 +14,8 @@
 #include "commands.h"
 #include "frame_loop.h"
 #include "inputs.h"
+#include "left_out_tags.h"
+#include "odd_picture_watch.h"
 #include "option_checks.h"
 #include "outputs.h"
 
@@ -36,6 +38,7 @@ struct DetectArguments {
   DetectorOptions detector;
   bool no_refine = false;
   std::optional<double> rate_hz;
+  std::optional<int> bits;
   int num_threads = 0;
   Console console;
 };
@@ -46,6 +49,8 @@ struct Record {
   std::vector<FrameDetections> frames;  ///< Those with tags.
   std::set<TagKey> tags;
   std::size_t num_detections = 0;
+  LeftOutTags left_out;
+  std::optional<std::string> odd_pictures;  ///< What is wrong with pictures in which hardly a tag is read.
 
   void add(FrameDetections frame) {
     if (frame.detections.empty()) return;
@@ -89,25 +94,36 @@ Record detect(const DetectArguments& arguments) {
   if (!arguments.camera_name.empty()) name = arguments.camera_name;
   const FrameLoopOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
                                     arguments.num_threads, "detect"};
-  const std::unique_ptr<FrameSource> source = open_source(
-      arguments.input,
-      {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name, .log = arguments.console.log()});
+  const std::unique_ptr<FrameSource> source =
+      open_source(arguments.input, {.rate_hz = arguments.rate_hz,
+                                    .bits = arguments.bits,
+                                    .camera_name = arguments.camera_name,
+                                    .log = arguments.console.log()});
   Record record;
+  OddPictureWatch watch;
   record.counts = detect_frames(*source, options, arguments.console, [&](DetectedFrame frame) {
+    if (frame.source.is_readable()) watch.add(frame.source.pixels.view(), frame.detections);
+    record.left_out.add(frame.left_out);
     record.add({frame.source.timestamp, name, std::move(frame.detections)});
   });
+  record.odd_pictures = watch.told(*options.detector);
   return record;
 }
 
 void check_result(const DetectArguments& arguments, const Record& record) {
-  if (!record.frames.empty()) return;
+  if (!record.frames.empty()) {
+    if (record.odd_pictures) arguments.console.warning(*record.odd_pictures);
+    return;
+  }
   if (record.counts.are_all_blank())
     throw no_result(arguments.input, told_of_blank_images(record.counts.readable));
+  if (record.odd_pictures) throw no_result(arguments.input, *record.odd_pictures);
   throw no_result(
       arguments.input,
-      fmt::format("no tag of family {} in any of {} frames; try the family that is printed (--family), "
+      fmt::format("no tag of family {} in any of {} frames{}; try the family that is printed (--family), "
                   "--decimate 1, a lower --min-margin; tags need a white margin and about 12 px of width",
-                  fmt::join(arguments.detector.families, ", "), record.counts.readable));
+                  fmt::join(arguments.detector.families, ", "), record.counts.readable,
+                  record.left_out.told_after()));
 }
 
 void finish(const DetectArguments& arguments, const Record& record) {
@@ -118,13 +134,15 @@ void finish(const DetectArguments& arguments, const Record& record) {
                                   {"unreadable", record.counts.unreadable},
                                   {"detections", record.num_detections},
                                   {"tags", tags},
+                                  {"readings_left_out", record.left_out.json()},
                                   {"interrupted", record.counts.is_interrupted},
                                   {"output", arguments.output}};
-  arguments.console.finish(summary,
-                           fmt::format("{} of {} frames with tags, {} unreadable; {} detections of {} tags\n"
-                                       "detections: {}",
-                                       record.frames.size(), record.counts.readable, record.counts.unreadable,
-                                       record.num_detections, record.tags.size(), arguments.output));
+  arguments.console.finish(
+      summary,
+      fmt::format("{} of {} frames with tags, {} unreadable; {} detections of {} tags{}\n"
+                  "detections: {}",
+                  record.frames.size(), record.counts.readable, record.counts.unreadable,
+                  record.num_detections, record.tags.size(), record.left_out.told_after(), arguments.output));
 }
 
 void run(const DetectArguments& arguments) {
@@ -166,12 +184,13 @@ void add_detect_command(CLI::App& app) {
       ->capture_default_str();
   command
       .add_option("--max-hamming", arguments->detector.max_hamming,
-                  "Wrong bits that may be corrected, 0 to 2")
-      ->check(corrected_bits())
-      ->capture_default_str();
+                  "Wrong bits that may be corrected, 0 to 2; default: by how often chance reads the family's "
+                  "codes (2 for tag36h11, 0 for tag16h5)")
+      ->check(corrected_bits());
   command.add_flag("--no-refine", arguments->no_refine, "Leave the corners where the library found them");
   command.add_option("--rate", arguments->rate_hz, "Frames per second, for images without times")
       ->check(rate());
+  add_bits_option(command, arguments->bits);
   command.add_option("--threads", arguments->num_threads, "Threads; 0 = one per core, up to 8")
       ->check(threads());
   arguments->console.add_options(command);

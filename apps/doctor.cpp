@@ -91,6 +91,7 @@ void add_doctor_command(CLI::App& app) {
       ->capture_default_str();
   command.add_option("--rate", look.source.rate_hz, "Frames a second, for images whose names are no times")
       ->check(rate());
+  add_bits_option(command, look.source.bits);
   command.add_option("--step", look.source.step, "Use every STEP-th frame")
       ->check(whole_number(1))
       ->capture_default_str();

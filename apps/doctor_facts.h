@@ -9,7 +9,9 @@
 #include "apriltrack/base/timestamp.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detection.h"
+#include "apriltrack/detect/odd_pictures.h"
 #include "apriltrack/tags/tag_key.h"
+#include "left_out_tags.h"
 
 namespace apriltrack::app {
 
@@ -21,6 +23,7 @@ struct SeenTag {
   TagKey tag;
   double edge_px = 0.0;                          ///< Mean of its four edges.
   double margin = 0.0;                           ///< Decision margin in grey levels.
+  int corrected_bits = 0;                        ///< Of its code.
   std::optional<double> blur_px = std::nullopt;  ///< As motion_of_blur_px; none where edges were hidden.
   bool is_clipped = false;                       ///< Its paper is at 255.
   bool is_at_border = false;                     ///< A corner lies in the image's outermost 3 %.
@@ -58,6 +61,8 @@ struct RecordingFacts {
   bool tells_times = true;  ///< False: no time in the images' names and none given; one a second was taken.
   std::vector<FrameFacts> frames = {};  ///< In the order of time.
   std::size_t unreadable = 0;
+  LeftOutTags left_out = {};                        ///< Readings.
+  std::optional<OddPictures> odd_pictures = {};     ///< Hardly a tag was read: what is wrong.
   std::size_t sampled = 0;                          ///< Frames in which all families were looked for.
   std::vector<FamilyReadings> other_families = {};  ///< Those read at all, without the families asked for.
 };

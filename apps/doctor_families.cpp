@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <set>
+#include <string>
+#include <thread>
 
 #include "apriltrack/base/parallel.h"
 #include "apriltrack/eval/statistics.h"
@@ -13,62 +14,81 @@
 namespace apriltrack::app {
 namespace {
 
-/// Beside the families asked for, lest their tags be taken for another's. One search in the image as it is
-/// will do, and codes with a corrected bit prove nothing.
-DetectorOptions options_for(const std::string& family, const DetectorOptions& asked) {
+/// All families at once, those asked for among them, lest their tags be taken for another's. One search in
+/// the image as it is will do, and codes with a corrected bit prove nothing.
+DetectorOptions options_for_all(const DetectorOptions& asked) {
   DetectorOptions options = asked;
-  options.families.push_back(family);
+  for (const std::string_view name : TagFamily::names())
+    if (std::ranges::find(asked.families, name) == asked.families.end()) options.families.emplace_back(name);
   options.response = ResponseCurve::linear();
   options.max_hamming = 0;
+  options.decimate = 1.0;
   return options;
 }
 
-FamilyReadings read_family(const std::string& family, std::span<const GrayImage> images,
-                           const DetectorOptions& asked) {
-  Detector detector(options_for(family, asked));
-  FamilyReadings readings{.family = family};
-  std::map<int, std::size_t> frames_of;
-  std::vector<double> margins;
-  for (const GrayImage& image : images) {
-    if (is_interrupted()) break;
+int resolved(int num_threads, std::size_t num_images) {
+  constexpr unsigned kMost = 8;
+  const int threads = num_threads > 0
+                          ? num_threads
+                          : static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, kMost));
+  return std::min(threads, static_cast<int>(num_images));
+}
+
+/// One family's readings, image by image.
+class ReadingsOfFamily {
+ public:
+  void add(const std::vector<Detection>& detections, const std::string& family) {
     std::set<int> ids;
-    for (const Detection& detection : detector.detect(image.view())) {
+    for (const Detection& detection : detections) {
       if (detection.tag.family != family) continue;
       ids.insert(detection.tag.id);
-      margins.push_back(detection.decision_margin.value_or(0.0));
+      margins_.push_back(detection.decision_margin.value_or(0.0));
     }
-    readings.frames += !ids.empty();
-    for (const int id : ids) ++frames_of[id];
+    frames_ += !ids.empty();
+    for (const int id : ids) ++frames_of_[id];
   }
-  readings.readings = margins.size();
-  if (margins.empty()) return readings;
-  readings.median_margin = median(margins);
-  for (const auto& [id, frames] : frames_of)
-    readings.frames_of_one_tag = std::max(readings.frames_of_one_tag, frames);
-  return readings;
-}
+
+  FamilyReadings summarised(const std::string& family) const {
+    FamilyReadings readings{.family = family, .readings = margins_.size(), .frames = frames_};
+    if (margins_.empty()) return readings;
+    readings.median_margin = median(margins_);
+    for (const auto& [id, frames] : frames_of_)
+      readings.frames_of_one_tag = std::max(readings.frames_of_one_tag, frames);
+    return readings;
+  }
+
+ private:
+  std::map<int, std::size_t> frames_of_;
+  std::vector<double> margins_;
+  std::size_t frames_ = 0;
+};
 
 }  // namespace
 
 std::vector<FamilyReadings> read_other_families(std::span<const GrayImage> images,
                                                 const DetectorOptions& asked, int num_threads,
                                                 const Console& console) {
-  std::vector<std::string> families;
-  for (const std::string_view name : TagFamily::names())
-    if (std::ranges::find(asked.families, name) == asked.families.end()) families.emplace_back(name);
   if (images.empty()) return {};
-  // Decoding tables of a family take up to 400 MB: two at once are enough.
-  constexpr int kMostAtOnce = 2;
-  const int threads = num_threads == 0 ? kMostAtOnce : std::min(num_threads, kMostAtOnce);
-  std::vector<FamilyReadings> all(families.size());
-  Progress progress(console, "try other families", families.size());
+  const DetectorOptions options = options_for_all(asked);
+  const auto threads = static_cast<std::size_t>(resolved(num_threads, images.size()));
+  std::vector<std::vector<Detection>> detections(images.size());
+  Progress progress(console, "try other families", images.size());
   std::mutex mutex;
-  parallel_for(threads)(families.size(), [&](std::size_t i) {
-    if (is_interrupted()) return;
-    all[i] = read_family(families[i], images, asked);
-    const std::lock_guard lock(mutex);
-    progress.advance();
+  parallel_for(static_cast<int>(threads))(threads, [&](std::size_t thread) {
+    Detector detector(options);
+    for (std::size_t i = thread; i < images.size() && !is_interrupted(); i += threads) {
+      detections[i] = detector.detect(images[i].view());
+      const std::lock_guard lock(mutex);
+      progress.advance();
+    }
   });
+  std::vector<FamilyReadings> all;
+  for (const std::string& family : options.families) {
+    if (std::ranges::find(asked.families, family) != asked.families.end()) continue;
+    ReadingsOfFamily readings;
+    for (const std::vector<Detection>& of_image : detections) readings.add(of_image, family);
+    all.push_back(readings.summarised(family));
+  }
   std::erase_if(all, [](const FamilyReadings& readings) { return readings.readings == 0; });
   return all;
 }

@@ -14,7 +14,8 @@ std::vector<Finding> find_all(const Facts& facts) {
   std::ranges::move(find_in_places(facts), std::back_inserter(all));
   std::ranges::move(find_in_sizes(facts), std::back_inserter(all));
   for (const RecordingFacts& recording : facts.recordings) {
-    for (const auto& find : {find_in_camera, find_in_lens, find_in_images, find_in_blur}) {
+    for (const auto& find :
+         {find_in_odd_pictures, find_in_camera, find_in_lens, find_in_images, find_in_blur}) {
       for (Finding& finding : find(recording)) {
         if (facts.recordings.size() > 1) finding.text = recording.input + ": " + finding.text;
         all.push_back(std::move(finding));
@@ -24,6 +25,10 @@ std::vector<Finding> find_all(const Facts& facts) {
   // Of two sizes said to be one camera's, one cannot but differ from the camera file's.
   if (std::ranges::find(all, "camera_sizes", &Finding::about) != all.end())
     std::erase_if(all, [](const Finding& finding) { return finding.about == "camera_resolution"; });
+  // Pictures that show tags the wrong way round have no need of sharper ones.
+  const bool has_odd_pictures = std::ranges::any_of(
+      facts.recordings, [](const RecordingFacts& one) { return one.odd_pictures.has_value(); });
+  if (has_odd_pictures) std::erase_if(all, [](const Finding& finding) { return finding.about == "no_tags"; });
   std::ranges::stable_sort(all, {}, &Finding::severity);
   return all;
 }

@@ -15,6 +15,7 @@
 #include "doctor_sample.h"
 #include "frame_loop.h"
 #include "inputs.h"
+#include "odd_picture_watch.h"
 #include "takes.h"
 
 namespace apriltrack::app {
@@ -40,7 +41,9 @@ bool is_clipped(const Detection& detection, const GrayView& image) {
 
 SeenTag seen_tag(const Detection& detection, const GrayView& image, const ResponseCurve& response) {
   constexpr double kBorder = 0.03;
-  SeenTag seen{.tag = detection.tag, .margin = detection.decision_margin.value_or(0.0)};
+  SeenTag seen{.tag = detection.tag,
+               .margin = detection.decision_margin.value_or(0.0),
+               .corrected_bits = detection.hamming.value_or(0)};
   seen.corners_px = detection.corners_px;
   for (std::size_t k = 0; k < kNumCorners; ++k) {
     const Eigen::Vector2d& corner = detection.corners_px[k];
@@ -117,19 +120,24 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
   source_options.log = console.log();
   source_options.camera_name = named.is_named ? named.camera : options.camera_name;
   const auto source = open_any(named.input, source_options, facts.tells_times);
+  OddPictureWatch watch;
   DetectorOptions detector = options.detector;
   if (facts.camera) detector.response = facts.camera->response;
   if (facts.camera) detector.camera_model = facts.camera->model;
-  EvenSample sample;
+  constexpr std::size_t kSampledFrames = 20;
+  EvenSample sample(kSampledFrames);
   const FrameCounts counts =
       detect_frames(*source, {detector, nullptr, options.num_threads, "look at " + named.input}, console,
                     [&](DetectedFrame frame) {
                       if (!frame.source.is_readable()) return;
                       sample.offer(frame.source.pixels.view());
+                      watch.add(frame.source.pixels.view(), frame.detections);
+                      facts.left_out.add(frame.left_out);
                       facts.frames.push_back(facts_of(frame, detector.response));
                     });
   facts.unreadable = counts.unreadable;
   is_interrupted = counts.is_interrupted;
+  if (!is_interrupted) facts.odd_pictures = watch.look(detector);
   if (!is_interrupted && options.tries_other_families) {
     facts.other_families = read_other_families(sample.images(), detector, options.num_threads, console);
     facts.sampled = sample.images().size();

@@ -150,6 +150,7 @@ nlohmann::json json_of(const RecordingFacts& recording) {
             {"frames_soft", blur.soft},
             {"frames_blurred", blur.blurred},
             {"frames_unread", blur.unread}}},
+          {"readings_left_out", recording.left_out.json()},
           {"frames_sampled", recording.sampled},
           {"other_families", families}};
 }

@@ -1,27 +1,33 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
 #include "apriltrack/image/image.h"
+#include "apriltrack/image/reduced.h"
 
 namespace apriltrack::app {
 
-/// A few images of many, evenly spread, though nobody knows beforehand how many there will be: whenever there
-/// are too many, every other one goes, and from then on only half as many are taken.
+/// Small copies of a few images of many, evenly spread, though nobody knows beforehand how many there will
+/// be: whenever there are too many, every other one goes, and from then on only half as many are taken.
 class EvenSample {
  public:
-  static constexpr std::size_t kMost = 20;
+  /// Enough to see which tags are there, if not the smallest: 1920 x 1080 is kept, 4000 x 3000 becomes
+  /// 1000 x 750.
+  static constexpr std::int64_t kMostPixels = 1 << 21;
+
+  /// most: even, and at least 2.
+  explicit EvenSample(std::size_t most) : most_(most) {}
 
   void offer(const GrayView& image) {
     if (num_offered_++ % step_ != 0) return;
-    if (images_.size() == kMost) {
+    if (images_.size() == most_) {
       halve();
       if ((num_offered_ - 1) % step_ != 0) return;
     }
-    images_.push_back(copy_of(image));
+    images_.push_back(reduced_copy(image, kMostPixels));
   }
 
   const std::vector<GrayImage>& images() const { return images_; }
@@ -33,12 +39,7 @@ class EvenSample {
     step_ *= 2;
   }
 
-  static GrayImage copy_of(const GrayView& image) {
-    GrayImage copy(image.width(), image.height());
-    for (int y = 0; y < image.height(); ++y) std::copy_n(image.row(y), image.width(), copy.row(y));
-    return copy;
-  }
-
+  std::size_t most_;
   std::vector<GrayImage> images_;
   std::size_t num_offered_ = 0;
   std::size_t step_ = 1;

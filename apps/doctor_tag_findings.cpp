@@ -8,9 +8,11 @@
 #include <functional>
 #include <map>
 
+#include "apriltrack/detect/chance_readings.h"
 #include "apriltrack/eval/statistics.h"
 #include "apriltrack/tags/tag_family.h"
 #include "doctor_findings.h"
+#include "odd_picture_watch.h"
 
 namespace apriltrack::app {
 namespace {
@@ -154,7 +156,7 @@ std::map<std::string, OtherFamily> other_families(const Facts& facts) {
   return others;
 }
 
-/// What was read as a family asked for, in all frames.
+/// What was read as a family asked for, without a corrected bit, in all frames.
 FamilyReadings asked_readings(const Facts& facts, const std::string& family) {
   FamilyReadings readings{.family = family};
   std::map<int, std::size_t> frames_of;
@@ -162,7 +164,7 @@ FamilyReadings asked_readings(const Facts& facts, const std::string& family) {
   for (const RecordingFacts& recording : facts.recordings) {
     for (const FrameFacts& frame : recording.frames) {
       for (const SeenTag& seen : frame.tags) {
-        if (seen.tag.family != family) continue;
+        if (seen.tag.family != family || seen.corrected_bits > 0) continue;
         margins.push_back(seen.margin);
         readings.frames_of_one_tag = std::max(readings.frames_of_one_tag, ++frames_of[seen.tag.id]);
       }
@@ -196,12 +198,9 @@ std::string told_family(const std::string& family, const OtherFamily& other) {
 }  // namespace
 
 bool is_surely_there(const FamilyReadings& readings, std::size_t sampled) {
-  // Were bits thrown like coins, this part of all quads would read as a code, in one of four turns.
-  const TagFamily& family = TagFamily::get(readings.family);
-  const double by_chance = std::ldexp(4.0 * family.num_codes(), -family.num_bits());
-  constexpr double kQuadsOfAFrame = 300.0;  // of a cluttered scene: more than most have
+  const double by_chance = chance_readings_per_frame(TagFamily::get(readings.family), 0);
   constexpr double kHardlyEver = 0.01;
-  if (kQuadsOfAFrame * static_cast<double>(sampled) * by_chance < kHardlyEver) return readings.readings > 0;
+  if (static_cast<double>(sampled) * by_chance < kHardlyEver) return readings.readings > 0;
   // Chance scatters over the ids, and what it reads has little contrast; a tag comes back.
   constexpr std::size_t kFewestFrames = 3;
   constexpr double kLeastMargin = 20.0;  // grey levels
@@ -240,6 +239,19 @@ std::vector<Finding> find_in_families(const Facts& facts) {
        fmt::format("no tag of {} in {} frames{}; tags must be sharp, with their white margin, and some 20 "
                    "px wide or more",
                    asked, frames, tried ? ", nor of any other family" : " (is another --family printed?)")}};
+}
+
+std::vector<Finding> find_in_odd_pictures(const RecordingFacts& recording) {
+  std::vector<Finding> findings;
+  if (const auto& odd = recording.odd_pictures)
+    findings.push_back({Severity::kStops,
+                        odd->are_mirrored && odd->are_inverted ? "mirrored_and_inverted"
+                        : odd->are_mirrored                    ? "mirrored"
+                                                               : "inverted",
+                        told(*odd)});
+  if (!recording.left_out.is_empty())
+    findings.push_back({Severity::kNote, "readings_left_out", recording.left_out.told()});
+  return findings;
 }
 
 namespace {

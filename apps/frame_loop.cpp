@@ -6,6 +6,7 @@
 #include <chrono>
 #include <deque>
 #include <thread>
+#include <utility>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
@@ -116,7 +117,7 @@ class BatchDetector {
 
   std::vector<DetectedFrame> detect(const std::vector<SourceFrame>& batch) {
     std::vector<DetectedFrame> detected;
-    for (const SourceFrame& frame : batch) detected.push_back({frame, {}});
+    for (const SourceFrame& frame : batch) detected.push_back({frame, {}, {}});
     parallel_for_(detectors_.size(), [&](std::size_t thread) {
       for (std::size_t i = thread; i < batch.size(); i += detectors_.size())
         if (batch[i].is_readable()) detect(detectors_[thread], detected[i]);
@@ -127,7 +128,9 @@ class BatchDetector {
  private:
   static void detect(Detector& detector, DetectedFrame& frame) {
     const auto start = std::chrono::steady_clock::now();
-    frame.detections = detector.detect(frame.source.pixels.view());
+    FoundTags found = detector.find(frame.source.pixels.view());
+    frame.detections = std::move(found.detections);
+    frame.left_out = std::move(found.left_out);
     frame.latency_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 

@@ -26,6 +26,7 @@ struct FrameLoopOptions {
 struct DetectedFrame {
   const SourceFrame& source;
   std::vector<Detection> detections;
+  std::vector<LeftOutTag> left_out;
   double latency_s = 0.0;  ///< From the decoded image to the detections, other threads at work beside it.
 };
 

@@ -97,6 +97,14 @@ CLI::Validator known_family() {
                  [](const std::string& text) { return TagFamily::is_known(text); });
 }
 
+void add_bits_option(CLI::App& command, std::optional<int>& bits) {
+  command
+      .add_option("--bits", bits,
+                  "Of 16-bit image files: how many bits count, 8 to 16; white is then 2^BITS - 1. By default "
+                  "as the pictures use them")
+      ->check(whole_number(8, 16));
+}
+
 void check_families(const std::vector<std::string>& families) {
   for (const std::string& name : families) {
     if (std::count(families.begin(), families.end(), name) > 1)

@@ -26,6 +26,9 @@ CLI::Validator decision_margin();
 CLI::Validator corrected_bits();
 CLI::Validator known_family();
 
+/// Adds --bits: how many of 16 bits count in image files.
+void add_bits_option(CLI::App& command, std::optional<int>& bits);
+
 /// Throws Error(kInvalidInput) when one of them is given twice.
 void check_families(const std::vector<std::string>& families);
 

@@ -16,6 +16,7 @@
 #include "exposure_check.h"
 #include "frame_loop.h"
 #include "inputs.h"
+#include "odd_picture_watch.h"
 #include "rig_detections.h"
 #include "track_methods.h"
 #include "track_options.h"
@@ -79,12 +80,15 @@ bool track_detections(const TrackArguments& arguments, const std::vector<FrameDe
 bool track_images(const TrackArguments& arguments, const Camera& camera, const Method& method,
                   TrackRecord& record, std::optional<TrackVideo>& video) {
   const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
-  const std::unique_ptr<FrameSource> source = open_source(
-      arguments.input,
-      {.rate_hz = arguments.rate_hz, .camera_name = arguments.camera_name, .log = arguments.console.log()});
+  const std::unique_ptr<FrameSource> source =
+      open_source(arguments.input, {.rate_hz = arguments.rate_hz,
+                                    .bits = arguments.bits,
+                                    .camera_name = arguments.camera_name,
+                                    .log = arguments.console.log()});
   const std::string exposure_of_camera =
       fmt::format("{}: {}.exposure_time", camera_file(arguments).string(), camera.name);
   ExposureCheck exposures(arguments.console);
+  OddPictureWatch watch;
   const auto track = [&](DetectedFrame detected) {
     const SourceFrame& image = detected.source;
     if (!image.is_readable()) {
@@ -102,11 +106,14 @@ bool track_images(const TrackArguments& arguments, const Camera& camera, const M
     result.detection_s += detected.latency_s;
     const FrameDetections frame{image.timestamp, camera.name,
                                 method.detector ? std::move(detected.detections) : result.detections};
+    record.were_left_out(method.detector ? detected.left_out : result.left_out);
+    watch.add(image.pixels.view(), frame.detections);
     record.add(frame, result, image.exposure_s);
     if (video) video->add(image, result);
   };
   const FrameCounts counts = detect_frames(*source, options, arguments.console, track);
   if (counts.are_all_blank()) record.found_all_blank();
+  if (const auto odd = watch.told(method.looks_for)) record.are_odd(*odd);
   return counts.is_interrupted;
 }
 
@@ -266,6 +273,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   warn_of_few_readings(record, map, arguments.console);
   warn_of_unseen_tags(record, arguments.console);
   warn_of_exposure(record, arguments.console);
+  if (record.has_pose() && !record.odd_pictures().empty()) arguments.console.warning(record.odd_pictures());
   const bool with_frame_log = writes_frame_log(arguments, record);
   write_outputs(arguments,
                 {command_line_of(command), arguments, camera_file(arguments), map_file(arguments), camera,

@@ -13,7 +13,8 @@ namespace {
 
 Method pnp_method(const MethodOptions& options, const Camera& camera, const TagMap& map) {
   const auto localizer = std::make_shared<Localizer>(camera, map, options.localizer);
-  return {localizer->detector_options(), [=](const Frame& frame, const std::vector<Detection>& detections) {
+  return {localizer->detector_options(), localizer->detector_options(),
+          [=](const Frame& frame, const std::vector<Detection>& detections) {
             return localizer->localize({frame.timestamp, "", detections}, frame.exposure_s);
           }};
 }
@@ -26,7 +27,8 @@ Method paper_method(const MethodOptions& given, const Camera& camera, const TagM
   options.filter.seed = given.seed;
   options.num_threads = given.num_threads;
   const auto tracker = std::make_shared<PaperTracker>(camera, map, options);
-  return {tracker->detector_options(), [=](const Frame& frame, const std::vector<Detection>& detections) {
+  return {tracker->detector_options(), tracker->detector_options(),
+          [=](const Frame& frame, const std::vector<Detection>& detections) {
             return tracker->track(frame, detections);
           }};
 }
@@ -49,7 +51,8 @@ Method blur_method(const MethodOptions& given, const Camera& camera, const TagMa
   const auto has_warned = std::make_shared<bool>(camera.exposure_s.has_value());
   tracker->prepare();
   return {
-      std::nullopt, [=, &console](const Frame& frame, const std::vector<Detection>&) {
+      std::nullopt, tracker->detector_options(),
+      [=, &console](const Frame& frame, const std::vector<Detection>&) {
         if (!frame.exposure_s && !*has_warned) {
           console.warning(fmt::format(
               "no exposure is known: {} s is assumed until the motion tells; blur fits the worse the more it "

@@ -25,6 +25,7 @@ struct MethodOptions {
 /// A way to track: what it detects with, and what it makes of a frame.
 struct Method {
   std::optional<DetectorOptions> detector;  ///< None: it looks for tags itself, where it needs them.
+  DetectorOptions looks_for;                ///< What it detects with in either case.
   /// detections: empty without a detector.
   std::function<TrackResult(const Frame&, const std::vector<Detection>&)> track;
 };

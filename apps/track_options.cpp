@@ -56,7 +56,8 @@ void check_track_arguments(const CLI::App& command, const TrackArguments& argume
       throw invalid_input("--detections",
                           fmt::format("is for --method pnp: '{}' looks at images", arguments.method()));
     }
-    refuse_beside_detections(command, {"--rate", "--decimate", "--min-margin", "--max-hamming", "--video"});
+    refuse_beside_detections(command,
+                             {"--rate", "--bits", "--decimate", "--min-margin", "--max-hamming", "--video"});
   }
   refuse_options_of_other_methods(command, arguments.method());
   if (!arguments.input.empty()) check_input(arguments.input);
@@ -113,6 +114,7 @@ void add_track_options(CLI::App& command, TrackArguments& arguments) {
                      "Web page about the run, one file: how far it can be trusted, where not, and why");
   command.add_option("--rate", arguments.rate_hz, "Frames a second, for images whose names are no times")
       ->check(rate());
+  add_bits_option(command, arguments.bits);
   command
       .add_option("--threads", arguments.options.num_threads,
                   "Frames looked at side by side; 0: one per core, 8 at most. Changes no pose, but latencies "
@@ -126,9 +128,9 @@ void add_track_options(CLI::App& command, TrackArguments& arguments) {
       ->capture_default_str();
   command
       .add_option("--max-hamming", arguments.options.localizer.detector.max_hamming,
-                  "Most corrected bits of a tag")
-      ->check(corrected_bits())
-      ->capture_default_str();
+                  "Wrong bits that may be corrected, 0 to 2; default: by how often chance reads the family's "
+                  "codes (2 for tag36h11, 0 for tag16h5)")
+      ->check(corrected_bits());
   command
       .add_option("--decimate", arguments.options.localizer.detector.decimate,
                   "Search in an image this many times smaller: faster, but small tags are missed")

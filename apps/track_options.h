@@ -25,6 +25,7 @@ struct TrackArguments {
   std::string video;
   std::string report;
   std::optional<double> rate_hz;
+  std::optional<int> bits;  ///< As SourceOptions'.
   MethodOptions options;
   Console console;
 

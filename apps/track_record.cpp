@@ -150,10 +150,12 @@ std::string TrackRecord::doubt_of_readings(const TagMap& map) const {
 
 std::string TrackRecord::why_no_pose(const TagMap& map) const {
   if (are_all_blank_) return told_of_blank_images(rows_.size() - num_unreadable_);
+  if (!odd_pictures_.empty()) return odd_pictures_;
   if (std::string doubt = doubt_of_readings(map); !doubt.empty()) return doubt;
   const std::set<TagKey> seen = read_tags();
   std::string why = why_without_pose(MapContents(map), seen, num_lost(), lost_reasons_);
   // The edges of their tags may be smeared over more pixels than the search spans.
+  if (seen.empty()) why += left_out_.told_after();
   if (seen.empty() && searches_large_images_) why += " The images are large: try --decimate 4";
   return why;
 }
@@ -206,6 +208,7 @@ nlohmann::json TrackRecord::summary() const {
                             {"unreadable", num_unreadable_},
                             {"lost_reasons", lost_reasons_},
                             {"tags_seen", frames_by_tag_.size()},
+                            {"readings_left_out", left_out_.json()},
                             {"mapped_tags_in_view_never_seen", never_seen_tags().size()},
                             {"latency_p50_ms", latency_ms(0.50)},
                             {"latency_p99_ms", latency_ms(0.99)}};

@@ -4,6 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "apriltrack/eval/trajectory.h"
 #include "apriltrack/tags/tag_map.h"
 #include "apriltrack/tracker/track_result.h"
+#include "left_out_tags.h"
 
 namespace apriltrack::app {
 
@@ -30,6 +32,11 @@ class TrackRecord {
   void add_unreadable(Timestamp timestamp);
   /// An image in which tags are looked for, `decimate` times smaller.
   void searches(int image_width_px, double decimate);
+
+  void were_left_out(std::span<const LeftOutTag> tags) { left_out_.add(tags); }
+  /// Pictures in which hardly a tag is read, and what is wrong with them.
+  void are_odd(const std::string& told) { odd_pictures_ = told; }
+  const std::string& odd_pictures() const { return odd_pictures_; }
 
   /// That no image shows anything.
   void found_all_blank() { are_all_blank_ = true; }
@@ -99,6 +106,8 @@ class TrackRecord {
   std::map<TagKey, int> frames_in_view_;     ///< Of mapped tags that poses put into the image.
   std::map<std::string, int> lost_reasons_;  ///< Frames without a pose, by cause.
   std::size_t num_unreadable_ = 0;
+  LeftOutTags left_out_;
+  std::string odd_pictures_;
   bool searches_large_images_ = false;
   bool are_all_blank_ = false;
 };

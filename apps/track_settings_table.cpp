@@ -53,7 +53,8 @@ HtmlTable settings_table(const TrackRun& run) {
   add("threads",
       options.num_threads == 0 ? "one per core, 8 at most" : fmt::format("{}", options.num_threads));
   add("least decision margin", fmt::format("{:g}", detector.min_decision_margin));
-  add("most corrected bits", fmt::format("{}", detector.max_hamming));
+  add("most corrected bits",
+      detector.max_hamming ? fmt::format("{}", *detector.max_hamming) : "by the family");
   add("search in an image smaller by", fmt::format("{:g}", detector.decimate));
   return table;
 }

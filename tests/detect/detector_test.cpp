@@ -137,13 +137,24 @@ TEST(Detector, TakesImagesOfAnySize) {
 
 TEST(Detector, LeavesOutATagThatTheImageCuts) {
   const TagPattern pattern = TagFamily::get("tag36h11").pattern(8);
-  // The left border's outer half cell lies outside: the library takes the image's end for the tag's edge.
-  const PlaneView view(500.0, {38.0, 60.0}, 0.6, 0.0, 0.0, 0.02);
+  // The left border's outer part lies outside: the library takes the image's end for the tag's edge.
+  const PlaneView view(500.0, {40.0, 60.0}, 0.6, 0.0, 0.0, 0.02);
   const GrayImage image = test::render_plane(
       120, 120, view,
       [&](double x, double y) { return pattern.brightness(2.0 * x / kTagSize_m, 2.0 * y / kTagSize_m); }, {});
   Detector detector({});
   EXPECT_TRUE(detector.detect(image.view()).empty());
+  const FoundTags found = detector.find(image.view());
+  EXPECT_TRUE(found.detections.empty());
+  ASSERT_EQ(found.left_out.size(), 1U) << "but it says so";
+  EXPECT_EQ(found.left_out[0].reading.tag, (TagKey{"tag36h11", 8}));
+  EXPECT_EQ(found.left_out[0].reason, LeftOutReason::kEdgesNotFitted);
+}
+
+TEST(Detector, LeavesNothingOutOfAGoodPicture) {
+  const FoundTags found = Detector({}).find(render_nine(0.002).view());
+  EXPECT_EQ(found.detections.size(), 9U);
+  EXPECT_TRUE(found.left_out.empty());
 }
 
 std::string refusal_of(const DetectorOptions& options) {

@@ -189,9 +189,11 @@ TEST(DoctorTags, ManyAreNotAllNamed) {
   EXPECT_THAT(findings[0].text, HasSubstr("and 12 more"));
 }
 
-/// Readings of a family in 20 frames.
-Facts with_other(const std::vector<std::vector<int>>& ids, const FamilyReadings& other) {
+/// Readings of a family in so many frames.
+Facts with_other(const std::vector<std::vector<int>>& ids, const FamilyReadings& other,
+                 std::size_t sampled = 20) {
   RecordingFacts film = recording(ids);
+  film.sampled = sampled;
   film.other_families = {other};
   return facts_of(film);
 }
@@ -214,18 +216,21 @@ TEST(DoctorFamilies, AnotherOneBesidesIsAWarning) {
 }
 
 TEST(DoctorFamilies, ChanceReadingsOfFewBitsAreNone) {
+  constexpr std::size_t kFrames = 400;                         // 0.04 chance readings are expected
   const FamilyReadings scattered{"tag16h5", 30, 18, 3, 40.0};  // over 30 ids
-  const FamilyReadings faint{"tag16h5", 30, 18, 18, 9.0};      // one shadow, frame after frame
+  const FamilyReadings faint{"tag16h5", 130, 118, 118, 9.0};   // one shadow, frame after frame
   for (const FamilyReadings& chance : {scattered, faint}) {
-    EXPECT_FALSE(is_surely_there(chance, 20));
-    EXPECT_THAT(find_in_families(with_other(frames_of(20, {1}), chance)), IsEmpty());
-    EXPECT_THAT(abouts(find_in_families(with_other(frames_of(20, {}), chance))), ElementsAre("no_tags"));
+    EXPECT_FALSE(is_surely_there(chance, kFrames));
+    EXPECT_THAT(find_in_families(with_other(frames_of(20, {1}), chance, kFrames)), IsEmpty());
+    EXPECT_THAT(abouts(find_in_families(with_other(frames_of(20, {}), chance, kFrames))),
+                ElementsAre("no_tags"));
   }
-  EXPECT_TRUE(is_surely_there({"tag16h5", 30, 18, 17, 40.0}, 20));
+  EXPECT_TRUE(is_surely_there({"tag16h5", 130, 118, 117, 40.0}, kFrames));
+  EXPECT_TRUE(is_surely_there({"tag16h5", 1, 1, 1, 40.0}, 20)) << "0.002 are expected";
 }
 
 TEST(DoctorFamilies, WhatMayBeChanceOfTheFamilyAskedForIsTold) {
-  RecordingFacts film = recording(frames_of(40, {}));
+  RecordingFacts film = recording(frames_of(400, {}));
   for (const std::size_t i : {3u, 9u, 20u, 33u})
     film.frames[i].tags = {{.tag = {"tag16h5", static_cast<int>(i)}, .edge_px = 30.0, .margin = 40.0}};
   Facts facts = facts_of(film);
@@ -236,6 +241,31 @@ TEST(DoctorFamilies, WhatMayBeChanceOfTheFamilyAskedForIsTold) {
   for (FrameFacts& one : facts.recordings[0].frames)
     one.tags = {{.tag = {"tag16h5", 7}, .edge_px = 30.0, .margin = 40.0}};
   EXPECT_THAT(find_in_families(facts), IsEmpty());
+}
+
+TEST(DoctorOddPictures, AreToldInPlaceOfTagsThatAreNotThere) {
+  Facts facts = facts_of(recording(frames_of(20, {})));
+  facts.recordings[0].odd_pictures = OddPictures{.are_mirrored = true, .tags = {tag36(3), tag36(4)}};
+  auto findings = find_all(facts);
+  ASSERT_FALSE(findings.empty());
+  EXPECT_EQ(findings[0].about, "mirrored");
+  EXPECT_EQ(findings[0].severity, Severity::kStops);
+  EXPECT_THAT(findings[0].text, HasSubstr("tags are read in their mirror image (tag36h11/3 and 1 more)"));
+  EXPECT_EQ(std::ranges::count(findings, "no_tags", &Finding::about), 0);
+  facts.recordings[0].odd_pictures = OddPictures{.are_inverted = true, .tags = {tag36(3)}};
+  findings = find_all(facts);
+  EXPECT_EQ(findings[0].about, "inverted");
+  EXPECT_THAT(findings[0].text, HasSubstr("print tags black on white"));
+}
+
+TEST(DoctorLeftOut, ReadingsAreANote) {
+  Facts facts = facts_of(recording(frames_of(20, {1, 2})));
+  facts.recordings[0].left_out.add(
+      std::vector<LeftOutTag>{{{tag36(8), {}, 0, 90.0}, LeftOutReason::kEdgesNotFitted}});
+  const auto findings = find_all(facts);
+  ASSERT_THAT(abouts(findings), ElementsAre("readings_left_out"));
+  EXPECT_EQ(findings[0].severity, Severity::kNote);
+  EXPECT_THAT(findings[0].text, HasSubstr("1 reading of a tag (tag36h11/8) was left out because the edges"));
 }
 
 TEST(DoctorFamilies, OneReadingOfManyBitsIsEnough) {

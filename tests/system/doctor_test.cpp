@@ -1,10 +1,13 @@
 // `doctor` on recordings each of which has one fault, put there on purpose.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "apriltrack/source/image_file.h"
@@ -169,6 +172,44 @@ TEST_F(Doctor, TakesNoFamilyForAnother) {
   EXPECT_EQ(nlohmann::json::parse(run.out)["findings"], nlohmann::json::array());
 }
 
+/// As selfie cameras do.
+GrayImage mirrored(GrayImage image) {
+  for (int y = 0; y < image.height(); ++y) std::reverse(image.row(y), image.row(y) + image.width());
+  return image;
+}
+
+/// A map that has one of the painted tags.
+constexpr const char* kMap =
+    "apriltrack_map: 1\nframe: world\ndefault_family: tag36h11\ntags:\n  - id: 1\n    size: 0.16\n    pose:\n"
+    "      position: {x: 0.0, y: 0.0, z: 0.0}\n      orientation: {x: 0.0, y: 0.0, z: 0.0, w: 1.0}\n";
+
+TEST_F(Doctor, AndAllThatDetectSayThatPicturesAreMirrored) {
+  film(4, mirrored(paint(kThreeTags)));
+  write_text(path("map.yaml"), kMap);
+  const auto input = folder_.string();
+  const std::string says = "the pictures are mirrored: tags are read in their mirror image (tag36h11/1";
+  const ProgramRun doctor = look();
+  EXPECT_EQ(doctor.status, 1);
+  EXPECT_THAT(doctor.out, HasSubstr("will not calibrate: " + says));
+  EXPECT_EQ(doctor.out.find("no tag of"), std::string::npos) << doctor.out;
+  EXPECT_THAT(run_program({"detect", input, "--output", path("d.csv")}), EndsWith(1, says));
+  EXPECT_THAT(run_program({"calibrate", input, "--tag-size", "0.1", "--output", path("m.yaml")}),
+              EndsWith(1, says));
+  EXPECT_THAT(run_program({"track", input, "--output", path("o.tum")}), EndsWith(1, says));
+  EXPECT_THAT(run_program({"track", input, "--method", "pnp", "--output", path("o.tum")}), EndsWith(1, says));
+}
+
+TEST_F(Doctor, SaysThatTagsAreLightOnDark) {
+  GrayImage picture = paint(kThreeTags);
+  for (int y = 0; y < picture.height(); ++y)
+    for (int x = 0; x < picture.width(); ++x) picture(x, y) = static_cast<std::uint8_t>(255 - picture(x, y));
+  film(4, picture);
+  EXPECT_THAT(look().out,
+              HasSubstr("the tags are light on dark: they are read in the negative of the pictures"));
+  const ProgramRun machine = look({"--json"});
+  EXPECT_EQ(nlohmann::json::parse(machine.out)["findings"][0]["about"], "inverted");
+}
+
 TEST_F(Doctor, TellsOfGroupsThatNoFrameJoins) {
   film(8, paint({{"tag36h11", 1, 0}, {"tag36h11", 2, 1}}));
   film(8, paint({{"tag36h11", 3, 0}, {"tag36h11", 4, 1}}));
@@ -246,6 +287,59 @@ TEST_F(Doctor, WrongInputsAre2And3) {
 TEST_F(Doctor, TheNumberOfThreadsChangesNothing) {
   film(9, paint(kThreeTags));
   EXPECT_EQ(look({"--json", "--threads", "1"}).out, look({"--json", "--threads", "3"}).out);
+}
+
+/// Of `picture`, with numbers from `black` on, `per_level` apart.
+void write_sixteen_bits(const fs::path& file, const GrayImage& picture, int black, int per_level) {
+  // Binary PGM with 65535 as the largest value: as little known of its bits as of a PNG file's.
+  std::string bytes = fmt::format("P5\n{} {}\n65535\n", picture.width(), picture.height());
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      const int value = black + per_level * picture(x, y);
+      bytes += static_cast<char>(value >> 8);
+      bytes += static_cast<char>(value & 0xFF);
+    }
+  }
+  write_text(file, bytes);
+}
+
+TEST_F(Doctor, AndDetectReadTenBitsAndTemperatures) {
+  for (const auto& [black, says] : {std::pair(0, "10 bits (0 to 1023)"), {7000, "the range 6"}}) {
+    for (int i = 0; i < 3; ++i)
+      write_sixteen_bits(folder_ / "frames" / (std::to_string(1'000'000'000 + 100'000'000LL * i) + ".pgm"),
+                         seen_in_passing(paint(kThreeTags), i), black, 4);
+    EXPECT_THAT(look().out, HasSubstr("all 3 tags are joined"));
+    const ProgramRun run = run_program({"detect", folder_.string(), "--json", "--output", path("d.csv")});
+    ASSERT_EQ(run.status, 0) << run.err;
+    EXPECT_THAT(run.err, HasSubstr(says));
+    const auto told = nlohmann::json::parse(run.out);
+    EXPECT_EQ(told["detections"], 9);
+    EXPECT_EQ(told["readings_left_out"], nlohmann::json::array());
+  }
+  EXPECT_THAT(look({"--bits", "16"}).out, HasSubstr("no tag of tag36h11")) << "which is as dark as it says";
+  EXPECT_THAT(look({"--bits", "17"}), EndsWith(2, "--bits"));
+}
+
+TEST_F(Doctor, AndDetectTellOfTagsThatWereReadAndLeftOut) {
+  // The pictures end here and there within the first tag's border: where there is enough of it the tag is
+  // read, but its edge is the picture's end.
+  const GrayImage whole = paint(kThreeTags);
+  for (int i = 0; i < 16; ++i) {
+    const int cut_px = 44 + i;
+    GrayImage cut(whole.width() - cut_px, whole.height());
+    for (int y = 0; y < cut.height(); ++y) std::copy_n(whole.row(y) + cut_px, cut.width(), cut.row(y));
+    write_image(folder_ / "frames" / (std::to_string(1'000'000'000LL * (i + 1)) + ".png"), cut.view());
+  }
+  const ProgramRun run = run_program({"detect", folder_ / "frames", "--json", "--output", path("d.csv")});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const auto told = nlohmann::json::parse(run.out);
+  ASSERT_EQ(told["readings_left_out"].size(), 1U) << run.out;
+  EXPECT_EQ(told["readings_left_out"][0]["reason"], "edges_not_fitted");
+  EXPECT_GE(told["readings_left_out"][0]["readings"], 1);
+  EXPECT_EQ(told["readings_left_out"][0]["tags"], nlohmann::json::array({"tag36h11/1"}));
+  const ProgramRun doctor = run_program({"doctor", folder_ / "frames", "--no-other-families"});
+  EXPECT_THAT(doctor.out, HasSubstr("(tag36h11/1) w"));
+  EXPECT_THAT(doctor.out, HasSubstr(" left out because the edges could not be fitted"));
 }
 
 }  // namespace

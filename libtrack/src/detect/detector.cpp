@@ -8,6 +8,7 @@
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
+#include "apriltrack/detect/chance_readings.h"
 #include "apriltrack/tags/tag_family.h"
 #include "corner_refinement.h"
 #include "joined_borders.h"
@@ -15,6 +16,7 @@
 #include "library_detector.h"
 #include "light_sampler.h"
 #include "merge.h"
+#include "pattern_correlation.h"
 #include "pattern_fit.h"
 #include "two_cell_border.h"
 
@@ -37,6 +39,14 @@ void check_decimate(double decimate) {
     refuse("decimate", fmt::format("{}", decimate), "1, 1.5, or a whole number from 2 to 8");
 }
 
+/// With the corrected bits up to which a reading is looked at.
+std::vector<LibraryDetector::Family> families_of(const DetectorOptions& options) {
+  std::vector<LibraryDetector::Family> families;
+  for (const std::string& name : options.families)
+    families.push_back({name, options.max_hamming.value_or(corrected_bits_by_picture(TagFamily::get(name)))});
+  return families;
+}
+
 }  // namespace
 
 void DetectorOptions::check() const {
@@ -49,22 +59,23 @@ void DetectorOptions::check() const {
   check_decimate(decimate);
   if (!(min_decision_margin >= 0.0 && min_decision_margin <= 255.0))
     refuse("min_decision_margin", fmt::format("{}", min_decision_margin), "in [0, 255]");
-  if (!(max_hamming >= 0 && max_hamming <= kMaxHamming))
-    refuse("max_hamming", fmt::format("{}", max_hamming), "in [0, 2]");
+  if (max_hamming && !(*max_hamming >= 0 && *max_hamming <= kMaxHamming))
+    refuse("max_hamming", fmt::format("{}", *max_hamming), "in [0, 2]");
 }
 
 class Detector::Implementation {
  public:
   explicit Implementation(const DetectorOptions& options)
       : options_((options.check(), options)),
-        library_(options.families, options.refine_edges),
+        families_(families_of(options)),
+        library_(families_, options.refine_edges),
         has_grids_(std::ranges::find(options.families, kGridFamily) != options.families.end()) {
     library_pixel_offset();  // measured here, once, lest the first image wait for it
   }
 
   const DetectorOptions& options() const { return options_; }
 
-  std::vector<Detection> detect(const GrayView& image) { return localised(image, find(image)); }
+  FoundTags find(const GrayView& image) { return localised(image, candidates_in(image)); }
 
   std::vector<Detection> detect_in(const GrayView& image, std::span<const TagRegion> regions,
                                    double decimate) {
@@ -81,7 +92,7 @@ class Detector::Implementation {
         candidates.push_back(std::move(candidate));
       }
     }
-    return localised(image, std::move(candidates));
+    return localised(image, std::move(candidates)).detections;
   }
 
  private:
@@ -90,22 +101,27 @@ class Detector::Implementation {
     std::optional<CornerCovariance> covariance_px2;
   };
 
-  std::vector<Detection> localised(const GrayView& image, std::vector<Candidate> candidates) {
-    std::vector<Detection> detections;
+  FoundTags localised(const GrayView& image, std::vector<Candidate> candidates) {
+    FoundTags found;
     if (has_grids_) drop_one_cell_borders(image, &candidates);
     for (const Candidate& candidate : merge_same_quads(std::move(candidates))) {
       const std::optional<Corners> corners = localise(image, candidate);
-      if (!corners) continue;
-      detections.push_back(candidate.detection);
-      detections.back().corners_px = corners->px;
-      detections.back().covariance_px2 = corners->covariance_px2;
+      if (!corners || !is_beyond_chance(image, candidate.detection, corners->px)) {
+        found.left_out.push_back(
+            {candidate.detection, corners ? LeftOutReason::kMayBeChance : LeftOutReason::kEdgesNotFitted});
+        continue;
+      }
+      found.detections.push_back(candidate.detection);
+      found.detections.back().corners_px = corners->px;
+      found.detections.back().covariance_px2 = corners->covariance_px2;
     }
-    sort_detections(detections);
-    return detections;
+    sort_detections(found.detections);
+    sort_left_out(found.left_out);
+    return found;
   }
 
   /// Finding in linear light alone loses dark tags, in the raw image alone blurred ones: both, each tag once.
-  std::vector<Candidate> find(const GrayView& image) {
+  std::vector<Candidate> candidates_in(const GrayView& image) {
     std::vector<Candidate> candidates;
     const bool is_linear = options_.response.is_linear();
     find_in(image, is_linear, &candidates);
@@ -163,7 +179,8 @@ class Detector::Implementation {
       // A chance code is a thousand times likelier with two wrong bits than with none (sum of C(36, k)
       // patterns).
       const double min_margin = options_.min_decision_margin * (1 + found.hamming);
-      if (found.hamming > options_.max_hamming || found.decision_margin < min_margin) continue;
+      if (found.hamming > families_[found.family_index].corrected_bits || found.decision_margin < min_margin)
+        continue;
       candidates->push_back({{{options_.families[found.family_index], found.id},
                               found.corners_px,
                               found.hamming,
@@ -181,6 +198,17 @@ class Detector::Implementation {
       const TagKey& tag = candidate.detection.tag;
       return tag.family == kGridFamily && !has_two_cell_border(light, tag.id, candidate.detection.corners_px);
     });
+  }
+
+  /// Where random bits read as the family's codes too often, the picture must show the tag's cells, too. Who
+  /// lets more bits be corrected than that would allow takes the risk.
+  bool is_beyond_chance(const GrayView& image, const Detection& detection, const Quad& corners_px) const {
+    const TagFamily& family = TagFamily::get(detection.tag.family);
+    const bool is_risk_taken = options_.max_hamming.value_or(0) > corrected_bits_by_picture(family);
+    if (is_risk_taken || detection.hamming.value_or(0) <= corrected_bits_by_code(family)) return true;
+    const LightSampler light(image, options_.response);
+    return pattern_correlation(light, family.pattern(detection.tag.id), family.has_reversed_border(),
+                               corners_px, kLeastPatternCorrelation) >= kLeastPatternCorrelation;
   }
 
   /// Quads found in linear light are nearer to the truth, so they are tried first. nullopt when no start
@@ -214,6 +242,7 @@ class Detector::Implementation {
   }
 
   DetectorOptions options_;
+  std::vector<LibraryDetector::Family> families_;
   LibraryDetector library_;
   bool has_grids_;
 };
@@ -225,7 +254,11 @@ Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
 
 std::vector<Detection> Detector::detect(const GrayView& image) {
-  return implementation_->detect(image);
+  return implementation_->find(image).detections;
+}
+
+FoundTags Detector::find(const GrayView& image) {
+  return implementation_->find(image);
 }
 
 std::vector<Detection> Detector::detect_in(const GrayView& image, std::span<const TagRegion> regions,

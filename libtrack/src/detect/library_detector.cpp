@@ -48,15 +48,15 @@ struct LibraryDetector::State {
   std::vector<NativeDetector> of_one;  ///< By family; they use the same decoding tables.
 };
 
-LibraryDetector::LibraryDetector(const std::vector<std::string>& families, bool refine_edges)
+LibraryDetector::LibraryDetector(const std::vector<Family>& families, bool refine_edges)
     : state_(std::make_unique<State>()) {
   state_->of_all = State::make_detector(refine_edges);
-  for (const std::string& name : families) {
+  for (const auto& [name, corrected_bits] : families) {
     state_->families.push_back(make_native_family(name));
     state_->of_one.push_back(State::make_detector(refine_edges));
-    const int max_corrected_bits = TagFamily::get(name).max_corrected_bits();
+    const int bits = std::min(corrected_bits, TagFamily::get(name).max_corrected_bits());
     for (apriltag_detector_t* detector : {state_->of_all.get(), state_->of_one.back().get()})
-      apriltag_detector_add_family_bits(detector, state_->families.back().get(), max_corrected_bits);
+      apriltag_detector_add_family_bits(detector, state_->families.back().get(), bits);
   }
 }
 
@@ -135,7 +135,7 @@ double measure_library_pixel_offset() {
   constexpr int kSide_px = 80;
   constexpr double kHalfSize_px = 24.3;
   const TagPattern pattern = TagFamily::get("tag36h11").pattern(0);
-  LibraryDetector detector({"tag36h11"}, true);
+  LibraryDetector detector({{"tag36h11", 0}}, true);
   double sum = 0.0;
   int count = 0;
   for (int i = 0; i < 4; ++i) {

@@ -33,8 +33,16 @@ class LibraryDetector {
  public:
   static constexpr int kLibrarysLeastContrast = 5;
 
-  /// Throws Error(kInvalidInput) for a name that is no family.
-  LibraryDetector(const std::vector<std::string>& families, bool refine_edges);
+  /// A family, and how many wrong bits of its codes are corrected: decoding tables take up to 400 MB for one
+  /// bit of the largest families, a few MB for none.
+  struct Family {
+    std::string name;
+    int corrected_bits = 0;
+  };
+
+  /// Throws Error(kInvalidInput) for a name that is no family. No more bits are corrected than
+  /// TagFamily::max_corrected_bits() says.
+  LibraryDetector(const std::vector<Family>& families, bool refine_edges);
   ~LibraryDetector();
   LibraryDetector(LibraryDetector&&) noexcept;
   LibraryDetector& operator=(LibraryDetector&&) noexcept;

@@ -4,6 +4,8 @@
 #include <tuple>
 #include <utility>
 
+#include "apriltrack/tags/tag_family.h"
+
 namespace apriltrack {
 namespace {
 
@@ -13,6 +15,12 @@ Eigen::Vector2d centre_of(const Detection& detection) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& corner : detection.corners_px) sum += corner;
   return sum / kNumCorners;
+}
+
+bool is_before(const Detection& a, const Detection& b) {
+  const Eigen::Vector2d centre_a = centre_of(a);
+  const Eigen::Vector2d centre_b = centre_of(b);
+  return std::tie(a.tag, centre_a.x(), centre_a.y()) < std::tie(b.tag, centre_b.x(), centre_b.y());
 }
 
 double mean_edge(const Detection& detection) {
@@ -50,7 +58,9 @@ bool is_same_quad(const Detection& a, const Detection& b) {
 
 std::vector<Candidate> merge_same_quads(std::vector<Candidate> candidates) {
   const auto rank = [](const Candidate& c) {
-    return std::pair(c.detection.hamming.value_or(0), -c.detection.decision_margin.value_or(0.0));
+    const TagFamily& family = TagFamily::get(c.detection.tag.family);
+    return std::pair(family.chance_of_reading(c.detection.hamming.value_or(0)),
+                     -c.detection.decision_margin.value_or(0.0));
   };
   std::stable_sort(candidates.begin(), candidates.end(),
                    [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
@@ -70,11 +80,12 @@ std::vector<Candidate> merge_same_quads(std::vector<Candidate> candidates) {
 }
 
 void sort_detections(std::vector<Detection>& detections) {
-  std::stable_sort(detections.begin(), detections.end(), [](const Detection& a, const Detection& b) {
-    const Eigen::Vector2d centre_a = centre_of(a);
-    const Eigen::Vector2d centre_b = centre_of(b);
-    return std::tie(a.tag, centre_a.x(), centre_a.y()) < std::tie(b.tag, centre_b.x(), centre_b.y());
-  });
+  std::stable_sort(detections.begin(), detections.end(), is_before);
+}
+
+void sort_left_out(std::vector<LeftOutTag>& tags) {
+  std::stable_sort(tags.begin(), tags.end(),
+                   [](const LeftOutTag& a, const LeftOutTag& b) { return is_before(a.reading, b.reading); });
 }
 
 }  // namespace apriltrack

@@ -25,12 +25,17 @@ constexpr int kMaxCameraNumber = 255;
 // Frames are at least a microsecond apart, and nine million of them fit into 64 bits of nanoseconds.
 constexpr double kMinRate_hz = 1e-3;
 constexpr double kMaxRate_hz = 1e6;
+constexpr int kMinBits = 8;
+constexpr int kMaxBits = 16;
 
 void check_options(const SourceOptions& options) {
   if (options.rate_hz && !(*options.rate_hz >= kMinRate_hz && *options.rate_hz <= kMaxRate_hz)) {
     throw invalid_input("--rate", fmt::format("must be in [{:g}, {:g}] frames a second (is {})", kMinRate_hz,
                                               kMaxRate_hz, *options.rate_hz));
   }
+  if (options.bits && !(*options.bits >= kMinBits && *options.bits <= kMaxBits))
+    throw invalid_input("--bits",
+                        fmt::format("must be in [{}, {}] (is {})", kMinBits, kMaxBits, *options.bits));
   if (options.step < 1) throw invalid_input("--step", "must be at least 1 (is 0)");
 }
 
@@ -44,16 +49,17 @@ std::unique_ptr<SkippableSource> open_camera(const std::string& input, std::stri
   return open_live_camera(static_cast<int>(*number), input);
 }
 
-std::unique_ptr<SkippableSource> list_source(const std::string& input, std::vector<ImageEntry> entries) {
-  return std::make_unique<ImageListSource>(input, std::move(entries));
+std::unique_ptr<SkippableSource> list_source(const std::string& input, std::vector<ImageEntry> entries,
+                                             const SourceOptions& options) {
+  return std::make_unique<ImageListSource>(input, std::move(entries), options);
 }
 
 std::unique_ptr<SkippableSource> open_folder(const std::string& input, const SourceOptions& options) {
   if (is_sequence_folder(input))
-    return list_source(input, list_sequence(input, options.rate_hz, options.log));
+    return list_source(input, list_sequence(input, options.rate_hz, options.log), options);
   if (const auto camera = find_euroc_camera(input, options.camera_name))
-    return list_source(input, list_euroc_camera(*camera));
-  return list_source(input, list_image_folder(input, options.rate_hz));
+    return list_source(input, list_euroc_camera(*camera), options);
+  return list_source(input, list_image_folder(input, options.rate_hz), options);
 }
 
 /// The first bytes of a file, if it can be read at all.
@@ -76,7 +82,7 @@ bool is_text(const std::string& start) {
 
 std::unique_ptr<SkippableSource> open_file(const std::string& input, const SourceOptions& options) {
   const std::string start = read_start(input);
-  if (has_image_ending(input)) return list_source(input, list_single_image(input));
+  if (has_image_ending(input)) return list_source(input, list_single_image(input), options);
   if (start.empty()) throw io_error(input, "the file is empty (0 bytes)");
   if (is_text(start)) throw io_error(input, "is a text file, neither an image nor a video");
   return open_video(input, options.rate_hz, options.log);
@@ -93,7 +99,7 @@ std::unique_ptr<SkippableSource> open_any(const std::string& input, const Source
   const fs::file_status status = fs::status(input, error);
   if (fs::is_directory(status)) return open_folder(input, options);
   if (fs::exists(status)) return open_file(input, options);
-  if (is_glob(input)) return list_source(input, list_glob(input, options.rate_hz));
+  if (is_glob(input)) return list_source(input, list_glob(input, options.rate_hz), options);
   if (status.type() == fs::file_type::not_found) throw io_error(input, "no such file or folder");
   throw io_error(input, fmt::format("cannot be read: {}", error.message()));
 }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "apriltrack/io/atomic_file.h"
 #include "gray_pixels.h"
 #include "image_integrity.h"
+#include "image_values.h"
 
 namespace apriltrack {
 namespace {
@@ -42,18 +44,32 @@ ImageIntegrity checked(const std::string& bytes, const std::string& where) {
   return found;
 }
 
-/// Empty where OpenCV cannot make a picture of the bytes. full_scale: 0 where that of the pixels' type holds.
-cv::Mat decode(const std::string& bytes, int full_scale, const std::string& where) {
+/// Whether the file may hold 16 bits without saying how many of them count.
+bool may_be_deep(const std::string& bytes, const ImageIntegrity& found) {
+  const bool is_tiff =
+      bytes.starts_with(std::string_view("II*\0", 4)) || bytes.starts_with(std::string_view("MM\0*", 4));
+  return is_tiff || found.bits_per_sample == 16;
+}
+
+/// Empty where OpenCV cannot make a picture of the bytes.
+ImageValues decode(const std::string& bytes, const ImageIntegrity& found, const std::string& where) {
   // OpenCV takes a mutable header over constant bytes; it does not write to them.
   const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+  const int full_scale = found.full_scale;
   try {
-    if (full_scale == 0 || full_scale == 255) return cv::imdecode(view, cv::IMREAD_GRAYSCALE);
     // OpenCV hands out a PNM file's numbers as they are, whatever its header says of white: 12 bits would be
     // black.
-    const cv::Mat numbers = cv::imdecode(view, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
-    cv::Mat gray;
-    if (!numbers.empty()) numbers.convertTo(gray, CV_8U, 255.0 / full_scale);
-    return gray;
+    if (full_scale > 0 && full_scale < 65535 && full_scale != 255) {
+      const cv::Mat numbers = cv::imdecode(view, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+      cv::Mat gray;
+      if (!numbers.empty()) numbers.convertTo(gray, CV_8U, 255.0 / full_scale);
+      return {gray};
+    }
+    if (full_scale == 65535 || may_be_deep(bytes, found)) {
+      const cv::Mat numbers = cv::imdecode(view, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+      if (numbers.type() == CV_16UC1 || numbers.type() == CV_8UC1) return {numbers};
+    }
+    return {cv::imdecode(view, cv::IMREAD_GRAYSCALE)};
   } catch (const cv::Exception& error) {
     throw io_error(where, fmt::format("cannot be decoded: {}", error.err));
   }
@@ -68,14 +84,30 @@ std::string lower_case_ending(const std::filesystem::path& path) {
 
 }  // namespace
 
-GrayImage read_image(const std::filesystem::path& path) {
+ImageValues read_values(const std::filesystem::path& path) {
   const std::string where = path.string();
   check_regular_file(path);
   const std::string bytes = read_file(path);
   if (bytes.size() > INT32_MAX) throw io_error(where, "is larger than 2 GiB: no image");
-  const cv::Mat decoded = decode(bytes, checked(bytes, where).full_scale, where);
-  if (decoded.empty()) throw io_error(where, "is not an image that can be decoded, or is damaged");
-  return copy_of(decoded);
+  const ImageValues values = decode(bytes, checked(bytes, where), where);
+  if (values.pixels.empty()) throw io_error(where, "is not an image that can be decoded, or is damaged");
+  return values;
+}
+
+GrayImage gray_of(const ImageValues& values, const ValueRange& range) {
+  if (!values.is_deep()) return copy_of(values.pixels);
+  const double scale = 255.0 / (range.white - range.black);
+  cv::Mat gray;
+  values.pixels.convertTo(gray, CV_8U, scale, -scale * range.black);
+  return copy_of(gray);
+}
+
+GrayImage read_image(const std::filesystem::path& path) {
+  const ImageValues values = read_values(path);
+  if (!values.is_deep()) return copy_of(values.pixels);
+  ValueCounts counts;
+  counts.add(values.pixels);
+  return gray_of(values, counts.range());
 }
 
 void write_image(const std::filesystem::path& path, const GrayView& image) {

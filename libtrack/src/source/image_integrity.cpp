@@ -43,6 +43,7 @@ ImageIntegrity inspect_png(std::string_view bytes) {
       found.width = big_endian(bytes, at + 8, 4);
       found.height = big_endian(bytes, at + 12, 4);
     }
+    if (type == "IHDR" && length >= 9) found.bits_per_sample = byte_at(bytes, at + 16);
     if (type == "IEND") return found;
     at += kFrame + length;
   }

@@ -10,6 +10,7 @@ namespace apriltrack {
 struct ImageIntegrity {
   std::int64_t width = 0;  ///< 0 when the format is not one of those looked into (PNG, JPEG, PNM, BMP).
   std::int64_t height = 0;
+  int bits_per_sample = 0;  ///< Of a PNG; 0 of others.
   /// Number that stands for white in a PNM file; 0 where the decoder knows it.
   int full_scale = 0;
   std::string damage;  ///< Empty when nothing is wrong.

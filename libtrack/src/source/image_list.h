@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apriltrack/source/frame_source.h"
+#include "image_values.h"
 #include "sampled_source.h"
 
 namespace apriltrack {
@@ -19,11 +20,13 @@ struct ImageEntry {
   std::string exposure_where = {};  ///< As SourceFrame's.
 };
 
-/// Reads images one by one, each only when it is asked for.
+/// Reads images one by one, each only when it is asked for. Before the first one of 16 bits it looks at some
+/// of the others, evenly spread, so that all are scaled alike.
 class ImageListSource : public SkippableSource {
  public:
-  ImageListSource(std::string name, std::vector<ImageEntry> entries)
-      : name_(std::move(name)), entries_(std::move(entries)) {}
+  /// Of the options: bits and log.
+  ImageListSource(std::string name, std::vector<ImageEntry> entries, const SourceOptions& options = {})
+      : name_(std::move(name)), entries_(std::move(entries)), bits_(options.bits), log_(options.log) {}
 
   std::optional<SourceFrame> next() override;
   bool pass_over() override;
@@ -31,8 +34,17 @@ class ImageListSource : public SkippableSource {
   std::string name() const override { return name_; }
 
  private:
+  GrayImage read(const std::filesystem::path& path);
+  ValueRange find_range() const;
+  void tell_of_range(const ValueRange& range) const;
+  void check_range(const ImageValues& values, const std::filesystem::path& path);
+
   std::string name_;
   std::vector<ImageEntry> entries_;
+  std::optional<int> bits_;
+  LogSink log_;
+  std::optional<ValueRange> range_;  ///< Of 16-bit pictures, once one has come.
+  bool has_warned_ = false;
   std::size_t position_ = 0;
 };
 

@@ -119,6 +119,17 @@ bool TagFamily::is_known(std::string_view name) {
   return find_family_source(name) != nullptr;
 }
 
+double TagFamily::chance_of_reading(int corrected_bits) const {
+  double patterns = 0.0;  // that are read as one code
+  double choices = 1.0;   // C(bits, k)
+  for (int k = 0; k <= corrected_bits; ++k) {
+    patterns += choices;
+    choices *= static_cast<double>(num_bits() - k) / (k + 1);
+  }
+  constexpr double kTurns = 4.0;
+  return std::ldexp(kTurns * num_codes_ * patterns, -num_bits());
+}
+
 TagPattern TagFamily::pattern(int id) const {
   APRILTRACK_CHECK(id >= 0 && id < num_codes_,
                    fmt::format("{} has ids 0 to {} (asked for {})", name_, num_codes_ - 1, id));

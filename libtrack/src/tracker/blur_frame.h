@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apriltrack/base/timestamp.h"
+#include "apriltrack/detect/detector.h"
 #include "apriltrack/photometric/photometric_world.h"
 #include "tag_observation.h"
 
@@ -15,6 +16,7 @@ struct BlurFrame {
   Timestamp time;
   PhotometricFrame photometric;
   std::vector<Detection> detections;
+  std::vector<LeftOutTag> left_out;          ///< When the whole image was searched.
   std::vector<TagObservation> read;          ///< Of them, those of mapped tags;
   std::vector<TagObservation> observations;  ///< of these, those that take part.
   double detection_s = 0.0;                  ///< Spent on reading tags.

@@ -109,6 +109,7 @@ class BlurTracker::Implementation {
     result.tags_detected = count_tags(blur_frame.read);
     light_ = std::move(blur_frame.photometric.light);
     result.detections = std::move(blur_frame.detections);
+    result.left_out = std::move(blur_frame.left_out);
     result.detection_s = blur_frame.detection_s;
     return result;
   }

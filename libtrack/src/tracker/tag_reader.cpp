@@ -10,7 +10,13 @@ void TagReader::prepare() {
 }
 
 void TagReader::read(const GrayView& image, BlurFrame& frame) {
-  read_timed([&](Detector& detector) { return detector.detect(image); }, frame);
+  read_timed(
+      [&](Detector& detector) {
+        FoundTags found = detector.find(image);
+        frame.left_out = std::move(found.left_out);
+        return std::move(found.detections);
+      },
+      frame);
 }
 
 void TagReader::read_in(const GrayView& image, std::span<const TagRegion> regions, double decimate,

@@ -32,7 +32,11 @@ struct DetectorOptions {
   /// Grey levels, for a code read without a wrong bit; every corrected bit asks for as much again. Detections
   /// below are dropped. 5 keeps tags in a twentieth of the usual light and drops what is read into noise.
   double min_decision_margin = 5.0;
-  int max_hamming = 2;  ///< Corrected bits, 0 to 2; detections above are dropped.
+  /// Corrected bits, 0 to 2; detections above are dropped. By default each family has its own limit, by how
+  /// often chance reads its codes (chance_readings.h): 2, but 1 for tagCircle21h7 and for families of over
+  /// 5,000 codes, and 0 for tag16h5. Up to that limit readings that chance makes too often must also look
+  /// like the tag that they are read as; a higher one given here takes all as they are.
+  std::optional<int> max_hamming = std::nullopt;
 
   /// Throws Error(kInvalidInput) that names the option, its value and its range.
   void check() const;
@@ -42,6 +46,24 @@ struct DetectorOptions {
 struct TagRegion {
   ImageRegion area;
   std::string family;  ///< The only one looked for there; empty: all of the detector's.
+};
+
+/// Why a tag that was read is not reported.
+enum class LeftOutReason {
+  kEdgesNotFitted,  ///< Too small or blurred, hidden, or cut by the image: its corners would be pixels off.
+  kMayBeChance,     ///< Of a family with few bits, and the picture does not look like the tag.
+};
+
+/// A tag that was read and is not reported.
+struct LeftOutTag {
+  Detection reading;  ///< Corners as the AprilTag library found them: right to a few pixels.
+  LeftOutReason reason = LeftOutReason::kEdgesNotFitted;
+};
+
+/// All that was read in an image, in the order of Detector::detect().
+struct FoundTags {
+  std::vector<Detection> detections;
+  std::vector<LeftOutTag> left_out;
 };
 
 /// Finds tags. One detector works on one image at a time; give each thread its own.
@@ -56,6 +78,8 @@ class Detector {
   /// Sorted by family, id, then centre (x, y); the same image gives the same answer, always. An id that is
   /// seen twice is reported twice.
   std::vector<Detection> detect(const GrayView& image);
+  /// The same, and what was read and left out.
+  FoundTags find(const GrayView& image);
 
   /// The same, of what lies whole within one of the regions, which must lie inside the image: for tags about
   /// whose place one knows. A region's family must be one of the options'. Searched in linear

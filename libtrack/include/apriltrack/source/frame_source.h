@@ -32,6 +32,9 @@ struct SourceOptions {
   std::size_t skip = 0;  ///< Frames left out at the start.
   std::size_t step = 1;  ///< Every step-th frame.
   std::optional<std::size_t> max_frames = std::nullopt;
+  /// Of 16-bit image files, how many bits count, in [8, 16]: white is 2^bits - 1. Unset: as the pictures use
+  /// them, decided once for the whole source (docs/file_formats.md) and told to the log.
+  std::optional<int> bits = std::nullopt;
   /// Which camera's folder of a EuRoC/ASL recording with several; empty: cam0. All other inputs, a single
   /// camera folder among them, have one camera whatever its name.
   std::string camera_name = {};

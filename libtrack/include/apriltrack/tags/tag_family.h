@@ -60,6 +60,9 @@ class TagFamily {
   /// Bits that the detector corrects: 2, but 1 for families of over 5,000 codes, whose tables would take
   /// gigabytes.
   int max_corrected_bits() const { return max_corrected_bits_; }
+  /// Probability that bits thrown like coins read as one of the codes, in one of four turns, with at most so
+  /// many of them corrected: 4 * codes * sum_{k <= corrected} C(bits, k) / 2^bits.
+  double chance_of_reading(int corrected_bits) const;
 
   /// id in [0, num_codes()).
   TagPattern pattern(int id) const;

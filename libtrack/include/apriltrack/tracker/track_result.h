@@ -7,6 +7,7 @@
 
 #include "apriltrack/base/timestamp.h"
 #include "apriltrack/detect/detection.h"
+#include "apriltrack/detect/detector.h"
 #include "apriltrack/geometry/pose.h"
 #include "apriltrack/motion/track_mode.h"
 #include "apriltrack/tags/tag_key.h"
@@ -78,6 +79,8 @@ struct TrackResult {
   /// All tags that were read in this frame, mapped or not. A tracker that knows where it is looks only where
   /// tags are expected, and not at all at what is too blurred to be read.
   std::vector<Detection> detections;
+  /// Tags that were read and left out. Of the blur tracker, when it searched the whole image.
+  std::vector<LeftOutTag> left_out;
   int tags_detected = 0;  ///< Mapped tags among them.
   int tags_tracked = 0;   ///< Mapped tags whose evidence the pose rests on.
   /// Of the mapped tags that are in the image at this pose, and show enough of themselves to be judged, in

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+
+#include "apriltrack/image/image.h"
+#include "value_range.h"
+
+namespace apriltrack {
+
+/// A grey picture with the numbers that its file holds.
+struct ImageValues {
+  cv::Mat pixels;  ///< CV_8UC1, or CV_16UC1 where the file does not tell which of 16 bits count.
+
+  bool is_deep() const { return pixels.depth() == CV_16U; }
+};
+
+/// Throws as read_image() does.
+ImageValues read_values(const std::filesystem::path& path);
+
+/// range: of deep pictures; numbers beyond it are black or white.
+GrayImage gray_of(const ImageValues& values, const ValueRange& range);
+
+}  // namespace apriltrack

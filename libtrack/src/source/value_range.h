@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace cv {
+class Mat;
+}
+
+namespace apriltrack {
+
+/// Which numbers of a 16-bit picture stand for black and for white.
+struct ValueRange {
+  int black = 0;
+  int white = 65535;
+  bool operator==(const ValueRange&) const = default;
+};
+
+/// How often each number occurs in 16-bit pictures of one source.
+class ValueCounts {
+ public:
+  /// picture: CV_16U, one channel.
+  void add(const cv::Mat& picture);
+  bool is_empty() const { return num_pixels_ == 0; }
+
+  /// The range that the pictures use. Sensors of 8, 10, 12 and 14 bits that are written unscaled into 16 bits
+  /// leave the upper ones empty: white is then the sensor's full scale, 2^bits - 1. That is a factor of
+  /// light, which harms no response that is linear or a power. Where all numbers lie close together far from
+  /// 0 (temperatures), a window twice as wide as they are is taken, in their middle.
+  ValueRange range() const;
+
+  /// All but dead and hot pixels lie between these.
+  int lowest() const;
+  int highest() const;
+
+ private:
+  /// Pixels that may be dead or hot: 1 in 100,000, and eight of a small picture.
+  std::int64_t num_odd() const;
+
+  std::vector<std::int64_t> counts_ = std::vector<std::int64_t>(65536);
+  std::int64_t num_pixels_ = 0;
+};
+
+/// Of so many significant bits, in [8, 16].
+ValueRange range_of_bits(int bits);
+
+/// "10 bits (0 to 1023)", "the range 6490 to 8530".
+std::string told(const ValueRange& range);
+
+}  // namespace apriltrack
