@@ -1,5 +1,6 @@
 #include "pattern_pixels.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
