@@ -30,16 +30,22 @@ std::optional<HeldOutComparison> compare_held_out(const std::vector<PhotometricV
   const double lost2 = kOutlierOfMedian2 * upper_median(std::move(of_both));
   double squares_before = 0.0, squares_after = 0.0, count = 0.0;
   std::map<int, PicturesOfTag> tags;
+  std::map<int, double> gains;  // by moment
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!before[i]) continue;
     squares_before += *before[i];
     squares_after += after[i].value_or(lost2);
+    gains[views[i].moment] += *before[i] - after[i].value_or(lost2);
     count += kNumbersOfView;
     PicturesOfTag& tag = tags[views[i].tag];
     ++tag.explained;
     tag.lost += after[i] ? 0 : 1;
   }
-  HeldOutComparison result{std::sqrt(squares_before / count), std::sqrt(squares_after / count), {}};
+  HeldOutComparison result{std::sqrt(squares_before / count), std::sqrt(squares_after / count), 0.0, {}};
+  double square_of_gains = 0.0;
+  for (const auto& [moment, gain] : gains) square_of_gains += gain * gain;
+  if (square_of_gains > 0.0)
+    result.gain_in_errors = (squares_before - squares_after) / std::sqrt(square_of_gains);
   for (const auto& [number, tag] : tags) {
     if (tag.explained >= kLeastPicturesOfTag && 2 * tag.lost > tag.explained)
       result.lost_tags.push_back(number);

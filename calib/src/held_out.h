@@ -11,6 +11,9 @@ namespace apriltrack {
 /// number.
 struct HeldOutComparison {
   double before = 0.0, after = 0.0;
+  /// What the squares fall by, over the standard error of that: moments are independent, pictures of one are
+  /// not.
+  double gain_in_errors = 0.0;
   std::vector<int> lost_tags;  ///< Most of whose pictures the map explains before, and no more after.
 };
 

@@ -23,6 +23,8 @@ namespace {
 constexpr int kMostRefinementSteps = 30;
 constexpr int kMomentsPerHeldOut = 4;  ///< Every so many moments, one.
 constexpr int kLeastMomentsToRefine = 8;
+/// One map in fifty that is no better is taken for a better one.
+constexpr double kClearGainInErrors = 2.0;
 
 /// The moments that are held out, or the others.
 std::vector<bool> moments_where(int num_moments, bool is_held_out) {
@@ -77,7 +79,7 @@ class Refinement {
           "moved it: it hung in two places, or something like it is in its pictures; leave it out, or film "
           "again",
           names_of(compared->lost_tags, calibration_.map, input_));
-    if (!(compared->after < compared->before))
+    if (!(compared->gain_in_errors > kClearGainInErrors))
       return fmt::format(
           "pictures that were held out agree no better with it ({:.2f} sigmas before, {:.2f} after)",
           compared->before, compared->after);

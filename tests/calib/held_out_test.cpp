@@ -46,6 +46,16 @@ TEST(HeldOut, NamesTagsMostOfWhosePicturesAreLost) {
   EXPECT_TRUE(compare_held_out(some_views(12), before, after)->lost_tags.empty());
 }
 
+TEST(HeldOut, TellsHowClearAGainIs) {
+  // Two pictures a moment, which gain or lose together: 4, 4, 4 and -2, of squares that fall by 10 in all.
+  std::vector<PhotometricView> views = some_views(8);
+  for (std::size_t i = 0; i < views.size(); ++i) views[i].moment = static_cast<int>(i / 2);
+  const auto compared = compare_held_out(views, Squares{6.0, 6.0, 6.0, 6.0, 6.0, 6.0, 6.0, 6.0},
+                                         Squares{4.0, 4.0, 4.0, 4.0, 4.0, 4.0, 7.0, 7.0});
+  ASSERT_TRUE(compared.has_value());
+  EXPECT_NEAR(compared->gain_in_errors, 10.0 / std::sqrt(3.0 * 16.0 + 4.0), 1e-12);
+}
+
 TEST(HeldOut, SaysNothingWherePicturesOfBothAreWanting) {
   EXPECT_FALSE(compare_held_out(some_views(2), Squares{std::nullopt, 1.0}, Squares{1.0, std::nullopt}));
 }
