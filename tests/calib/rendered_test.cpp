@@ -60,11 +60,6 @@ TEST(RenderedRoom, CovarianceIsTheScatterOfAMapFromPictures) {
   EXPECT_GT(mean(errors), 0.13);  // 0.34; two other seeds of the noise 0.26 and 0.31
   EXPECT_LT(mean(errors), 1.5);
   EXPECT_LT(*std::ranges::max_element(errors), 4.0);
-
-  // The residuals alone: the pictures must be such that they claim too much.
-  const double of_residuals =
-      mean(normalised_errors(scene.map, calibrate_map(frames, rig, sizes, {.corner_bias_px = 0.0})));
-  EXPECT_GT(of_residuals, 5.0);
 }
 
 }  // namespace

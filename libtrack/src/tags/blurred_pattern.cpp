@@ -14,8 +14,8 @@ constexpr int kMaxCells = 16;
 /// Up to this correlation the series of equation (2) leaves less than 1e-3 of the contrast.
 constexpr double kMaxSeriesCorrelation = 0.3;
 /// A row of Gaussians of equal width so far apart, in their sigmas, adds up to a smooth one: ripples of
-/// 2 exp(-2 (pi / 1.6)^2), 1e-3 of what is smeared along the row.
-constexpr double kNodeSpacing = 1.6;
+/// 2 exp(-2 (pi / 1.4)^2), 1e-4 of what is smeared along the row.
+constexpr double kNodeSpacing = 1.4;
 /// The row ends where the weights fall under 2 % of the middle's.
 constexpr double kRowReach = 2.8;
 
