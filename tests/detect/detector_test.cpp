@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <limits>
 
 #include "apriltrack/base/error.h"
@@ -135,20 +136,31 @@ TEST(Detector, TakesImagesOfAnySize) {
   }
 }
 
-TEST(Detector, LeavesOutATagThatTheImageCuts) {
+TEST(Detector, PlacesATagThatTheImageCuts) {
   const TagPattern pattern = TagFamily::get("tag36h11").pattern(8);
   // The left border's outer part lies outside: the library takes the image's end for the tag's edge.
   const PlaneView view(500.0, {40.0, 60.0}, 0.6, 0.0, 0.0, 0.02);
   const GrayImage image = test::render_plane(
       120, 120, view,
       [&](double x, double y) { return pattern.brightness(2.0 * x / kTagSize_m, 2.0 * y / kTagSize_m); }, {});
-  Detector detector({});
-  EXPECT_TRUE(detector.detect(image.view()).empty());
-  const FoundTags found = detector.find(image.view());
+  const FoundTags found = Detector({}).find(image.view());
+  ASSERT_EQ(found.detections.size(), 1U);
+  EXPECT_EQ(found.detections[0].tag, (TagKey{"tag36h11", 8}));
+  const auto corners = tag_corners(kTagSize_m);
+  for (std::size_t k = 0; k < kNumCorners; ++k)
+    EXPECT_LT((found.detections[0].corners_px[k] - view.to_pixel(corners[k].head<2>())).norm(), 0.2) << k;
+}
+
+TEST(Detector, LeavesOutWhatShowsNoLight) {
+  // The library reads tags in grey levels, but by this response they all stand for the same light.
+  std::array<float, 256> even;
+  even.fill(0.5F);
+  DetectorOptions options;
+  options.response = ResponseCurve(even);
+  const FoundTags found = Detector(options).find(render_nine(0.002).view());
   EXPECT_TRUE(found.detections.empty());
-  ASSERT_EQ(found.left_out.size(), 1U) << "but it says so";
-  EXPECT_EQ(found.left_out[0].reading.tag, (TagKey{"tag36h11", 8}));
-  EXPECT_EQ(found.left_out[0].reason, LeftOutReason::kEdgesNotFitted);
+  ASSERT_EQ(found.left_out.size(), 9U) << "but it says so";
+  for (const auto& left_out : found.left_out) EXPECT_EQ(left_out.reason, LeftOutReason::kEdgesNotFitted);
 }
 
 TEST(Detector, LeavesNothingOutOfAGoodPicture) {

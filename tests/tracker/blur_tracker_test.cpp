@@ -191,9 +191,11 @@ TEST(BlurTracker, DetectsByItself) {
   BlurTracker with = tracker_of(film), without = tracker_of(film);
   with.prepare();
   EXPECT_EQ(with.detector_options().families, std::vector<std::string>{"tag36h11"});
+  Detector detector(with.detector_options());
   for (std::size_t i = 0; i < film.size(); ++i) {
-    const TrackResult a = with.track(film.frames[i].frame());
-    const TrackResult b = without.track(film.frames[i].frame(), film.detections[i]);
+    const Frame frame = film.frames[i].frame();
+    const TrackResult a = with.track(frame);
+    const TrackResult b = without.track(frame, detector.detect(frame.image));
     ASSERT_TRUE(a.pose && b.pose);
     // Everywhere in the first frame, where the tag is expected later on.
     if (i == 0) {

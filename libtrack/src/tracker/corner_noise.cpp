@@ -14,6 +14,22 @@ constexpr double kSigmaPerCorrectedBit = 3.0;
 constexpr double kUnknownBlur_px = 10.0;  // what most of the frames that follow a gap have
 constexpr double kPriorStrength = 3.0;
 
+/// Light that is uneven over a tag moves its corners as much again as a detector claims, and in all of its
+/// views (docs/algorithms/detector.md, section 5); lens and paper add this much.
+constexpr double kBeyondClaim_px = 0.02;
+
+/// What detectors claim of the inliers' corners, mean square, and what these err by beyond it; nullopt where
+/// one of them does not claim anything.
+std::optional<double> claimed_variance_px2(const PoseCandidate& candidate) {
+  double sum_px2 = 0.0;
+  for (const TagObservation* observation : candidate.inliers) {
+    if (!observation->claimed_sigma_px) return std::nullopt;
+    sum_px2 += *observation->claimed_sigma_px * *observation->claimed_sigma_px;
+  }
+  if (candidate.inliers.empty()) return std::nullopt;
+  return 2.0 * sum_px2 / static_cast<double>(candidate.inliers.size()) + kBeyondClaim_px * kBeyondClaim_px;
+}
+
 }  // namespace
 
 double expected_corner_sigma_px(double sharp_sigma_px, std::optional<double> blur_px,
@@ -23,6 +39,8 @@ double expected_corner_sigma_px(double sharp_sigma_px, std::optional<double> blu
     const double factor = 1.0 + kSigmaPerCorrectedBit * observation->corrected_bits;
     mean_square_factor += factor * factor / static_cast<double>(candidate.inliers.size());
   }
+  if (const auto claimed_px2 = claimed_variance_px2(candidate))
+    return std::sqrt(mean_square_factor * *claimed_px2);
   return std::sqrt(mean_square_factor) *
          std::hypot(sharp_sigma_px, kDetectedSigmaPerBlur * blur_px.value_or(kUnknownBlur_px));
 }
@@ -50,7 +68,7 @@ double fitted_corner_sigma_px(double sharp_sigma_px, double expected_sigma_px, c
   const double variance_px2 = (kPriorStrength * expected_sigma_px * expected_sigma_px +
                                std::max(0.0, candidate.squared_error_px2 - explained_px2)) /
                               (kPriorStrength + degrees_of_freedom);
-  return std::max(sharp_sigma_px, std::sqrt(variance_px2));
+  return std::max(std::min(sharp_sigma_px, expected_sigma_px), std::sqrt(variance_px2));
 }
 
 }  // namespace apriltrack

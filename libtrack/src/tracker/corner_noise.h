@@ -9,7 +9,7 @@
 namespace apriltrack {
 
 /// Corner noise per axis to expect before the fit: that of sharp corners and a share of the blur, more where
-/// bits had to be corrected.
+/// bits had to be corrected. Where detectors told covariances, what these claim.
 ///
 /// blur_px: path of a corner during the exposure; nullopt when the motion is not known.
 double expected_corner_sigma_px(double sharp_sigma_px, std::optional<double> blur_px,
@@ -19,7 +19,8 @@ double expected_corner_sigma_px(double sharp_sigma_px, std::optional<double> blu
 std::optional<double> corner_blur_px(const CameraModel& model, const PoseCandidate& candidate,
                                      const Pose& T_camera_map_before, double age_s, double exposure_s);
 
-/// What the expectation and the residuals say together; never below the sharp corners' sigma.
+/// What the expectation and the residuals say together; never below the sharp corners' sigma, or the
+/// expectation where that is less.
 ///
 /// The expectation counts as kPriorStrength residuals (a scaled inverse chi-squared prior), so that many tags
 /// speak for themselves, while a lone tag, whose eight numbers leave two to judge by, cannot claim more than

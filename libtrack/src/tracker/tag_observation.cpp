@@ -1,8 +1,18 @@
 #include "tag_observation.h"
 
+#include <cmath>
 #include <set>
 
 namespace apriltrack {
+
+namespace {
+
+std::optional<double> claimed_sigma_px(const Detection& detection) {
+  if (!detection.covariance_px2) return std::nullopt;
+  return std::sqrt(detection.covariance_px2->trace() / (2.0 * kNumCorners));
+}
+
+}  // namespace
 
 std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const TagIndex& index,
                                                 const CameraModel& model,
@@ -20,6 +30,7 @@ std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const TagInde
                                .corners_px = detection.corners_px,
                                .planar_poses = solve_planar_pnp(*rays, tag->size_m),
                                .corrected_bits = detection.hamming.value_or(0),
+                               .claimed_sigma_px = claimed_sigma_px(detection),
                                .is_repeated = false};
     for (TagObservation& other : observations) {
       if (other.tag == tag) other.is_repeated = observation.is_repeated = true;

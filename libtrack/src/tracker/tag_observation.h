@@ -19,6 +19,8 @@ struct TagObservation {
   std::array<Eigen::Vector2d, kNumCorners> corners_px;
   PlanarPoses planar_poses;  ///< Both T_camera_tag; may be empty.
   int corrected_bits = 0;    ///< 0 where the detection does not say.
+  /// Of its corners, per axis, as the detector has it; nullopt where it does not tell.
+  std::optional<double> claimed_sigma_px = std::nullopt;
   bool is_repeated = false;  ///< The frame shows this tag more than once: at most one of them can be it.
 };
 
