@@ -1,0 +1,166 @@
+#include "pattern_model.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "tag_quad.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr double kPixelVariance = 1.0 / 12.0;  // of a pixel's own area
+constexpr double kMinBlur_px = 0.2, kMaxBlur_px = 30.0;
+/// A pixel counts where at least so much of its light comes from the print.
+constexpr double kMinShareOfPrint = 0.3;
+/// What a family leaves to the printer (corners of circles) may be of any colour.
+constexpr double kMaxShareUnknown = 0.02;
+/// Of full scale: from here on a sensor may be full, and more light no contradiction (code 252 in sRGB).
+constexpr double kSaturated = 0.975;
+
+/// How far the corners move in the plane (x0 y0 x1 ...), by the eight generators.
+const Matrix8d& corner_moves() {
+  static const Matrix8d moves = [] {
+    Matrix8d m;
+    for (std::size_t k = 0; k < kNumCorners; ++k) {
+      const double u = kTagQuad[k].x(), v = kTagQuad[k].y();
+      const auto row = 2 * static_cast<Eigen::Index>(k);
+      m.row(row) << 1, 0, u, v, 0, 0, u * u, u * v;
+      m.row(row + 1) << 0, 1, 0, 0, u, v, u * v, v * v;
+    }
+    return m;
+  }();
+  return moves;
+}
+
+Eigen::Matrix2d clamped_blur(const Eigen::Matrix2d& blur_px2) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(blur_px2);
+  const Eigen::Vector2d variances =
+      axes.eigenvalues().cwiseMax(kMinBlur_px * kMinBlur_px).cwiseMin(kMaxBlur_px * kMaxBlur_px);
+  return axes.eigenvectors() * variances.asDiagonal() * axes.eigenvectors().transpose();
+}
+
+/// How far a lens moves what lies `out` of the tag's middle.
+Eigen::Vector2d bend_at(const Eigen::Vector3d& bend, const Eigen::Vector2d& out) {
+  return out.squaredNorm() * (bend.head<2>() + bend[2] * out);
+}
+
+}  // namespace
+
+PatternState PatternState::start(const TagPlaces& places, const Eigen::Matrix3d& straight_from_tag,
+                                 double blur_sigma_px) {
+  const Eigen::Matrix2d D = places.straight_by_pixel();
+  PatternState state;
+  state.tag_from_straight = straight_from_tag.inverse();
+  state.blur_px2 =
+      std::max(blur_sigma_px * blur_sigma_px - kPixelVariance, kMinBlur_px * kMinBlur_px) * D * D.transpose();
+  return state;
+}
+
+double PatternState::take(PatternStep step, double max_move) {
+  const double move = (corner_moves() * step.head<8>()).cwiseAbs().maxCoeff();
+  if (move > max_move) step.head<8>() *= max_move / move;
+  const auto t = step.head<8>();
+  Eigen::Matrix3d moved;  // to first order what the generators do
+  moved << 1.0 + t[2], t[3], t[0], t[4], 1.0 + t[5], t[1], -t[6], -t[7], 1.0;
+  tag_from_straight = moved * tag_from_straight;
+  tag_from_straight /= tag_from_straight.norm();
+  Eigen::Matrix2d change;
+  change << step[kBlurUnknowns], step[kBlurUnknowns + 1], step[kBlurUnknowns + 1], step[kBlurUnknowns + 2];
+  const double size = change.cwiseAbs().maxCoeff(), most = blur_px2.trace();
+  blur_px2 = clamped_blur(blur_px2 + std::min(1.0, most / std::max(size, 1e-12)) * change);
+  bend += step.segment<3>(kBendUnknowns);
+  colours += step.tail<kNumColours>();
+  return std::min(move, max_move);
+}
+
+void PatternModel::predict(const PatternState& state, std::span<const PatternPixel> pixels,
+                           double max_blur_change, PatternPrediction* prediction) {
+  const auto n = static_cast<Eigen::Index>(pixels.size());
+  prediction->by_unknowns.resize(kNumPatternUnknowns, n);
+  prediction->residuals.resize(n);
+  prediction->gradient2.resize(n);
+  prediction->shows_print.resize(n);
+  const Eigen::Matrix2d D = places_.straight_by_pixel();
+  const Eigen::Matrix2d blur = state.blur_px2 + kPixelVariance * D * D.transpose();
+  prepare_texture(state, blur, max_blur_change);
+  for (Eigen::Index i = 0; i < n; ++i)
+    predict_pixel(state, pixels[static_cast<std::size_t>(i)], blur, i, prediction);
+}
+
+void PatternModel::prepare_texture(const PatternState& state, const Eigen::Matrix2d& blur,
+                                   double max_blur_change) {
+  const Eigen::Vector2d centre = state.tag_from_straight.inverse().col(2).hnormalized();
+  const Eigen::Matrix2d J =
+      projective_derivative(state.tag_from_straight, state.tag_from_straight * centre.homogeneous());
+  const Eigen::Matrix2d in_plane = J * blur * J.transpose();
+  if (texture_ && (texture_->covariance() - in_plane).norm() < max_blur_change * in_plane.norm()) return;
+  texture_ = PatternTexture::of(pattern_, in_plane);
+}
+
+void PatternModel::predict_pixel(const PatternState& state, const PatternPixel& pixel,
+                                 const Eigen::Matrix2d& blur, Eigen::Index i,
+                                 PatternPrediction* prediction) const {
+  const Eigen::Vector2d out = pixel.straight - places_.middle();
+  const Eigen::Vector2d unbent = pixel.straight - bend_at(state.bend, out);
+  const Eigen::Vector3d image = state.tag_from_straight * unbent.homogeneous();
+  const Eigen::Matrix2d J = projective_derivative(state.tag_from_straight, image);
+  const double u = image.x() / image.z(), v = image.y() / image.z();
+  const Eigen::Matrix2d in_plane = J * blur * J.transpose();
+  const PatternSample sample =
+      texture_ ? texture_->at(u, v, in_plane) : pattern_.at(u, v, PatternBlur::of(in_plane));
+  Eigen::Matrix<double, kNumColours, 1> by_colours;
+  by_colours << sample.light, sample.light * u, sample.light * v, 1.0, u, v, sample.beyond[kLeftSide],
+      sample.beyond[kRightSide], sample.beyond[kTopSide], sample.beyond[kBottomSide];
+  const double residual = pixel.light - by_colours.dot(state.colours);
+  const double printed = std::max(0.0, 1.0 - sample.beyond[kLeftSide] - sample.beyond[kRightSide]) *
+                         std::max(0.0, 1.0 - sample.beyond[kTopSide] - sample.beyond[kBottomSide]);
+  prediction->shows_print[i] =
+      printed >= kMinShareOfPrint && printed - sample.known <= kMaxShareUnknown ? 1.0 : 0.0;
+  auto by = prediction->by_unknowns.col(i);
+  if (pixel.light >= kSaturated && residual <= 0.0) {
+    prediction->residuals[i] = prediction->gradient2[i] = 0.0;
+    by.setZero();
+    return;
+  }
+  prediction->residuals[i] = residual;
+  const double white = state.colours[0] + state.colours[1] * u + state.colours[2] * v;
+  const double by_u = white * sample.by_u, by_v = white * sample.by_v, radial = u * by_u + v * by_v;
+  by.segment<8>(kPlaceUnknowns) << by_u, by_v, u * by_u, v * by_u, u * by_v, v * by_v, u * radial, v * radial;
+  const Eigen::Matrix2d cross = J.col(0) * J.col(1).transpose();
+  by.segment<3>(kBlurUnknowns) << white * sample.by_covariance(J.col(0) * J.col(0).transpose()),
+      white * sample.by_covariance(cross + cross.transpose()),
+      white * sample.by_covariance(J.col(1) * J.col(1).transpose());
+  const Eigen::Vector2d gradient = J.transpose() * Eigen::Vector2d(by_u, by_v);
+  prediction->gradient2[i] = gradient.squaredNorm();
+  const double r2 = out.squaredNorm();
+  by.segment<3>(kBendUnknowns) << -r2 * gradient, -r2 * out.dot(gradient);
+  by.segment<kNumColours>(kWhiteUnknowns) = by_colours;
+}
+
+std::optional<PatternModel::Corners> PatternModel::corners(const PatternState& state) const {
+  const Eigen::Matrix3d straight_from_tag = state.tag_from_straight.inverse();
+  Corners corners;
+  for (std::size_t k = 0; k < kNumCorners; ++k) {
+    const Eigen::Vector3d image = straight_from_tag * kTagQuad[k].homogeneous();
+    const Eigen::Vector2d straight = image.hnormalized();
+    Eigen::Matrix2d by_straight;
+    const auto pixel =
+        places_.pixel(straight + bend_at(state.bend, straight - places_.middle()), &by_straight);
+    if (!pixel || !pixel->allFinite()) return std::nullopt;
+    corners.px[k] = *pixel;
+    const auto row = 2 * static_cast<Eigen::Index>(k);
+    corners.by_place.middleRows<2>(row) =
+        by_straight * projective_derivative(straight_from_tag, image) * corner_moves().middleRows<2>(row);
+  }
+  return corners;
+}
+
+Eigen::Matrix2d PatternModel::blur_px2(const PatternState& state) const {
+  const Eigen::Matrix2d pixel_by_straight = places_.straight_by_pixel().inverse();
+  return pixel_by_straight * state.blur_px2 * pixel_by_straight.transpose();
+}
+
+}  // namespace apriltrack
