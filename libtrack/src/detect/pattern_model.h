@@ -16,11 +16,12 @@ namespace apriltrack {
 /// The place moves by the eight generators of projective maps of the tag's plane: (1, 0), (0, 1), (u, 0),
 /// (v, 0), (0, u), (0, v), (u^2, uv), (uv, v^2).
 inline constexpr int kPlaceUnknowns = 0;
-inline constexpr int kBlurUnknowns =
-    8;  ///< xx, xy, yy of the lens's and the motion's covariance, straightened px^2.
-inline constexpr int kBendUnknowns = 11;   ///< Where no camera is known: x and y by r^2, and radially by r^3.
-inline constexpr int kWhiteUnknowns = 14;  ///< Of white less black: at the centre, per u, per v.
-inline constexpr int kBlackUnknowns = 17;  ///< The same.
+/// xx, xy, yy of the lens's and the motion's covariance, straightened px^2.
+inline constexpr int kBlurUnknowns = 8;
+/// Where no camera is known: x and y by r^2, and radially by r^3.
+inline constexpr int kBendUnknowns = 11;
+inline constexpr int kWhiteUnknowns = 14;   ///< Of white less black: at the centre, per u, per v.
+inline constexpr int kBlackUnknowns = 17;   ///< The same.
 inline constexpr int kBeyondUnknowns = 20;  ///< Of what lies beyond each side, less white paper.
 inline constexpr int kNumPatternUnknowns = 24;
 inline constexpr int kNumColours = kNumPatternUnknowns - kWhiteUnknowns;
