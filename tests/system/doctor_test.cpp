@@ -337,5 +337,32 @@ TEST_F(Doctor, AndDetectFindTagsThatThePictureCuts) {
   EXPECT_EQ(told["readings_left_out"], nlohmann::json::array());
 }
 
+TEST_F(Doctor, AndDetectTellOfTagsThatWereReadAndLeftOut) {
+  // The library reads the first tag in grey levels below 132, which are all the same light by this response.
+  GrayImage picture = paint(kThreeTags);
+  for (int y = 0; y < picture.height(); ++y)
+    for (int x = 0; x < picture.width(); ++x)
+      picture(x, y) = static_cast<std::uint8_t>((x < 155 ? 0.0 : 130.0) + 0.55 * picture(x, y));
+  std::string table;
+  for (int code = 0; code < 256; ++code) table += std::to_string(std::max(code, 132) / 255.0) + "\n";
+  write_text(path("light.txt"), table);
+  std::string camera = kCamera;
+  camera.replace(camera.find("linear"), std::string("linear").size(), "light.txt");
+  write_text(path("camera.yaml"), camera);
+  film(4, picture);
+
+  const ProgramRun run = run_program({"detect", folder_.string(), "--json", "--output", path("d.csv")});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const auto told = nlohmann::json::parse(run.out);
+  EXPECT_EQ(told["detections"], 2 * 4);
+  ASSERT_EQ(told["readings_left_out"].size(), 1U) << run.out;
+  EXPECT_EQ(told["readings_left_out"][0]["reason"], "edges_not_fitted");
+  EXPECT_EQ(told["readings_left_out"][0]["readings"], 4);
+  EXPECT_EQ(told["readings_left_out"][0]["tags"], nlohmann::json::array({"tag36h11/1"}));
+  const ProgramRun doctor = look();
+  EXPECT_THAT(doctor.out, HasSubstr("(tag36h11/1) w"));
+  EXPECT_THAT(doctor.out, HasSubstr(" left out because the edges could not be fitted"));
+}
+
 }  // namespace
 }  // namespace apriltrack::test

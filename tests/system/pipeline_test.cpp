@@ -195,11 +195,15 @@ TEST(Pipeline, CornersFromAFileGiveTheSameMapAsImages) {
   run_for_json({"detect", gentle, "--camera", gentle + "/camera.yaml", "--output", folder / "corners.csv"});
   const json refined =
       run_for_json({"calibrate", gentle, "--tag-size", "0.16", "--output", folder / "refined.yaml"});
-  // Whether pictures add to what these corners say already is theirs to tell; that they were asked is said.
-  EXPECT_TRUE(refined.at("refinement").at("accepted").is_boolean()) << refined.dump(1);
   const json plain = run_for_json(
       {"calibrate", gentle, "--tag-size", "0.16", "--no-refine", "--output", folder / "from_images.yaml"});
   EXPECT_FALSE(plain.contains("refinement"));
+  // Whether pictures add to what these corners say already is theirs to tell, but the map follows the
+  // verdict.
+  const bool is_refined = refined.at("refinement").at("accepted").get<bool>();
+  EXPECT_NE(is_refined, refined["refinement"].contains("reason")) << refined.dump(1);
+  const json moved = run_for_json({"map", "diff", folder / "from_images.yaml", folder / "refined.yaml"});
+  EXPECT_EQ(is_refined, moved["position_mm"]["max"].get<double>() > 0.0) << moved.dump(1);
   run_for_json({"calibrate", "--detections", folder / "corners.csv", "--camera", gentle + "/camera.yaml",
                 "--tag-size", "0.16", "--output", folder / "from_corners.yaml"});
   const json difference =
