@@ -25,7 +25,7 @@ namespace {
 
 constexpr double kMaxDecimate = 8.0;
 constexpr int kMaxHamming = 2;         // what the decoding tables correct
-constexpr double kUsualBlur_px = 0.6;  // of a lens in focus, the pixel's own area included
+constexpr double kUsualBlur_px = 1.0;  // what fits start from: between a lens in focus and a moving hand
 /// Kalibr's printed grids, whose black squares touch the tags' corners.
 constexpr std::string_view kGridFamily = "tag36h11b2";
 
@@ -225,18 +225,23 @@ class Detector::Implementation {
     const TagPattern pattern = family.pattern(tag.id);
     const LightSampler light(image, options_.response);
     const CameraModel* camera = options_.camera_model ? &*options_.camera_model : nullptr;
+    const auto fit = [&](const TagPattern& shown, const Quad& quad, double blur_sigma_px) {
+      const auto fitted = fit_pattern(light, shown, {quad, blur_sigma_px, camera});
+      return fitted ? std::optional(Corners{fitted->corners_px, fitted->covariance_px2}) : std::nullopt;
+    };
     for (const Candidate& start : starts) {
       const Quad& quad = start.detection.corners_px;
+      // Most quads of the library are near enough; edges lead there from farther off.
+      if (const auto corners = fit(pattern, quad, kUsualBlur_px)) return corners;
       const auto edges =
           refine_corners(image, options_.response, pattern, family.has_reversed_border(), quad);
-      const PatternFitStart from = edges ? PatternFitStart{edges->corners_px, edges->blur_sigma_px, camera}
-                                         : PatternFitStart{quad, kUsualBlur_px, camera};
-      auto fitted = fit_pattern(light, pattern, from);
-      if (!fitted && !edges &&
-          !family.has_reversed_border())  // perhaps cut out with less white than it needs
-        fitted = fit_pattern(light, without_margin(pattern), from);
-      if (fitted) return Corners{fitted->corners_px, fitted->covariance_px2};
-      if (edges) return Corners{edges->corners_px, std::nullopt};
+      if (edges) {
+        const auto corners = fit(pattern, edges->corners_px, edges->blur_sigma_px);
+        return corners ? corners : Corners{edges->corners_px, std::nullopt};
+      }
+      // Perhaps cut out with less white than it needs.
+      if (family.has_reversed_border()) continue;
+      if (const auto corners = fit(without_margin(pattern), quad, kUsualBlur_px)) return corners;
     }
     return std::nullopt;
   }

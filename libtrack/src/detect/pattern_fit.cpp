@@ -5,7 +5,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -22,15 +21,23 @@ namespace {
 
 using Information = Eigen::Matrix<double, kNumPatternUnknowns, kNumPatternUnknowns>;
 
-constexpr int kMinPixels = 60;
-constexpr int kMaxCoarseSteps = 8, kMaxFineSteps = 4;
-/// A step that moves a corner less is the last: the next would move it by a tenth of that at most.
-constexpr double kConverged_px = 0.03;
+constexpr std::size_t kMinPixels = 60;
+
+/// How a part of the steps is gone.
+struct Stage {
+  double max_pixels;  ///< Of larger tags a part is asked.
+  int max_steps;
+  /// A step that moves no corner by more, in sigmas of the blur, is the last: but for a part as small, the
+  /// light follows it in straight lines.
+  double small_step;
+  double same_blur;  ///< The texture is made anew where the blur has changed by more than this part.
+};
+constexpr Stage kCoarse = {.max_pixels = 250.0, .max_steps = 8, .small_step = 0.2, .same_blur = 0.4};
+constexpr Stage kFine = {.max_pixels = 1000.0, .max_steps = 4, .small_step = 0.05, .same_blur = 0.1};
+/// Nor may a last step change the blur's covariance by more than this part of it.
+constexpr double kSmallBlurStep = 0.2;
 constexpr double kMaxStep_cells = 0.5;
 constexpr double kMaxMove_cells = 2.0;
-/// The texture is made anew where the blur has changed by more than this part.
-constexpr double kSameBlur = 0.4, kSameFineBlur = 0.1;
-
 /// Residuals beyond so much of the contrast, and of the robust standard deviation, are of something else.
 constexpr double kMinOutlierScale = 0.06, kOutlierScale = 4.0;
 /// Of a fit that is accepted. Another tag of the family leaves 0.65 to 0.72 of the pixels, the right one 0.9.
@@ -76,24 +83,19 @@ std::vector<PatternPrior> priors_at(const PatternState& state, bool is_straighte
 /// Gauss and Newton's steps from a start to the state that explains the pixels best, robustly.
 class PatternFit {
  public:
-  PatternFit(PatternModel model, PatternPixels pixels, const PatternState& start, double half_size_px)
-      : model_(std::move(model)),
-        pixels_(std::move(pixels)),
-        state_(start),
-        converged_(kConverged_px / half_size_px) {}
+  PatternFit(PatternModel model, PatternPixels* pixels, const PatternState& start, double half_size_px)
+      : model_(std::move(model)), pixels_(*pixels), state_(start), half_size_px_(half_size_px) {}
 
   /// False where it leads to no tag.
   bool run() {
-    used_ = std::span(pixels_.all).first(pixels_.num_coarse);
-    predict(kSameBlur);
+    if (!use(kCoarse)) return false;
+    predict();
     if (!fit_colours()) return false;
-    predict(kSameBlur);  // with colours, the light's derivatives by the place are not zero
-    if (!iterate(kMaxCoarseSteps, kSameBlur)) return false;
-    if (pixels_.num_coarse < pixels_.all.size()) {
-      used_ = pixels_.all;
-      predict(kSameFineBlur);
-      if (!iterate(kMaxFineSteps, kSameFineBlur)) return false;
-    }
+    predict();  // with colours, the light's derivatives by the place are not zero
+    if (!iterate()) return false;
+    if (!use(kFine)) return false;
+    predict();
+    if (!iterate()) return false;
     factor_equations();
     return state_.contrast() > 0.0;
   }
@@ -113,7 +115,14 @@ class PatternFit {
   }
 
  private:
-  void predict(double max_blur_change) { model_.predict(state_, used_, max_blur_change, &predicted_); }
+  /// False where too few pixels show the print.
+  bool use(const Stage& stage) {
+    stage_ = &stage;
+    used_ = pixels_.pick(state_.tag_from_straight.inverse(), model_.blur_sigma_px(state_), stage.max_pixels);
+    return used_.size() >= kMinPixels;
+  }
+
+  void predict() { model_.predict(state_, used_, stage_->same_blur, &predicted_); }
 
   /// All colours at once, the place as it is: what the first step starts from. Slopes and surroundings are
   /// held, lest they take the place of a pattern that is not there.
@@ -132,9 +141,9 @@ class PatternFit {
     return state_.colours.allFinite() && state_.contrast() > 0.0;
   }
 
-  /// From what is predicted, until the corners stay.
-  bool iterate(int max_steps, double max_blur_change) {
-    for (int step = 0; step < max_steps; ++step) {
+  /// From what is predicted, until a step is so small that what follows from it is linear.
+  bool iterate() {
+    for (int step = 0; step < stage_->max_steps; ++step) {
       weigh();
       factor_equations();
       Information damped = information_;
@@ -142,14 +151,24 @@ class PatternFit {
       const PatternStep by = damped.ldlt().solve(gradient_);
       if (!by.allFinite()) return false;
 
+      const PatternState before = state_;
       const double move = state_.take(by, kMaxStep_cells * model_.cell_size());
       moved_ += move;
       if (!(moved_ < kMaxMove_cells * model_.cell_size()) || !(state_.contrast() > 0.0)) return false;
-      predict(max_blur_change);
-      if (move < converged_) break;
+      if (is_small(move, before)) {
+        predicted_.residuals.noalias() -= predicted_.by_unknowns.transpose() * by;
+        break;
+      }
+      predict();
     }
     weigh();
     return true;
+  }
+
+  /// move: in half tag sizes.
+  bool is_small(double move, const PatternState& before) const {
+    return move * half_size_px_ < stage_->small_step * model_.blur_sigma_px(state_) &&
+           (state_.blur_px2 - before.blur_px2).norm() < kSmallBlurStep * state_.blur_px2.norm();
   }
 
   /// Robust weights, and the variance of the residuals.
@@ -217,11 +236,13 @@ class PatternFit {
   }
 
   PatternModel model_;
-  PatternPixels pixels_;
+  PatternPixels& pixels_;
   PatternState state_;
-  double converged_, moved_ = 0.0;  ///< In half tag sizes.
+  double half_size_px_;  ///< Of the tag.
+  double moved_ = 0.0;   ///< By the corners, in half tag sizes.
 
-  std::span<const PatternPixel> used_;
+  const Stage* stage_ = &kCoarse;
+  std::vector<PatternPixel> used_;
   PatternPrediction predicted_;  ///< Of the pixels in use.
   Eigen::VectorXd weights_;      ///< What the robust fit takes them for, 0 to 1.
   double residual_rms_ = 0.0, variance_ = 0.0;
@@ -247,10 +268,9 @@ std::optional<FittedPattern> fit_pattern(const LightSampler& light, const TagPat
   const auto straight_from_tag = estimate_homography(kTagQuad, straight);
   if (!straight_from_tag || !(std::abs(straight_from_tag->determinant()) > 0.0)) return std::nullopt;
   const PatternState state = PatternState::start(*places, *straight_from_tag, start.blur_sigma_px);
-  PatternPixels pixels = collect_pixels(light, *places, pattern, *straight_from_tag, start.blur_sigma_px);
-  if (pixels.num_coarse < static_cast<std::size_t>(kMinPixels)) return std::nullopt;
+  PatternPixels pixels(light, *places, pattern);
   const BlurredPattern blurred(pattern);
-  PatternFit fit({blurred, *places}, std::move(pixels), state, 0.5 * std::sqrt(quad_area(straight)));
+  PatternFit fit({blurred, *places}, &pixels, state, 0.5 * std::sqrt(quad_area(straight)));
   if (!fit.run()) return std::nullopt;
   const std::optional<FittedPattern> fitted = fit.result();
   if (!fitted || fitted->residual_rms > kMaxResidual || fitted->used_share < kMinUsedShare)

@@ -19,6 +19,8 @@ constexpr double kMinShareOfPrint = 0.3;
 constexpr double kMaxShareUnknown = 0.02;
 /// Of full scale: from here on a sensor may be full, and more light no contradiction (code 252 in sRGB).
 constexpr double kSaturated = 0.975;
+/// How often pixels are predicted, on average, before a new texture is made.
+constexpr std::size_t kTimesAsked = 2;
 
 /// How far the corners move in the plane (x0 y0 x1 ...), by the eight generators.
 const Matrix8d& corner_moves() {
@@ -85,19 +87,19 @@ void PatternModel::predict(const PatternState& state, std::span<const PatternPix
   prediction->shows_print.resize(n);
   const Eigen::Matrix2d D = places_.straight_by_pixel();
   const Eigen::Matrix2d blur = state.blur_px2 + kPixelVariance * D * D.transpose();
-  prepare_texture(state, blur, max_blur_change);
+  prepare_texture(state, blur, max_blur_change, pixels.size());
   for (Eigen::Index i = 0; i < n; ++i)
     predict_pixel(state, pixels[static_cast<std::size_t>(i)], blur, i, prediction);
 }
 
 void PatternModel::prepare_texture(const PatternState& state, const Eigen::Matrix2d& blur,
-                                   double max_blur_change) {
+                                   double max_blur_change, std::size_t num_pixels) {
   const Eigen::Vector2d centre = state.tag_from_straight.inverse().col(2).hnormalized();
   const Eigen::Matrix2d J =
       projective_derivative(state.tag_from_straight, state.tag_from_straight * centre.homogeneous());
   const Eigen::Matrix2d in_plane = J * blur * J.transpose();
   if (texture_ && (texture_->covariance() - in_plane).norm() < max_blur_change * in_plane.norm()) return;
-  texture_ = PatternTexture::of(pattern_, in_plane);
+  texture_ = PatternTexture::of(pattern_, in_plane, kTimesAsked * num_pixels);
 }
 
 void PatternModel::predict_pixel(const PatternState& state, const PatternPixel& pixel,
@@ -161,6 +163,10 @@ std::optional<PatternModel::Corners> PatternModel::corners(const PatternState& s
 Eigen::Matrix2d PatternModel::blur_px2(const PatternState& state) const {
   const Eigen::Matrix2d pixel_by_straight = places_.straight_by_pixel().inverse();
   return pixel_by_straight * state.blur_px2 * pixel_by_straight.transpose();
+}
+
+double PatternModel::blur_sigma_px(const PatternState& state) const {
+  return std::sqrt(0.5 * blur_px2(state).trace() + kPixelVariance);
 }
 
 }  // namespace apriltrack

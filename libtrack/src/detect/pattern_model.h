@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 #include <span>
 
@@ -72,9 +73,12 @@ class PatternModel {
   std::optional<Corners> corners(const PatternState& state) const;
   /// Of lens and motion, in the image.
   Eigen::Matrix2d blur_px2(const PatternState& state) const;
+  /// The same as one number, the pixel's own area included.
+  double blur_sigma_px(const PatternState& state) const;
 
  private:
-  void prepare_texture(const PatternState& state, const Eigen::Matrix2d& blur, double max_blur_change);
+  void prepare_texture(const PatternState& state, const Eigen::Matrix2d& blur, double max_blur_change,
+                       std::size_t num_pixels);
   void predict_pixel(const PatternState& state, const PatternPixel& pixel, const Eigen::Matrix2d& blur,
                      Eigen::Index i, PatternPrediction* prediction) const;
 

@@ -9,49 +9,13 @@
 namespace apriltrack {
 namespace {
 
-/// Of larger tags a part of the pixels is asked, most of them near edges between black and white: the place
-/// shows nowhere else.
-constexpr double kMaxPixels = 1000.0;
-/// A part of them leads the first steps.
-constexpr double kCoarsePixels = 250.0;
 /// How far from an edge its blur shows, in its sigmas.
 constexpr double kEdgeReach = 2.0;
 /// Of the pixels where nothing changes, which tell light and noise alone, so many of those near edges'
 /// density.
 constexpr double kFlatShare = 0.15;
-
-/// The pixels of an upright rectangle, straightened: exactly at the nodes of a grid, between them bilinear. A
-/// lens of 1.2e-4 px of bend per px^2 errs by 2.4e-4 px over such a step.
-class StraightGrid {
- public:
-  StraightGrid(const TagPlaces& places, int x0, int y0, int x1, int y1) : places_(places), x0_(x0), y0_(y0) {
-    if (!places.is_straightened()) return;
-    columns_ = (x1 - x0) / kStep + 2;
-    const int rows = (y1 - y0) / kStep + 2;
-    for (int j = 0; j < rows; ++j)
-      for (int i = 0; i < columns_; ++i)
-        nodes_.push_back(places.straight(Eigen::Vector2d(x0 + i * kStep, y0 + j * kStep)));
-  }
-
-  std::optional<Eigen::Vector2d> at(int x, int y) const {
-    if (nodes_.empty()) return Eigen::Vector2d(x, y);
-    const int i = (x - x0_) / kStep, j = (y - y0_) / kStep;
-    const double fx = static_cast<double>((x - x0_) % kStep) / kStep;
-    const double fy = static_cast<double>((y - y0_) % kStep) / kStep;
-    const auto* above = &nodes_[static_cast<std::size_t>(j * columns_ + i)];
-    const auto* below = above + columns_;
-    if (!above[0] || !above[1] || !below[0] || !below[1]) return places_.straight(Eigen::Vector2d(x, y));
-    return Eigen::Vector2d((1.0 - fy) * ((1.0 - fx) * *above[0] + fx * *above[1]) +
-                           fy * ((1.0 - fx) * *below[0] + fx * *below[1]));
-  }
-
- private:
-  static constexpr int kStep = 4;
-
-  const TagPlaces& places_;
-  int x0_, y0_, columns_ = 0;
-  std::vector<std::optional<Eigen::Vector2d>> nodes_;
-};
+/// Tags move while they are fitted; so far about its first place the lens is kept.
+constexpr int kKept_px = 8;
 
 /// In [0, 1), even over the pixels at every density: a lattice of the plastic number's powers (Roberts 2018).
 double lattice_place(int x, int y) {
@@ -76,6 +40,32 @@ double share_near_edges(double reach_cells) {
 }
 
 }  // namespace
+
+StraightGrid::StraightGrid(const TagPlaces& places, int x0, int y0, int x1, int y1)
+    : places_(places), x0_(x0), y0_(y0), columns_((x1 - x0) / kStep + 2), rows_((y1 - y0) / kStep + 2) {
+  if (places.is_straightened())
+    nodes_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
+}
+
+const std::optional<Eigen::Vector2d>& StraightGrid::node(int column, int row) {
+  Node& node = nodes_[static_cast<std::size_t>(row * columns_ + column)];
+  if (!node.is_known)
+    node = {true, places_.straight(Eigen::Vector2d(x0_ + column * kStep, y0_ + row * kStep))};
+  return node.straight;
+}
+
+std::optional<Eigen::Vector2d> StraightGrid::at(int x, int y) {
+  if (nodes_.empty()) return Eigen::Vector2d(x, y);
+  const int column = (x - x0_) / kStep, row = (y - y0_) / kStep;
+  if (x < x0_ || y < y0_ || column + 1 >= columns_ || row + 1 >= rows_)
+    return places_.straight(Eigen::Vector2d(x, y));
+  const double fx = static_cast<double>((x - x0_) % kStep) / kStep;
+  const double fy = static_cast<double>((y - y0_) % kStep) / kStep;
+  const auto &a = node(column, row), &b = node(column + 1, row);
+  const auto &c = node(column, row + 1), &d = node(column + 1, row + 1);
+  if (!a || !b || !c || !d) return places_.straight(Eigen::Vector2d(x, y));
+  return Eigen::Vector2d((1.0 - fy) * ((1.0 - fx) * *a + fx * *b) + fy * ((1.0 - fx) * *c + fx * *d));
+}
 
 std::optional<TagPlaces> TagPlaces::about(const Eigen::Vector2d& middle_px, const CameraModel* camera) {
   TagPlaces places(middle_px);
@@ -115,14 +105,14 @@ double quad_area(const Quad& quad) {
   return 0.5 * std::abs(twice);
 }
 
-PatternPixels collect_pixels(const LightSampler& light, const TagPlaces& places, const TagPattern& pattern,
-                             const Eigen::Matrix3d& straight_from_tag, double blur_sigma_px) {
+std::vector<PatternPixel> PatternPixels::pick(const Eigen::Matrix3d& straight_from_tag, double blur_sigma_px,
+                                              double max_pixels) {
   const double reach_px = 0.5 + blur_sigma_px;
   Quad print;
   Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9), high = -low;
   for (std::size_t k = 0; k < kNumCorners; ++k) {
-    const Eigen::Vector3d corner = straight_from_tag * (pattern.half_extent() * kTagQuad[k]).homogeneous();
-    const auto pixel = places.pixel(corner.hnormalized(), nullptr);
+    const Eigen::Vector3d corner = straight_from_tag * (pattern_.half_extent() * kTagQuad[k]).homogeneous();
+    const auto pixel = places_.pixel(corner.hnormalized(), nullptr);
     if (!(corner.z() > 0.0) || !pixel || !pixel->allFinite()) return {};
     print[k] = *pixel;
     low = low.cwiseMin(*pixel);
@@ -130,37 +120,34 @@ PatternPixels collect_pixels(const LightSampler& light, const TagPlaces& places,
   }
   const int x0 = std::max(0, static_cast<int>(std::floor(std::max(-1.0, low.x() - reach_px))));
   const int y0 = std::max(0, static_cast<int>(std::floor(std::max(-1.0, low.y() - reach_px))));
-  const int x1 = static_cast<int>(std::ceil(std::min(light.width() - 1.0, high.x() + reach_px)));
-  const int y1 = static_cast<int>(std::ceil(std::min(light.height() - 1.0, high.y() + reach_px)));
+  const int x1 = static_cast<int>(std::ceil(std::min(light_.width() - 1.0, high.x() + reach_px)));
+  const int y1 = static_cast<int>(std::ceil(std::min(light_.height() - 1.0, high.y() + reach_px)));
   if (x1 < x0 || y1 < y0) return {};
-  const StraightGrid grid(places, x0, y0, x1, y1);
+  if (!grid_) grid_.emplace(places_, x0 - kKept_px, y0 - kKept_px, x1 + kKept_px, y1 + kKept_px);
   Eigen::Matrix3d tag_from_straight = straight_from_tag.inverse();
-  if ((tag_from_straight * places.middle().homogeneous()).z() < 0.0) tag_from_straight = -tag_from_straight;
+  if ((tag_from_straight * places_.middle().homogeneous()).z() < 0.0) tag_from_straight = -tag_from_straight;
   const double area = quad_area(print);
-  const double cell_px = std::sqrt(area) / pattern.cells().width();
+  const double cell_px = std::sqrt(area) / pattern_.cells().width();
   const double edge_px = kEdgeReach * blur_sigma_px + 0.5;
   const double of_edges = share_near_edges(edge_px / cell_px);
-  const double share = kMaxPixels / area / (of_edges + kFlatShare * (1.0 - of_edges));
-  const double coarse_share = share * kCoarsePixels / kMaxPixels;
-  PatternPixels pixels;
-  std::vector<PatternPixel> others;
+  const double share = max_pixels / area / (of_edges + kFlatShare * (1.0 - of_edges));
+  std::vector<PatternPixel> pixels;
   for (int y = y0; y <= y1; ++y) {
     for (int x = x0; x <= x1; ++x) {
       const double turn = lattice_place(x, y);
       if (turn >= share) continue;
-      const std::optional<Eigen::Vector2d> straight = grid.at(x, y);
+      const std::optional<Eigen::Vector2d> straight = grid_->at(x, y);
       if (!straight) continue;
       const Eigen::Vector3d image = tag_from_straight * straight->homogeneous();
       if (!(image.z() > 0.0)) continue;
       const Eigen::Vector2d uv = image.head<2>() / image.z();
       const Eigen::Vector2d per_px = projective_derivative(tag_from_straight, image).rowwise().norm();
-      if (uv.cwiseAbs().maxCoeff() - pattern.half_extent() > reach_px * per_px.maxCoeff()) continue;
-      if (turn >= kFlatShare * share && share < 1.0 && !is_near_edge(pattern, uv, edge_px * per_px)) continue;
-      (turn < coarse_share ? pixels.all : others).push_back({*straight, light.of_pixel(x, y), x, y});
+      if (uv.cwiseAbs().maxCoeff() - pattern_.half_extent() > reach_px * per_px.maxCoeff()) continue;
+      if (turn >= kFlatShare * share && share < 1.0 && !is_near_edge(pattern_, uv, edge_px * per_px))
+        continue;
+      pixels.push_back({*straight, light_.of_pixel(x, y), x, y});
     }
   }
-  pixels.num_coarse = pixels.all.size();
-  pixels.all.insert(pixels.all.end(), others.begin(), others.end());
   return pixels;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace apriltrack {
 namespace {
@@ -12,8 +13,8 @@ namespace {
 constexpr double kStepInSigmas = 1.2;
 /// Beyond the print, in sigmas: farther out pixels are not asked.
 constexpr double kReachInSigmas = 1.5;
-/// As many nodes on a side take as long to fill as two thousand pixels asked one by one.
-constexpr int kMaxNodes = 128;
+/// So many nodes take as long to fill as a pixel to ask without them.
+constexpr double kNodesPerPixel = 8.0;
 
 /// Cubic B-spline between four nodes at the share t of a step after the second, and its derivatives.
 struct SplineWeights {
@@ -32,7 +33,7 @@ struct SplineWeights {
 }  // namespace
 
 std::optional<PatternTexture> PatternTexture::of(const BlurredPattern& pattern,
-                                                 const Eigen::Matrix2d& covariance) {
+                                                 const Eigen::Matrix2d& covariance, std::size_t num_asked) {
   const double least =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()[0];
   if (!(least > 0.0)) return std::nullopt;
@@ -40,7 +41,7 @@ std::optional<PatternTexture> PatternTexture::of(const BlurredPattern& pattern,
   const double reach =
       pattern.half_extent() + kReachInSigmas * std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
   const double nodes = std::ceil(2.0 * reach / step) + 4.0;
-  if (!(nodes <= kMaxNodes)) return std::nullopt;
+  if (!(nodes * nodes <= kNodesPerPixel * static_cast<double>(num_asked))) return std::nullopt;
   PatternTexture texture;
   texture.covariance_ = covariance;
   texture.num_nodes_ = static_cast<int>(nodes);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 
 #include "apriltrack/tags/blurred_pattern.h"
@@ -15,8 +16,9 @@ namespace apriltrack {
 /// first order, by the heat equation (PatternSample).
 class PatternTexture {
  public:
-  /// nullopt where a grid fine enough for the blur would be too large to pay.
-  static std::optional<PatternTexture> of(const BlurredPattern& pattern, const Eigen::Matrix2d& covariance);
+  /// nullopt where a grid fine enough for the blur would be too large to pay. num_asked: pixels that will be.
+  static std::optional<PatternTexture> of(const BlurredPattern& pattern, const Eigen::Matrix2d& covariance,
+                                          std::size_t num_asked);
 
   const Eigen::Matrix2d& covariance() const { return covariance_; }
   /// covariance: of the blur at this place, about the grid's.

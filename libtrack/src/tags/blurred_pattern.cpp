@@ -1,8 +1,10 @@
 #include "apriltrack/tags/blurred_pattern.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 
 namespace apriltrack {
 namespace {
@@ -83,29 +85,29 @@ struct RowOfNodes {
             blur.covariance_uv - sign * share * blur.sigma_u * blur.sigma_v};
     const double spacing = std::min(kNodeSpacing * left_over, 1.5 * along);
     reach = static_cast<int>(std::ceil(kRowReach * along / spacing - 0.5));
-    spacing_in_sigmas = spacing / along;
-    double variance = 0.0;
-    weights = 0.0;
-    for (int k = -reach; k <= reach; ++k) {
-      const double z = k * spacing_in_sigmas, weight = std::exp(-0.5 * z * z);
-      weights += weight;
-      variance += weight * z * z;
+    double variance = 0.0, sum = 0.0;
+    for (int k = 0; k <= reach; ++k) {
+      const double z = k * spacing / along, weight = std::exp(-0.5 * z * z);
+      weights[static_cast<std::size_t>(k)] = weight;
+      const double of_both = (k == 0 ? 1.0 : 2.0) * weight;
+      sum += of_both;
+      variance += of_both * z * z;
     }
-    const double stretch = std::sqrt(weights / variance);  // the row's variance is exact
+    for (double& weight : weights) weight /= sum;
+    const double stretch = std::sqrt(sum / variance);  // the row's variance is exact
     step_u = spacing * stretch * blur.sigma_u;
     step_v = sign * spacing * stretch * blur.sigma_v;
   }
 
-  double weight(int k) const {
-    const double z = k * spacing_in_sigmas;
-    return std::exp(-0.5 * z * z) / weights;
-  }
+  double weight(int k) const { return weights[static_cast<std::size_t>(std::abs(k))]; }
   double shift_u(int k) const { return k * step_u; }
   double shift_v(int k) const { return k * step_v; }
 
   PatternBlur rest;
-  int reach = 0;  ///< Nodes from -reach to reach.
-  double spacing_in_sigmas = 0.0, weights = 1.0, step_u = 0.0, step_v = 0.0;
+  static constexpr int kMaxReach = 9;                 ///< At a share of 0.95.
+  int reach = 0;                                      ///< Nodes from -reach to reach.
+  std::array<double, kMaxReach + 1> weights = {1.0};  ///< By how far from the middle.
+  double step_u = 0.0, step_v = 0.0;
 };
 
 void add(double weight, const PatternSample& sample, PatternSample& sum) {
