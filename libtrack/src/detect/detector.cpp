@@ -131,7 +131,10 @@ class Detector::Implementation {
     }
     const GrayImage linear = to_linear_bytes(image, options_.response);
     find_in(linear.view(), true, &candidates);
-    if (has_grids_) find_joined(linear.view(), &candidates);
+    if (has_grids_) {
+      find_joined(image, &candidates);
+      find_joined(linear.view(), &candidates);
+    }
     return candidates;
   }
 
@@ -156,10 +159,10 @@ class Detector::Implementation {
   /// quad: of 36 tags 23 to 30 are found. With the black shrunk by a pixel they come apart; shrunk by half a
   /// pixel, in an image twice as large, small tags keep more of their borders and give better starts for the
   /// corners (grid_test.cpp).
-  void find_joined(const GrayView& linear, std::vector<Candidate>* candidates) {
-    find_in(shrink_black(linear).view(), false, candidates);
+  void find_joined(const GrayView& image, std::vector<Candidate>* candidates) {
+    find_in(shrink_black(image).view(), false, candidates);
     std::vector<Candidate> enlarged;
-    find_in(shrink_black(enlarge_twice(linear).view()).view(), false, &enlarged);
+    find_in(shrink_black(enlarge_twice(image).view()).view(), false, &enlarged);
     for (Candidate& candidate : enlarged) {
       for (Eigen::Vector2d& corner : candidate.detection.corners_px)
         corner = 0.5 * (corner - Eigen::Vector2d::Constant(0.5));
