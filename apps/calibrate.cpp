@@ -165,7 +165,10 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
   const std::vector<Recording> recordings = parse_recordings(a.inputs, rig, a.camera_name);
   warn_of_shutters(rig, a.camera_name, recordings, a.console);
   ResponseFindings responses = estimate_responses(a, camera, to_estimate, recordings, sizes, rig);
-  const Sightings sightings = gather(a, rig, recordings);
+  Sightings sightings = gather(a, rig, recordings);
+  if (a.detections.empty() && !sightings.counts.is_interrupted &&
+      check_responses(a, camera, recordings, sizes, sightings, rig, responses))
+    sightings = gather(a, rig, recordings);
   if (sightings.counts.is_interrupted && sightings.counts.readable == 0)
     throw no_result("calibrate", kInterruptedAtOnce);
   for (const std::string& warning : sightings.warnings) a.console.warning(warning);
@@ -176,7 +179,6 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
 
   warn_of_unseen_sizes(a, sightings);
   complete_resolutions(a, camera, recordings, rig);  // not before: images are held against the file's own
-  check_responses(a, rig, sizes, sightings, responses);
   a.calibration.num_threads = a.num_threads;
   a.calibration.cross_validate = a.calibration.cross_validate || !a.report.empty();
   if (!a.joint_covariance.empty())

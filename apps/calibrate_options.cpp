@@ -77,9 +77,11 @@ void add_model_options(CLI::App& command, CalibrateOptions& a) {
       {{"keep", Intrinsics::kKeep}, {"auto", Intrinsics::kAuto}, {"refine", Intrinsics::kRefine}},
       "Of the camera file: keep; refine with the map where held-out frames agree better; or auto: "
       "refine only where it is clearly wrong. A refined camera goes to <output>.camera.yaml");
-  add_choice<bool>(command, "--response", a.estimates_response, {{"keep", false}, {"auto", true}},
-                   "Of the cameras: keep what the camera file says, or auto: estimate it from the images, as "
-                   "`response: auto` in the file does. It goes to <output>.camera.yaml");
+  add_choice<bool>(
+      command, "--response", a.estimates_response, {{"keep", false}, {"auto", true}},
+      "Of the cameras: keep what the camera file says, and estimate from the images what it does not "
+      "say; or auto: estimate all, as `response: auto` in the file does. It goes to "
+      "<output>.camera.yaml");
   add_choice<bool>(command, "--extrinsics", a.calibration.refine_extrinsics,
                    {{"keep", false}, {"refine", true}},
                    "Where several cameras sit on the rig: keep, or refine");

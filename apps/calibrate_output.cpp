@@ -146,14 +146,14 @@ bool write_joint_covariance(const CalibrateOptions& a, const TagMap& map, const 
   return false;
 }
 
-bool is_response_estimated(const ResponseFindings& responses) {
-  return std::ranges::any_of(responses, &ResponseFinding::is_used);
+bool is_response_news(const ResponseFindings& responses) {
+  return std::ranges::any_of(responses, &ResponseFinding::is_news);
 }
 
 std::string words_of_estimated(const ResponseFindings& responses) {
   std::vector<std::string> words;
   for (const ResponseFinding& one : responses) {
-    if (one.is_used)
+    if (one.origin == ResponseOrigin::kEstimated)
       words.push_back(fmt::format("of {} estimated: {}", one.camera, one.estimate.response.name()));
   }
   return fmt::format("{}", fmt::join(words, "; "));
@@ -186,8 +186,8 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
   CalibrationFiles files;
   files.observations = observations_file(a);
   note_origin(a, camera, sightings.counts, result.gauge, files.observations, result.map);
-  if (is_response_estimated(responses))
-    result.map.provenance.emplace_back("response", words_of_estimated(responses));
+  if (const std::string estimated = words_of_estimated(responses); !estimated.empty())
+    result.map.provenance.emplace_back("response", estimated);
   if (refinement) result.map.provenance.emplace_back("refinement", outcome_of(*refinement));
   for (std::size_t i = 0; i < result.other_parts.size(); ++i)
     note_origin(a, camera, sightings.counts,
@@ -201,7 +201,7 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
     outputs.write(*files.observations,
                   [&](const fs::path& path) { write_detections_csv(path, sightings.frames); });
   }
-  if (is_lens_refined(result) || is_response_estimated(responses)) {
+  if (is_lens_refined(result) || is_response_news(responses)) {
     files.camera = write_camera(a, result.rig, outputs);
   } else {
     warn_of_older_camera(a, camera);

@@ -70,10 +70,13 @@ std::string short_name(const TagMap& map, const TagKey& key) {
 }
 
 std::string outcome_of(const ResponseFinding& finding) {
-  if (finding.is_used) return "estimated from them, as was asked for";
+  if (finding.origin == ResponseOrigin::kEstimated)
+    return finding.is_asked ? "estimated from them, as was asked for"
+                            : "estimated from them, for the camera file states none";
+  if (!finding.estimate.is_found()) return "in doubt: " + words_of_doubt(finding.estimate);
   if (finding.estimate.contradicts_assumed)
     return fmt::format("wrong: the pictures say {}", finding.estimate.response.name());
-  if (finding.differs)
+  if (finding.differs())
     return fmt::format("the pictures say {}, not beyond doubt", finding.estimate.response.name());
   return "the pictures agree";
 }
@@ -162,8 +165,10 @@ HtmlTable responses_table(const ResponseFindings& responses) {
                   "some tenths of a pixel."};
   for (const ResponseFinding& one : responses) {
     const ResponseEstimate& estimate = one.estimate;
-    table.rows.push_back({one.camera, one.is_used ? estimate.response.name() : one.assumed,
-                          fmt::format("{:.2f}", estimate.exponent), fmt::format("{:.2f}", estimate.sigma),
+    const bool has_exponent = estimate.sigma > 0.0;
+    table.rows.push_back({one.camera, one.used(),
+                          has_exponent ? fmt::format("{:.2f}", estimate.exponent) : "-",
+                          has_exponent ? fmt::format("{:.2f}", estimate.sigma) : "-",
                           std::to_string(estimate.views_used), outcome_of(one)});
   }
   return table;

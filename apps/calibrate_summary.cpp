@@ -61,13 +61,7 @@ nlohmann::json told(const TimeError& error) {
 
 nlohmann::json told(const ResponseFindings& responses) {
   nlohmann::json list = nlohmann::json::array();
-  for (const ResponseFinding& one : responses)
-    list.push_back({{"camera", one.camera},
-                    {"exponent", one.estimate.exponent},
-                    {"sigma", one.estimate.sigma},
-                    {"assumed", one.assumed},
-                    {"held_out_sigmas", one.estimate.held_out_sigmas},
-                    {"used", one.is_used ? one.estimate.response.name() : one.assumed}});
+  for (const ResponseFinding& one : responses) list.push_back(json_of(one));
   return list;
 }
 

@@ -5,11 +5,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/io/numbers.h"
 #include "blank_images.h"
+#include "camera_response.h"
 #include "command_help.h"
 #include "commands.h"
 #include "frame_loop.h"
@@ -18,6 +20,7 @@
 #include "odd_picture_watch.h"
 #include "option_checks.h"
 #include "outputs.h"
+#include "patch_keeper.h"
 
 namespace apriltrack::app {
 namespace {
@@ -51,6 +54,7 @@ struct Record {
   std::size_t num_detections = 0;
   LeftOutTags left_out;
   std::optional<std::string> odd_pictures;  ///< What is wrong with pictures in which hardly a tag is read.
+  ResponseFinding response;
 
   void add(FrameDetections frame) {
     if (frame.detections.empty()) return;
@@ -64,7 +68,7 @@ std::optional<Camera> load_camera(const DetectArguments& arguments) {
   std::optional<std::filesystem::path> path = sequence_camera_file(arguments.input);
   if (!arguments.camera.empty()) path = arguments.camera;
   if (!path) return std::nullopt;
-  return read_camera(*path, arguments.camera_name, arguments.console);
+  return read_camera(*path, arguments.camera_name, arguments.console, true);
 }
 
 ResponseCurve parse_response(const std::string& text) {
@@ -74,45 +78,78 @@ ResponseCurve parse_response(const std::string& text) {
     const std::optional<double> exponent = parse_double(text.substr(6));
     if (exponent && *exponent >= 0.2 && *exponent <= 5.0) return ResponseCurve::gamma(*exponent);
   }
-  throw invalid_input("--response",
-                      fmt::format("must be srgb, linear, or gamma:G with G in [0.2, 5] (is '{}')", text));
+  throw invalid_input(
+      "--response", fmt::format("must be srgb, linear, auto, or gamma:G with G in [0.2, 5] (is '{}')", text));
 }
 
 DetectorOptions detector_options(const DetectArguments& arguments, const std::optional<Camera>& camera) {
   DetectorOptions options = arguments.detector;
   options.refine_edges = !arguments.no_refine;
-  if (camera) options.response = camera->response;
   if (camera) options.camera_model = camera->model;
-  if (!arguments.response.empty()) options.response = parse_response(arguments.response);
   options.check();
   return options;
 }
 
-Record detect(const DetectArguments& arguments) {
-  const std::optional<Camera> camera = load_camera(arguments);
-  std::string name = camera ? camera->name : "cam0";
-  if (!arguments.camera_name.empty()) name = arguments.camera_name;
-  const FrameLoopOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
-                                    arguments.num_threads, "detect"};
-  const std::unique_ptr<FrameSource> source =
-      open_source(arguments.input, {.rate_hz = arguments.rate_hz,
-                                    .bits = arguments.bits,
-                                    .camera_name = arguments.camera_name,
-                                    .log = arguments.console.log()});
+SourceOptions source_options(const DetectArguments& arguments) {
+  return {.rate_hz = arguments.rate_hz,
+          .bits = arguments.bits,
+          .camera_name = arguments.camera_name,
+          .log = arguments.console.log()};
+}
+
+/// What is said to be the response, by the option before the camera file; nullopt where it is to be told by
+/// the tags.
+std::optional<ResponseCurve> stated_response(const DetectArguments& arguments,
+                                             const std::optional<Camera>& camera) {
+  if (arguments.response == "auto") return std::nullopt;
+  if (!arguments.response.empty()) return parse_response(arguments.response);
+  if (camera && camera->response_origin == ResponseOrigin::kStated) return camera->response;
+  return std::nullopt;
+}
+
+Record detect_with(const DetectArguments& arguments, const std::optional<Camera>& camera,
+                   const std::string& name, const ResponseCurve& response) {
+  FrameLoopOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
+                              arguments.num_threads, "detect"};
+  options.detector->response = response;
+  const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options(arguments));
   Record record;
   OddPictureWatch watch;
+  PatchKeeper keeper;
   record.counts = detect_frames(*source, options, arguments.console, [&](DetectedFrame frame) {
     if (frame.source.is_readable()) watch.add(frame.source.pixels.view(), frame.detections);
     record.left_out.add(frame.left_out);
-    record.add({frame.source.timestamp, name, std::move(frame.detections)});
+    FrameDetections tags{frame.source.timestamp, name, std::move(frame.detections)};
+    if (frame.source.is_readable()) keeper.keep(frame.source.pixels.view(), tags);
+    record.add(std::move(tags));
   });
   record.odd_pictures = watch.told(*options.detector);
+  return record;
+}
+
+Record detect(const DetectArguments& arguments) {
+  const std::optional<Camera> camera = load_camera(arguments);
+  ResponseCamera asked;
+  if (camera) asked = to_ask_of(*camera);
+  if (!arguments.camera_name.empty()) asked.name = arguments.camera_name;
+  const auto stated = stated_response(arguments, camera);
+  if (stated) asked.assumed = *stated;
+  Record record;
+  ResponseFinding response =
+      run_with_response(asked, stated ? ResponseOrigin::kStated : ResponseOrigin::kAssumed,
+                        {arguments.input, source_options(arguments)}, detector_options(arguments, camera),
+                        arguments.num_threads, [&](const ResponseCurve& curve) {
+                          record = detect_with(arguments, camera, asked.name, curve);
+                          return std::span<const FrameDetections>(record.frames);
+                        });
+  record.response = std::move(response);
   return record;
 }
 
 void check_result(const DetectArguments& arguments, const Record& record) {
   if (!record.frames.empty()) {
     if (record.odd_pictures) arguments.console.warning(*record.odd_pictures);
+    tell(record.response, arguments.console);
     return;
   }
   if (record.counts.are_all_blank())
@@ -135,14 +172,15 @@ void finish(const DetectArguments& arguments, const Record& record) {
                                   {"detections", record.num_detections},
                                   {"tags", tags},
                                   {"readings_left_out", record.left_out.json()},
+                                  {"response", json_of(record.response)},
                                   {"interrupted", record.counts.is_interrupted},
                                   {"output", arguments.output}};
   arguments.console.finish(
-      summary,
-      fmt::format("{} of {} frames with tags, {} unreadable; {} detections of {} tags{}\n"
-                  "detections: {}",
-                  record.frames.size(), record.counts.readable, record.counts.unreadable,
-                  record.num_detections, record.tags.size(), record.left_out.told_after(), arguments.output));
+      summary, fmt::format("{} of {} frames with tags, {} unreadable; {} detections of {} tags{}\n"
+                           "response: {}\ndetections: {}",
+                           record.frames.size(), record.counts.readable, record.counts.unreadable,
+                           record.num_detections, record.tags.size(), record.left_out.told_after(),
+                           words_of(record.response), arguments.output));
 }
 
 void run(const DetectArguments& arguments) {
@@ -169,7 +207,8 @@ void add_detect_command(CLI::App& app) {
   command.add_option("--camera-name", arguments->camera_name,
                      "Which camera of the file, and of a EuRoC recording; else the first");
   command.add_option("--response", arguments->response,
-                     "srgb, linear or gamma:G: what the grey levels stand for; wins over the camera file's");
+                     "srgb, linear, gamma:G or auto: what the grey levels stand for; wins over the camera "
+                     "file's. Where neither states it, the pictures of tags tell it, as with auto");
   command.add_option("--output", arguments->output, "detections.csv")->required();
   command.add_option("--family", arguments->detector.families, "Tag family; may be given several times")
       ->check(known_family())

@@ -11,6 +11,7 @@
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/detect/odd_pictures.h"
 #include "apriltrack/tags/tag_key.h"
+#include "camera_response.h"
 #include "left_out_tags.h"
 
 namespace apriltrack::app {
@@ -58,6 +59,7 @@ struct RecordingFacts {
   std::string input;
   std::string camera_name = {};
   std::optional<Camera> camera = std::nullopt;
+  ResponseFinding response = {};
   bool tells_times = true;  ///< False: no time in the images' names and none given; one a second was taken.
   std::vector<FrameFacts> frames = {};  ///< In the order of time.
   std::size_t unreadable = 0;

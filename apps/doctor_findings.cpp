@@ -14,8 +14,8 @@ std::vector<Finding> find_all(const Facts& facts) {
   std::ranges::move(find_in_places(facts), std::back_inserter(all));
   std::ranges::move(find_in_sizes(facts), std::back_inserter(all));
   for (const RecordingFacts& recording : facts.recordings) {
-    for (const auto& find :
-         {find_in_odd_pictures, find_in_camera, find_in_lens, find_in_images, find_in_blur}) {
+    for (const auto& find : {find_in_odd_pictures, find_in_camera, find_in_response, find_in_lens,
+                             find_in_images, find_in_blur}) {
       for (Finding& finding : find(recording)) {
         if (facts.recordings.size() > 1) finding.text = recording.input + ": " + finding.text;
         all.push_back(std::move(finding));

@@ -50,6 +50,8 @@ std::vector<Finding> find_in_images(const RecordingFacts& recording);
 std::vector<Finding> find_in_sizes(const Facts& facts);
 std::vector<Finding> find_in_camera(const RecordingFacts& recording);
 std::vector<Finding> find_in_blur(const RecordingFacts& recording);
+/// Whether pictures of tags contradict the camera's response, or leave it in doubt.
+std::vector<Finding> find_in_response(const RecordingFacts& recording);
 /// Of the lens, by how square the tags look.
 std::vector<Finding> find_in_lens(const RecordingFacts& recording);
 /// Whether tags are seen together from more places than one.

@@ -1,8 +1,9 @@
-// What the tags' outlines tell of the lens.
+// What the tags' pictures tell of the camera: their outlines of its lens, their edges of its response.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <variant>
 
 #include "apriltrack/base/error.h"
@@ -35,6 +36,14 @@ std::optional<CameraRig> fitting_rig(const std::vector<FrameDetections>& frames,
 }
 
 }  // namespace
+
+std::vector<Finding> find_in_response(const RecordingFacts& recording) {
+  const bool has_tags =
+      std::ranges::any_of(recording.frames, [](const FrameFacts& frame) { return !frame.tags.empty(); });
+  const auto warning = has_tags ? warning_of(recording.response) : std::nullopt;
+  if (!warning) return {};
+  return {{Severity::kWarning, "response", *warning}};
+}
 
 std::vector<Finding> find_in_lens(const RecordingFacts& recording) {
   if (!recording.camera) return {};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "apriltrack/base/error.h"
@@ -16,6 +17,7 @@
 #include "frame_loop.h"
 #include "inputs.h"
 #include "odd_picture_watch.h"
+#include "patch_keeper.h"
 #include "takes.h"
 
 namespace apriltrack::app {
@@ -86,16 +88,16 @@ FrameFacts facts_of(const DetectedFrame& frame, const ResponseCurve& response) {
   return facts;
 }
 
-/// Where the names tell no times, these do not matter to a first look.
-std::unique_ptr<FrameSource> open_any(const std::string& input, SourceOptions options, bool& tells_times) {
+/// Whether images have times. Where their names tell none, these do not matter to a first look.
+bool has_times(const std::string& input, SourceOptions options) {
+  options.log = silent_log();
   try {
-    return open_source(input, options);
+    open_source(input, options);
+    return true;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kInvalidInput || options.rate_hz) throw;
+    return false;
   }
-  options.rate_hz = 1.0;
-  tells_times = false;
-  return open_source(input, options);
 }
 
 /// The camera that films an INPUT; only its name where no file tells more.
@@ -111,6 +113,45 @@ void find_camera(const Recording& named, const LookOptions& options, const Conso
   if (facts.camera_name.empty()) facts.camera_name = "cam0";
 }
 
+ResponseCamera camera_to_ask(const RecordingFacts& facts) {
+  ResponseCamera asked{.name = facts.camera_name};
+  if (facts.camera) asked = to_ask_of(*facts.camera);
+  return asked;
+}
+
+/// Fills in what is seen with the detector's response; returns the tags, with pictures.
+std::vector<FrameDetections> look_with(const SampledInput& input, const DetectorOptions& detector,
+                                       const LookOptions& options, const Console& console,
+                                       bool& is_interrupted, RecordingFacts& facts) {
+  facts.frames.clear();
+  facts.left_out = {};
+  const auto source = open_source(input.input, input.source);
+  OddPictureWatch watch;
+  PatchKeeper keeper;
+  std::vector<FrameDetections> tags;
+  constexpr std::size_t kSampledFrames = 20;
+  EvenSample sample(kSampledFrames);
+  const FrameCounts counts = detect_frames(
+      *source, {detector, nullptr, options.num_threads, "look at " + input.input}, console,
+      [&](DetectedFrame frame) {
+        if (!frame.source.is_readable()) return;
+        sample.offer(frame.source.pixels.view());
+        watch.add(frame.source.pixels.view(), frame.detections);
+        facts.left_out.add(frame.left_out);
+        facts.frames.push_back(facts_of(frame, detector.response));
+        tags.push_back({frame.source.timestamp, facts.camera_name, std::move(frame.detections)});
+        keeper.keep(frame.source.pixels.view(), tags.back());
+      });
+  facts.unreadable = counts.unreadable;
+  is_interrupted = counts.is_interrupted;
+  if (!is_interrupted) facts.odd_pictures = watch.look(detector);
+  if (!is_interrupted && options.tries_other_families) {
+    facts.other_families = read_other_families(sample.images(), detector, options.num_threads, console);
+    facts.sampled = sample.images().size();
+  }
+  return tags;
+}
+
 RecordingFacts look_at_one(const std::string& input, const LookOptions& options, const Console& console,
                            bool& is_interrupted) {
   const Recording named = split_input(input);
@@ -119,29 +160,19 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
   SourceOptions source_options = options.source;
   source_options.log = console.log();
   source_options.camera_name = named.is_named ? named.camera : options.camera_name;
-  const auto source = open_any(named.input, source_options, facts.tells_times);
-  OddPictureWatch watch;
+  facts.tells_times = has_times(named.input, source_options);
+  if (!facts.tells_times) source_options.rate_hz = 1.0;
   DetectorOptions detector = options.detector;
-  if (facts.camera) detector.response = facts.camera->response;
   if (facts.camera) detector.camera_model = facts.camera->model;
-  constexpr std::size_t kSampledFrames = 20;
-  EvenSample sample(kSampledFrames);
-  const FrameCounts counts =
-      detect_frames(*source, {detector, nullptr, options.num_threads, "look at " + named.input}, console,
-                    [&](DetectedFrame frame) {
-                      if (!frame.source.is_readable()) return;
-                      sample.offer(frame.source.pixels.view());
-                      watch.add(frame.source.pixels.view(), frame.detections);
-                      facts.left_out.add(frame.left_out);
-                      facts.frames.push_back(facts_of(frame, detector.response));
-                    });
-  facts.unreadable = counts.unreadable;
-  is_interrupted = counts.is_interrupted;
-  if (!is_interrupted) facts.odd_pictures = watch.look(detector);
-  if (!is_interrupted && options.tries_other_families) {
-    facts.other_families = read_other_families(sample.images(), detector, options.num_threads, console);
-    facts.sampled = sample.images().size();
-  }
+  const SampledInput sampled{named.input, source_options};
+  std::vector<FrameDetections> tags;
+  facts.response = run_with_response(
+      camera_to_ask(facts), facts.camera ? facts.camera->response_origin : ResponseOrigin::kAssumed, sampled,
+      detector, options.num_threads, [&](const ResponseCurve& response) {
+        detector.response = response;
+        tags = look_with(sampled, detector, options, console, is_interrupted, facts);
+        return std::span<const FrameDetections>(tags);
+      });
   return facts;
 }
 

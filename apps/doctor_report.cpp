@@ -54,6 +54,11 @@ std::string told_camera(const RecordingFacts& recording) {
       camera.line_delay_s == 0.0 ? "no line delay told (taken for a global shutter)" : "rolling shutter");
 }
 
+std::string told_response(const RecordingFacts& recording) {
+  if (frames_with_tags(recording) == 0) return "";
+  return fmt::format("  response: {}\n", words_of(recording.response));
+}
+
 std::string told_blur(const RecordingFacts& recording) {
   const BlurCounts counts = count_blur(recording.frames);
   if (!counts.median_px) return "";
@@ -150,6 +155,7 @@ nlohmann::json json_of(const RecordingFacts& recording) {
             {"frames_soft", blur.soft},
             {"frames_blurred", blur.blurred},
             {"frames_unread", blur.unread}}},
+          {"response", json_of(recording.response)},
           {"readings_left_out", recording.left_out.json()},
           {"frames_sampled", recording.sampled},
           {"other_families", families}};
@@ -170,7 +176,7 @@ nlohmann::json json_of(const TagSummary& tag) {
 std::string told_facts(const Facts& facts, std::span<const Finding> findings, const Verdict& verdict) {
   std::string text;
   for (const RecordingFacts& recording : facts.recordings)
-    text += told_images(recording) + told_camera(recording) + told_blur(recording);
+    text += told_images(recording) + told_camera(recording) + told_response(recording) + told_blur(recording);
   text += told_tags(summarise_tags(facts), num_frames(facts));
   text += told_parts(joined_parts(facts.places));
   for (const Finding& finding : findings)

@@ -8,8 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/camera/auto_response.h"
 #include "apriltrack/eval/frame_log.h"
 #include "apriltrack/io/staged_files.h"
+#include "camera_response.h"
 #include "command_help.h"
 #include "command_line.h"
 #include "commands.h"
@@ -77,14 +79,35 @@ bool track_detections(const TrackArguments& arguments, const std::vector<FrameDe
   return was_interrupted;
 }
 
+SourceOptions source_options(const TrackArguments& arguments) {
+  return {.rate_hz = arguments.rate_hz,
+          .bits = arguments.bits,
+          .camera_name = arguments.camera_name,
+          .log = arguments.console.log()};
+}
+
+/// Where the camera file states none it is told by the map's tags in a sample of the frames.
+ResponseFinding find_response(const TrackArguments& arguments, const TagMap& map, Camera& camera) {
+  if (!arguments.detections.empty() || camera.response_origin == ResponseOrigin::kStated)
+    return {camera.name, camera.response.name(), camera.response_origin};
+  DetectorOptions detector = arguments.method_options().localizer.detector;
+  std::set<std::string> families;
+  TagSizes sizes;
+  for (const MapTag& tag : map.tags) {
+    families.insert(tag.key.family);
+    sizes.set(tag.key, tag.size_m);
+  }
+  detector.families.assign(families.begin(), families.end());
+  detector.camera_model = camera.model;
+  const std::vector<SampledInput> inputs = {{arguments.input, source_options(arguments)}};
+  return estimate_by_sample(inputs, detector, sizes, arguments.options.num_threads, arguments.console,
+                            camera);
+}
+
 bool track_images(const TrackArguments& arguments, const Camera& camera, const Method& method,
                   TrackRecord& record, std::optional<TrackVideo>& video) {
   const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
-  const std::unique_ptr<FrameSource> source =
-      open_source(arguments.input, {.rate_hz = arguments.rate_hz,
-                                    .bits = arguments.bits,
-                                    .camera_name = arguments.camera_name,
-                                    .log = arguments.console.log()});
+  const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options(arguments));
   const std::string exposure_of_camera =
       fmt::format("{}: {}.exposure_time", camera_file(arguments).string(), camera.name);
   ExposureCheck exposures(arguments.console);
@@ -184,9 +207,11 @@ void warn_of_exposure(const TrackRecord& record, const Console& console) {
       1e3 * *last->told_s, 1e3 * last->exposure_s, 100.0 * last->sigma));
 }
 
-void finish(const TrackArguments& arguments, const TrackRecord& record, bool was_interrupted) {
+void finish(const TrackArguments& arguments, const TrackRecord& record, const ResponseFinding& response,
+            bool was_interrupted) {
   nlohmann::json summary = record.summary();
   summary["mode"] = arguments.mode;
+  if (arguments.detections.empty()) summary["response"] = json_of(response);
   summary["method"] = arguments.method();
   summary["interrupted"] = was_interrupted;
   summary["output"] = arguments.output;
@@ -252,12 +277,12 @@ std::string told_of_frame_log(const TrackArguments& arguments, bool is_written) 
 
 void run(const CLI::App& command, const TrackArguments& arguments) {
   check_track_arguments(command, arguments);
-  const CameraRig rig = read_cameras(camera_file(arguments), arguments.console.log());
-  const Camera& camera = arguments.camera_name.empty()
-                             ? rig.cameras.front()
-                             : camera_named(rig, arguments.camera_name, "--camera-name");
+  const CameraRig rig = read_cameras_to_estimate(camera_file(arguments), arguments.console.log()).rig;
+  Camera camera = arguments.camera_name.empty() ? rig.cameras.front()
+                                                : camera_named(rig, arguments.camera_name, "--camera-name");
   const TagMap map = read_tag_map(map_file(arguments));
   if (const auto warning = rolling_shutter_warning(camera)) arguments.console.warning(*warning);
+  const ResponseFinding response = find_response(arguments, map, camera);
   const Method method = make_method(arguments.method_options(), camera, map, arguments.console);
 
   TrackRecord record;
@@ -269,6 +294,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
     video.emplace(arguments.video, camera, map, arguments.method_options().localizer.mode);
   const bool was_interrupted = has_images ? track_images(arguments, camera, method, record, video)
                                           : track_detections(arguments, detections, method, record);
+  if (has_images) tell(response, arguments.console);
   warn_of_contradictions(record, arguments.method(), arguments.console);
   warn_of_few_readings(record, map, arguments.console);
   warn_of_unseen_tags(record, arguments.console);
@@ -277,12 +303,12 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   const bool with_frame_log = writes_frame_log(arguments, record);
   write_outputs(arguments,
                 {command_line_of(command), arguments, camera_file(arguments), map_file(arguments), camera,
-                 map, record, was_interrupted},
+                 map, record, response, was_interrupted},
                 with_frame_log, video);
   if (!record.has_pose())
     throw no_result(has_images ? arguments.input : arguments.detections,
                     record.why_no_pose(map) + told_of_frame_log(arguments, with_frame_log));
-  finish(arguments, record, was_interrupted);
+  finish(arguments, record, response, was_interrupted);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/tags/tag_map.h"
+#include "camera_response.h"
 #include "track_options.h"
 #include "track_record.h"
 
@@ -18,6 +19,7 @@ struct TrackRun {
   const Camera& camera;
   const TagMap& map;
   const TrackRecord& record;
+  const ResponseFinding& response;
   bool was_interrupted = false;
 };
 

@@ -49,6 +49,7 @@ HtmlTable settings_table(const TrackRun& run) {
   if (options.name != "pnp") add("seed", fmt::format("{}", options.seed));
   if (arguments.rate_hz) add("frames a second", fmt::format("{:g}", *arguments.rate_hz));
   if (!arguments.detections.empty()) return table;
+  add("response of the camera", words_of(run.response));
   const DetectorOptions& detector = options.localizer.detector;
   add("threads",
       options.num_threads == 0 ? "one per core, 8 at most" : fmt::format("{}", options.num_threads));

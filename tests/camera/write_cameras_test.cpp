@@ -37,6 +37,19 @@ CameraRig rig_of_all_lenses() {
   return rig;
 }
 
+TEST(WriteCameras, LeavesOutAResponseThatWasAssumed) {
+  const auto path = test::temporary_folder() / "camera.yaml";
+  CameraRig rig = rig_of_all_lenses();
+  rig.cameras[0].response_origin = ResponseOrigin::kAssumed;
+  rig.cameras[1].response_origin = ResponseOrigin::kEstimated;
+  write_cameras(path, rig);
+  const CameraRig again = read_cameras(path);
+  EXPECT_EQ(again.cameras[0].response_origin, ResponseOrigin::kAssumed);
+  EXPECT_EQ(again.cameras[0].response.name(), "srgb");
+  EXPECT_EQ(again.cameras[1].response_origin, ResponseOrigin::kStated);
+  EXPECT_EQ(again.cameras[1].response.name(), rig.cameras[1].response.name());
+}
+
 TEST(WriteCameras, ReadsBackTheSameNumbers) {
   const auto path = test::temporary_folder() / "camera.yaml";
   const CameraRig rig = rig_of_all_lenses();

@@ -90,13 +90,13 @@ Camera read_camera(const std::string& name, const YamlNode& node, const std::fil
   camera.height = resolution.height;
   if (const auto value = node.find("exposure_time")) camera.exposure_s = read_exposure(*value);
   if (const auto value = node.find("line_delay")) camera.line_delay_s = read_line_delay(*value);
-  if (const auto value = node.find("response")) {
-    if (to_estimate && value->as_string() == "auto") {
-      to_estimate->push_back(name);
-    } else {
-      camera.response = read_response(*value, folder);
-    }
-  }
+  const auto response = node.find("response");
+  const bool is_to_be_estimated = to_estimate && response && response->as_string() == "auto";
+  if (is_to_be_estimated) to_estimate->push_back(name);
+  if (!response || is_to_be_estimated)
+    camera.response_origin = ResponseOrigin::kAssumed;
+  else
+    camera.response = read_response(*response, folder);
   if (const auto value = node.find("T_cn_cnm1")) camera.T_this_previous = read_rigid_transform(*value);
   return camera;
 }

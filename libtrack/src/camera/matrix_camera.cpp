@@ -77,7 +77,7 @@ bool has_camera_matrix(const YamlNode& root) {
 
 CameraRig read_matrix_camera(const YamlNode& root) {
   const Pinhole pinhole = read_pinhole_matrix(*find_any(root, kMatrixNames));
-  Camera camera{.model = CameraModel(pinhole, read_lens(root))};
+  Camera camera{.model = CameraModel(pinhole, read_lens(root)), .response_origin = ResponseOrigin::kAssumed};
   const Resolution resolution = read_size(root);
   camera.width = resolution.width;
   camera.height = resolution.height;
@@ -90,7 +90,8 @@ CameraRig read_euroc_sensor(const YamlNode& root) {
   const auto coefficients = root.find("distortion_coefficients");
   Camera camera{
       .model = CameraModel(
-          pinhole, read_distortion(model.as_string(), coefficients ? &*coefficients : nullptr, model))};
+          pinhole, read_distortion(model.as_string(), coefficients ? &*coefficients : nullptr, model)),
+      .response_origin = ResponseOrigin::kAssumed};
   const Resolution resolution = read_resolution_list(root.at("resolution"));
   camera.width = resolution.width;
   camera.height = resolution.height;

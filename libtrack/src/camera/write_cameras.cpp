@@ -37,7 +37,10 @@ std::string camera_text(const Camera& camera, const std::filesystem::path& path)
   text += fmt::format("  resolution: [{}, {}]\n", camera.width, camera.height);
   if (camera.exposure_s) text += fmt::format("  exposure_time: {}\n", format_exact(*camera.exposure_s));
   text += fmt::format("  line_delay: {}\n", format_exact(camera.line_delay_s));
-  text += fmt::format("  response: {}\n", write_response(camera, path));
+  if (camera.response_origin != ResponseOrigin::kAssumed)
+    text += fmt::format(
+        "  response: {}{}\n", write_response(camera, path),
+        camera.response_origin == ResponseOrigin::kEstimated ? "  # estimated from pictures of tags" : "");
   if (camera.T_this_previous) {
     const Eigen::Matrix4d matrix = camera.T_this_previous->matrix();
     text += "  T_cn_cnm1:\n";

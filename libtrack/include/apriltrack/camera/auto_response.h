@@ -11,7 +11,7 @@ namespace apriltrack {
 
 /// Cameras of which some have `response: auto` in their file: to be estimated from images of tags.
 struct UnestimatedRig {
-  CameraRig rig;                         ///< Those have sRGB.
+  CameraRig rig;                         ///< Those have sRGB, assumed.
   std::vector<std::string> to_estimate;  ///< Their names.
 };
 

@@ -12,6 +12,13 @@
 
 namespace apriltrack {
 
+/// Whence a camera's response is known.
+enum class ResponseOrigin {
+  kStated,     ///< By the camera file, or by whoever made the camera.
+  kEstimated,  ///< By pictures of tags (detect/estimate_response.h).
+  kAssumed,    ///< Not at all: sRGB is taken for it. Corners may err by some tenths of a pixel.
+};
+
 /// One camera as its file describes it.
 struct Camera {
   std::string name = "cam0";
@@ -21,6 +28,7 @@ struct Camera {
   std::optional<double> exposure_s = std::nullopt;
   double line_delay_s = 0.0;  ///< Per row; 0 = global shutter.
   ResponseCurve response = ResponseCurve::srgb();
+  ResponseOrigin response_origin = ResponseOrigin::kStated;
   std::optional<Pose> T_this_previous = std::nullopt;  ///< Kalibr's T_cn_cnm1; none for the first camera.
 };
 
@@ -51,7 +59,7 @@ CameraRig read_cameras(const std::filesystem::path& path, const LogSink& log = s
 
 /// Writes our camera.yaml (Kalibr's camchain). Reading it gives the same numbers to the last digit;
 /// rotations, whose matrix Kalibr wants, come back to 1e-15. A response table goes into a file of its own
-/// beside it. Throws Error(kIo).
+/// beside it; a response that was only assumed is left out, so that it stays unknown. Throws Error(kIo).
 void write_cameras(const std::filesystem::path& path, const CameraRig& rig);
 
 }  // namespace apriltrack

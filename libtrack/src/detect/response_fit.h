@@ -14,13 +14,13 @@ struct FittedExponent {
   double sigma = 0.0;  ///< See ResponseEstimate.
 };
 
-/// Gauss-Newton on the exponent, each view's own unknowns following it (docs/algorithms/response.md,
-/// equations 2 to 4). Views that cannot follow are taken out. nullopt where it does not settle.
+/// Gauss-Newton on the exponent and each view's own unknowns (docs/algorithms/response.md, equations 2 and
+/// 3). Views that are no pictures of their tags are taken out. nullopt where it does not settle.
 std::optional<FittedExponent> fit_exponent(std::vector<ResponseView>& views, double first,
                                            const ParallelFor& parallel);
 
-/// How much worse `other` explains the views than `curve`, in standard errors of the mean over frames: each
-/// view begins anew with either, its noise as it is.
+/// How much worse `other` explains the views than `curve`, with which they were fitted: in standard errors of
+/// the mean over frames, or over views where frames are few.
 double sigmas_worse(const std::vector<ResponseView>& views, const CodeCurve& other, const CodeCurve& curve,
                     const ParallelFor& parallel);
 
