@@ -138,7 +138,7 @@ TEST(PatternFit, ClaimsTheErrorsThatItMakes) {
   }
   // The mean of 480 numbers has a standard deviation of 0.065 about 1.
   EXPECT_GT(nees / count, 0.8);
-  EXPECT_LT(nees / count, 1.5);
+  EXPECT_LT(nees / count, 1.25);
 }
 
 TEST(PatternFit, FollowsBlurByMotion) {

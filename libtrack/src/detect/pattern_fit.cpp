@@ -223,7 +223,9 @@ class PatternFit {
     fitted.reserve(used_.size());
     for (std::size_t k = 0; k < used_.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
-      fitted.push_back({used_[k].x, used_[k].y, weights_[i] * predicted_.residuals[i], weights_[i],
+      // Saturated pixels have derivatives of 0.
+      const bool counts = weights_[i] > 0.0 && predicted_.by_unknowns(kBlackUnknowns, i) != 0.0;
+      fitted.push_back({used_[k].x, used_[k].y, weights_[i] * predicted_.residuals[i], counts,
                         predicted_.gradient2[i]});
     }
     const Eigen::Matrix<double, 8, kNumPatternUnknowns> place_by_gradient =

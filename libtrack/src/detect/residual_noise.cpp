@@ -38,11 +38,13 @@ ResidualNoise::ResidualNoise(std::vector<FittedPixel> pixels, int num_unknowns) 
 }
 
 void ResidualNoise::fit_variances(int num_unknowns) {
+  // All pixels count alike: weights are small where residuals are large, so a mean by weights is too small.
   double n = 0.0, g = 0.0, gg = 0.0, r = 0.0, rg = 0.0;
   for (const FittedPixel& pixel : pixels_) {
-    const double w = pixel.weight, r2 = pixel.residual * pixel.residual;
-    n += w, g += w * pixel.gradient2, gg += w * pixel.gradient2 * pixel.gradient2;
-    r += w * r2, rg += w * r2 * pixel.gradient2;
+    if (!pixel.counts) continue;
+    const double r2 = pixel.residual * pixel.residual;
+    n += 1.0, g += pixel.gradient2, gg += pixel.gradient2 * pixel.gradient2;
+    r += r2, rg += r2 * pixel.gradient2;
   }
   const double mean = r / std::max(n, 1.0), determinant = n * gg - g * g;
   double beta = determinant > 1e-9 * n * gg ? std::max(0.0, (n * rg - g * r) / determinant) : 0.0;
@@ -76,9 +78,9 @@ void ResidualNoise::fit_correlation() {
   for (std::size_t d = 0; d < decay.size(); ++d) decay[d] = std::pow(kDecayPerPixel, static_cast<double>(d));
   for_pairs([&](int i, int j, int distance) {
     const FittedPixel &a = pixels_[static_cast<std::size_t>(i)], &b = pixels_[static_cast<std::size_t>(j)];
-    const double weight = a.weight * b.weight;
-    sums[static_cast<std::size_t>(distance)] += weight * a.residual * b.residual / (sigmas_[i] * sigmas_[j]);
-    counts[static_cast<std::size_t>(distance)] += weight;
+    if (!a.counts || !b.counts) return;
+    sums[static_cast<std::size_t>(distance)] += a.residual * b.residual / (sigmas_[i] * sigmas_[j]);
+    counts[static_cast<std::size_t>(distance)] += 1.0;
   });
   double along = kPriorPairs * decay[1] * decay[1] * kPriorCorrelation,
          norm = kPriorPairs * decay[1] * decay[1];

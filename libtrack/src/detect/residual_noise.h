@@ -8,8 +8,8 @@ namespace apriltrack {
 /// A pixel's place in the image, and how the fit explains it.
 struct FittedPixel {
   int x = 0, y = 0;
-  double residual = 0.0;
-  double weight = 0.0;     ///< 0 to 1: what the robust fit takes the pixel for.
+  double residual = 0.0;   ///< Weighted, as it acts on the fit; one of something else is near 0.
+  bool counts = false;     ///< Whether the fit uses the pixel.
   double gradient2 = 0.0;  ///< Square of the predicted light's gradient, per px.
 };
 
