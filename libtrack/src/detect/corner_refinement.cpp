@@ -51,8 +51,8 @@ EdgeGuesses guesses_after(const EdgesOfQuad& fitted) {
 
 /// All four edges near where `quad` has them; nullopt when one cannot be fitted. before: of the last round.
 std::optional<EdgesOfQuad> fit_edges(const LightSampler& sampler, const TagPattern& pattern,
-                                     bool is_white_inside, const Quad& quad, const EdgeGuesses& guesses,
-                                     const std::optional<EdgesOfQuad>& before) {
+                                     bool is_white_inside, double margin_cells, const Quad& quad,
+                                     const EdgeGuesses& guesses, const std::optional<EdgesOfQuad>& before) {
   const auto homography = estimate_homography(kTagQuad, quad);
   if (!homography) return std::nullopt;
   EdgesOfQuad fitted;
@@ -61,7 +61,7 @@ std::optional<EdgesOfQuad> fit_edges(const LightSampler& sampler, const TagPatte
     const double length_px = 2.0 * fitted.frames[k].half.norm();
     const double sigma_along_px =
         0.5 * (guesses[(k + 1) % kNumCorners].sigma_px + guesses[(k + 3) % kNumCorners].sigma_px);
-    const EdgeSamples near = sample_edge(sampler, {pattern, is_white_inside, *homography, k},
+    const EdgeSamples near = sample_edge(sampler, {pattern, is_white_inside, *homography, k, margin_cells},
                                          fitted.frames[k], guesses[k], sigma_along_px);
     EdgeFitOptions options{.initial_sigma_px = guesses[k].sigma_px,
                            .bend_prior_px = kLensBend_per_px * length_px * length_px,
@@ -83,12 +83,6 @@ Quad intersections(const EdgesOfQuad& fitted) {
   return quad;
 }
 
-double largest_move(const Quad& a, const Quad& b) {
-  double move = 0.0;
-  for (std::size_t k = 0; k < kNumCorners; ++k) move = std::max(move, (a[k] - b[k]).norm());
-  return move;
-}
-
 double shortest_edge(const Quad& quad) {
   double length = 1e9;
   for (std::size_t k = 0; k < kNumCorners; ++k)
@@ -100,7 +94,7 @@ double shortest_edge(const Quad& quad) {
 
 std::optional<RefinedCorners> refine_corners(const GrayView& image, const ResponseCurve& response,
                                              const TagPattern& pattern, bool is_white_inside,
-                                             const Quad& start_px) {
+                                             const Quad& start_px, double margin_cells) {
   const LightSampler sampler(image, response);
   const double cell_px = shortest_edge(start_px) / pattern.width_at_border();
   const double max_move_px = std::max(3.0, 1.25 * cell_px);
@@ -108,12 +102,13 @@ std::optional<RefinedCorners> refine_corners(const GrayView& image, const Respon
   std::optional<EdgesOfQuad> fitted;
   Quad quad = start_px;
   for (int round = 0; round < kMaxRounds; ++round) {
-    fitted = fit_edges(sampler, pattern, is_white_inside, quad, guesses, fitted);
+    fitted = fit_edges(sampler, pattern, is_white_inside, margin_cells, quad, guesses, fitted);
     if (!fitted) return std::nullopt;
     guesses = guesses_after(*fitted);
     const Quad next = intersections(*fitted);
-    if (!(largest_move(next, start_px) <= max_move_px)) return std::nullopt;  // not finite counts as too far
-    const double move = largest_move(next, quad);
+    if (!(largest_distance(next, start_px) <= max_move_px))
+      return std::nullopt;  // not finite counts as too far
+    const double move = largest_distance(next, quad);
     quad = next;
     if (move < kConverged_px) break;
   }

@@ -6,6 +6,7 @@
 #include "apriltrack/image/response.h"
 #include "apriltrack/tags/tag_family.h"
 #include "edge_frame.h"
+#include "edge_sampling.h"
 
 namespace apriltrack {
 
@@ -19,10 +20,10 @@ struct RefinedCorners {
 /// Samples lie across each edge, inside up to two and a half cells deep and outside as far as the family
 /// prints, and are compared with the tag's own cells under blur: so data bits and small or blurred cells do
 /// not pull the edge. pattern: of the tag that was read. is_white_inside: the family's border is reversed.
-/// start_px: the quad as found, right to about a cell.
+/// start_px: the quad as found, right to about a cell. margin_cells: as TagEdge's.
 /// nullopt when an edge cannot be fitted or a corner would move by more than what the start may be wrong.
 std::optional<RefinedCorners> refine_corners(const GrayView& image, const ResponseCurve& response,
                                              const TagPattern& pattern, bool is_white_inside,
-                                             const Quad& start_px);
+                                             const Quad& start_px, double margin_cells = kWholeMargin_cells);
 
 }  // namespace apriltrack

@@ -26,6 +26,10 @@ namespace {
 constexpr double kMaxDecimate = 8.0;
 constexpr int kMaxHamming = 2;         // what the decoding tables correct
 constexpr double kUsualBlur_px = 1.0;  // what fits start from: between a lens in focus and a moving hand
+/// Beyond the border, of tags that are cut out along it.
+constexpr double kLeastMargin_cells = 0.3;
+constexpr double kEdgesErr_px =
+    0.5;  // at most, by neighbouring cells' light (docs/algorithms/detector.md, section 5)
 /// Kalibr's printed grids, whose black squares touch the tags' corners.
 constexpr std::string_view kGridFamily = "tag36h11b2";
 
@@ -236,15 +240,23 @@ class Detector::Implementation {
       const Quad& quad = start.detection.corners_px;
       // Most quads of the library are near enough; edges lead there from farther off.
       if (const auto corners = fit(pattern, quad, kUsualBlur_px)) return corners;
-      const auto edges =
-          refine_corners(image, options_.response, pattern, family.has_reversed_border(), quad);
-      if (edges) {
+      const auto edges_within = [&](double margin_cells) {
+        return refine_corners(image, options_.response, pattern, family.has_reversed_border(), quad,
+                              margin_cells);
+      };
+      if (const auto edges = edges_within(kWholeMargin_cells)) {
         const auto corners = fit(pattern, edges->corners_px, edges->blur_sigma_px);
         return corners ? corners : Corners{edges->corners_px, std::nullopt};
       }
-      // Perhaps cut out with less white than it needs.
+      // Perhaps cut out with less white than the family prints. What is fitted then ends where the corners
+      // are, so edges must say the same.
       if (family.has_reversed_border()) continue;
-      if (const auto corners = fit(without_margin(pattern), quad, kUsualBlur_px)) return corners;
+      const auto edges = edges_within(kLeastMargin_cells);
+      const auto corners = edges ? fit(without_margin(pattern), edges->corners_px, edges->blur_sigma_px)
+                                 : fit(without_margin(pattern), quad, kUsualBlur_px);
+      if (corners && (!edges || largest_distance(corners->px, edges->corners_px) < kEdgesErr_px))
+        return corners;
+      if (edges) return Corners{edges->corners_px, std::nullopt};
     }
     return std::nullopt;
   }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 
 namespace apriltrack {
 
@@ -35,6 +36,12 @@ Eigen::Vector2d meet(const EdgeFrame& frame_a, const FittedEdge& edge_a, const E
     b += step.y();
   }
   return point;
+}
+
+double largest_distance(const Quad& a, const Quad& b) {
+  double distance = 0.0;
+  for (std::size_t k = 0; k < kNumCorners; ++k) distance = std::max(distance, (a[k] - b[k]).norm());
+  return distance;
 }
 
 }  // namespace apriltrack

@@ -27,4 +27,7 @@ EdgeFrame edge_frame(const Quad& quad, std::size_t k);
 Eigen::Vector2d meet(const EdgeFrame& frame_a, const FittedEdge& edge_a, const EdgeFrame& frame_b,
                      const FittedEdge& edge_b);
 
+/// Between the same corner of both.
+double largest_distance(const Quad& a, const Quad& b);
+
 }  // namespace apriltrack

@@ -75,6 +75,7 @@ EdgeSamples sample_edge(const LightSampler& sampler, const TagEdge& edge, const 
                         const EdgeGuess& guess, double sigma_along_px) {
   const EdgeSurroundings surroundings(edge);
   const double cell = edge.pattern.cell_size();
+  const double printed = std::min(edge.pattern.half_extent(), 1.0 + edge.margin_cells * cell);
   const double half_length_px = frame.half.norm();
   // Corners are rounded by blur, and Kalibr's black squares touch them.
   const double skip = std::min(0.4, std::max(0.5 * cell, 1.5 / half_length_px));
@@ -85,7 +86,7 @@ EdgeSamples sample_edge(const LightSampler& sampler, const TagEdge& edge, const 
     const double along = (1.0 - skip) * (2.0 * (i + 0.5) / columns - 1.0);
     out.profiles.push_back(surroundings.profile(frame, along, sigma_along_px / half_length_px));
     const double inner = std::max(surroundings.across_px(frame, along, 1.0 - 2.5 * cell), -guess.reach_px);
-    const double outer = surroundings.across_px(frame, along, edge.pattern.half_extent());
+    const double outer = surroundings.across_px(frame, along, printed);
     const double limit = std::min(std::max(outer - 0.5, kMinReach_px), guess.reach_px);
     for (double across = -std::floor(-inner / kStepAcross_px) * kStepAcross_px; across <= limit;
          across += kStepAcross_px) {

@@ -11,12 +11,16 @@
 
 namespace apriltrack {
 
+inline constexpr double kWholeMargin_cells = 1e9;
+
 /// One edge of a printed tag, and what is assumed of it in the picture.
 struct TagEdge {
   const TagPattern& pattern;
   bool is_white_inside = false;
   Eigen::Matrix3d homography;  ///< From tag coordinates, [-1, 1] at the corners, to pixels.
   std::size_t index = 0;       ///< From corner `index` to the next.
+  /// How far beyond the border what the family prints there can be relied on; no farther than it prints.
+  double margin_cells = kWholeMargin_cells;
 };
 
 struct EdgeGuess {
