@@ -112,8 +112,7 @@ ResponseFinding response_of_sample(std::span<const SampledInput> inputs, const D
     for (std::size_t i = 0; i < inputs.size(); ++i) {
       if (!lengths[i]) continue;
       const std::size_t most = std::max<std::size_t>(1, kMostFrames / inputs.size());
-      const std::size_t first =
-          std::clamp(*lengths[i] / kOneFrameIn, std::min(kFewestFrames, most), most);
+      const std::size_t first = std::clamp(*lengths[i] / kOneFrameIn, std::min(kFewestFrames, most), most);
       const auto some = frames_of_round(inputs[i].source, *lengths[i], round, first);
       if (some)
         std::ranges::move(tags_in(inputs[i].input, *some, quick(detector), camera.name, num_threads),
@@ -159,8 +158,7 @@ ResponseFinding estimate_by_sample(std::span<const SampledInput> inputs, const D
 
 ResponseFinding check_by_frames(std::span<const FrameDetections> frames, const ResponseCamera& camera,
                                 ResponseOrigin origin, const TagSizes& sizes, int num_threads) {
-  const std::size_t pictures =
-      origin == ResponseOrigin::kStated ? kPicturesToCheck : kPicturesToEstimate;
+  const std::size_t pictures = origin == ResponseOrigin::kStated ? kPicturesToCheck : kPicturesToEstimate;
   return {camera.name, camera.assumed.name(), origin,
           estimate_response(frames, camera, sizes, num_threads, pictures)};
 }
@@ -207,11 +205,12 @@ void tell(const ResponseFinding& finding, const Console& console) {
   if (const auto warning = warning_of(finding)) {
     console.warning(*warning);
   } else if (finding.differs()) {
-    console.info(fmt::format(
-        "camera {}: the tags' pictures say {} of its response rather than {} (about gamma {:.2f}), not beyond "
-        "doubt; --response auto takes what they say",
-        finding.camera, apriltrack::words_of(finding.estimate), finding.assumed,
-        finding.estimate.assumed_exponent));
+    console.info(
+        fmt::format("camera {}: the tags' pictures say {} of its response rather than {} (about gamma "
+                    "{:.2f}), not beyond "
+                    "doubt; --response auto takes what they say",
+                    finding.camera, apriltrack::words_of(finding.estimate), finding.assumed,
+                    finding.estimate.assumed_exponent));
   }
 }
 

@@ -57,7 +57,8 @@ ResponseFinding run_with_response(
     const DetectorOptions& detector, int num_threads,
     const std::function<std::span<const FrameDetections>(const ResponseCurve&)>& detect);
 
-/// As response_of_sample(), for a camera, whose response becomes the one that is found; says in words what is used.
+/// As response_of_sample(), for a camera, whose response becomes the one that is found; says in words what is
+/// used.
 ResponseFinding estimate_by_sample(std::span<const SampledInput> inputs, const DetectorOptions& detector,
                                    const TagSizes& sizes, int num_threads, const Console& console,
                                    Camera& camera);

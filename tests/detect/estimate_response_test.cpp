@@ -231,7 +231,7 @@ TEST(EstimateResponse, SaysWhenPicturesAreTooFew) {
   EXPECT_FALSE(found.contradicts_assumed);
   EXPECT_EQ(found.response.name(), "srgb");
   EXPECT_EQ(found.doubt, ResponseDoubt::kTooFewPictures);
-  EXPECT_THAT(words_of_doubt(found), HasSubstr("too few sharp pictures of tags: 5 in 5"));
+  EXPECT_THAT(words_of_doubt(found), HasSubstr("too few sharp pictures of tags: 5; 6 are needed"));
 }
 
 }  // namespace

@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detections_csv.h"
@@ -225,6 +227,34 @@ TEST_P(UnstatedResponse, LeavesTheMapItsScale) {
 TEST_P(UnstatedResponse, IsUsedForTracking) {
   const nlohmann::json summary = run_for_json({"track", path("room"), "--output", path("t.tum")});
   expect_used(summary.at("response"));
+}
+
+/// A sample looks at every third frame at most.
+TEST_P(UnstatedResponse, IsToldByAllTagsWhereASampleShowsNone) {
+  constexpr std::size_t kNumFrames = 96;
+  const fs::path folder = folder_ / "seldom";
+  fs::create_directories(folder / "frames");
+  fs::copy(folder_ / "room" / "camera.yaml", folder / "camera.yaml");
+  GrayImage wall(scene_.camera.width, scene_.camera.height);
+  for (int y = 0; y < wall.height(); ++y)
+    for (int x = 0; x < wall.width(); ++x) wall(x, y) = static_cast<std::uint8_t>(120 + (x / 8 + y / 8) % 2);
+  auto tagged = fs::directory_iterator(folder_ / "room" / "frames");
+  std::vector<fs::path> pictures(begin(tagged), end(tagged));
+  std::ranges::sort(pictures);
+  for (std::size_t i = 0; i < kNumFrames; ++i) {
+    const fs::path file = folder / "frames" / (std::to_string(1'000'000'000 + 100'000'000 * i) + ".png");
+    const std::size_t next = i / 3 * 2 + i % 3 - 1;
+    if (i % 3 != 0 && next < pictures.size())
+      fs::copy(pictures[next], file);
+    else
+      write_image(file, wall.view());
+  }
+  const nlohmann::json detected = run_for_json({"detect", folder, "--output", path("seldom.csv")});
+  expect_used(detected.at("response"));
+  EXPECT_GT(detected.at("response").at("frames"), 6) << "these are no frames of the sample";
+  const nlohmann::json calibrated = run_for_json({"calibrate", folder, "--tag-size", "0.16", "--min-views",
+                                                  "2", "--no-refine", "--output", path("seldom.yaml")});
+  expect_used(calibrated.at("responses").at(0));
 }
 
 INSTANTIATE_TEST_SUITE_P(Takes, UnstatedResponse, ::testing::Values("linear", "srgb", "gamma"),

@@ -143,8 +143,8 @@ TEST_F(TrackVideoFiles, ThatAreCutOrDamagedAreToldOfInOurWords) {
   run_for_json({"track", folder_ / "room", "--method", "pnp", "--output", folder_ / "o.tum", "--video",
                 folder_ / "whole.mp4"});
   const auto detect = [&](const char* name) {
-    const ProgramRun run =
-        run_program({"detect", folder_ / name, "--output", folder_ / "o.csv", "--json", "--quiet"});
+    const ProgramRun run = run_program(
+        {"detect", folder_ / name, "--response", "srgb", "--output", folder_ / "o.csv", "--json", "--quiet"});
     expect_own_words(run);
     return run;
   };

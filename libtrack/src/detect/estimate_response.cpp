@@ -106,10 +106,9 @@ std::string words_of_doubt(const ResponseEstimate& estimate) {
       return "";
     case ResponseDoubt::kTooFewPictures:
       return fmt::format(
-          "too few sharp pictures of tags: {} in {} of the frames looked at; {} are needed, of tags over "
-          "some "
-          "20 px, unsmeared and not overexposed",
-          estimate.views_used, estimate.frames_used, kLeastTagPictures);
+          "too few sharp pictures of tags: {}; {} are needed, of tags over some 20 px, unsmeared and not "
+          "overexposed",
+          estimate.views_used, kLeastTagPictures);
     case ResponseDoubt::kNotExplained:
       return "no curve light = code ^ exponent explains the tags' pictures";
     case ResponseDoubt::kCannotTell:
