@@ -57,7 +57,10 @@ TagSizes tag_sizes(const CalibrateOptions& a) {
 
 Sightings gather(const CalibrateOptions& a, const CameraRig& rig, const std::vector<Recording>& recordings) {
   if (!a.detections.empty()) return read_sightings(a.detections, rig, a.camera_name);
-  return detect_in(recordings, rig, a.detector, a.source, a.num_threads, !a.no_refine, a.console);
+  const bool is_response_open = std::ranges::any_of(
+      rig.cameras, [](const Camera& camera) { return camera.response_origin == ResponseOrigin::kAssumed; });
+  const bool with_patches = !a.no_refine || is_response_open;
+  return detect_in(recordings, rig, a.detector, a.source, a.num_threads, with_patches, a.console);
 }
 
 /// An id mistyped in the file leaves the tag that was meant with another size, and nothing else tells of it.
