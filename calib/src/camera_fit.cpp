@@ -1,5 +1,7 @@
 #include "camera_fit.h"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "apriltrack/base/error.h"
@@ -12,6 +14,9 @@ namespace {
 
 constexpr int kMaxSteps = 8;
 constexpr double kSettled = 0.02;  // of a standard deviation
+// Of a direction of the parameters, over what the prior knows of it: below it the views tell nothing. And
+// over what is known of the best: below it rounding tells as much.
+constexpr double kLeastInformation = 1e-6, kLeastOfLargest = 1e-13;
 
 }  // namespace
 
@@ -83,14 +88,22 @@ std::optional<Eigen::VectorXd> CameraFit::step_of_cameras(const MapState& state)
   // Errors that tags keep weigh as if they were so much more noise.
   const Eigen::MatrixXd spread = gradient_covariance(
       of_cameras, {.noise_variance = noise_variance_, .bias_variance = scale_.bias_variance});
-  const Eigen::LDLT<Eigen::MatrixXd> alone(of_cameras.information +
-                                           1e-9 * Eigen::MatrixXd::Identity(num, num));
-  const Eigen::MatrixXd covariance = alone.solve(alone.solve(spread).transpose());
-  const Eigen::VectorXd estimate = total_ - alone.solve(of_cameras.gradient);
+  // By the views alone, along the directions that they tell of; of the others the prior is all that is known.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_views(of_cameras.information);
+  const Eigen::VectorXd& information = of_views.eigenvalues();  // in ascending order
+  const double least = std::max(kLeastInformation, kLeastOfLargest * information[num - 1]);
+  const Eigen::Index num_told = (information.array() > least).count();
+  const Eigen::MatrixXd told = of_views.eigenvectors().rightCols(num_told);
+  const Eigen::VectorXd inverse = information.tail(num_told).cwiseInverse();
+  const Eigen::VectorXd estimate =
+      told.transpose() * total_ - inverse.cwiseProduct(told.transpose() * of_cameras.gradient);
+  const Eigen::MatrixXd covariance =
+      inverse.asDiagonal() * (told.transpose() * spread * told) * inverse.asDiagonal();
   // With what was known before: mean 0, variance 1.
-  const Eigen::LDLT<Eigen::MatrixXd> both(covariance + Eigen::MatrixXd::Identity(num, num));
-  const Eigen::VectorXd target = both.solve(estimate);  // prior (prior + covariance)^-1 estimate
-  covariance_ = Eigen::MatrixXd::Identity(num, num) - both.solve(Eigen::MatrixXd::Identity(num, num));
+  const Eigen::MatrixXd both =
+      (covariance + Eigen::MatrixXd::Identity(num_told, num_told)).ldlt().solve(told.transpose());
+  const Eigen::VectorXd target = both.transpose() * estimate;  // prior (prior + covariance)^-1 estimate
+  covariance_ = Eigen::MatrixXd::Identity(num, num) - told * both;
   sigmas_ = covariance_.diagonal().cwiseMax(1e-16).cwiseSqrt();
   if (!target.allFinite()) return std::nullopt;
   return target - total_;
