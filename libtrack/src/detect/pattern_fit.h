@@ -20,6 +20,7 @@ struct FittedPattern {
   double contrast = 0.0;      ///< White less black, linear light.
   double residual_rms = 0.0;  ///< Over the contrast; outliers count less.
   double used_share = 0.0;    ///< What outliers leave of the pixels, by weight.
+  double used_edges = 0.0;    ///< The same of what pixels tell of the place: the light's gradient, squared.
 };
 
 /// What the fit begins with, and what it knows.
