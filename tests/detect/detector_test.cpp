@@ -169,6 +169,31 @@ TEST(Detector, LeavesNothingOutOfAGoodPicture) {
   EXPECT_TRUE(found.left_out.empty());
 }
 
+TEST(Detector, FindsTagsBesideBrightLightWhateverTheResponse) {
+  // Beyond the paper it is nearly three times as bright as the paper: 1.2 cells away, nearer than the
+  // library's threshold looks.
+  const TagPattern pattern = TagFamily::get("tag36h11").pattern(128);
+  const PlaneView view(500.0, {79.6, 79.7}, 1.1, 0.3, 0.8, 0.1);
+  const double paper = 1.0 + 1.2 * pattern.cell_size();
+  const auto brightness = [&](double x, double y) {
+    const double u = 2.0 * x / kTagSize_m, v = 2.0 * y / kTagSize_m;
+    return std::max(std::abs(u), std::abs(v)) > paper ? 1.0 : 0.35 * pattern.brightness(u, v);
+  };
+  for (const bool is_srgb : {true, false}) {
+    test::RenderOptions options;
+    options.black_light = 0.02;
+    options.white_light = 0.95;
+    options.is_srgb = is_srgb;
+    const GrayImage image = test::render_plane(160, 160, view, brightness, options);
+    const auto found = Detector({.response = is_srgb ? ResponseCurve::srgb() : ResponseCurve::linear()})
+                           .detect(image.view());
+    ASSERT_EQ(found.size(), 1U) << is_srgb;
+    EXPECT_EQ(found[0].tag.id, 128);
+    for (std::size_t k = 0; k < kNumCorners; ++k)
+      EXPECT_LT((found[0].corners_px[k] - view.to_pixel(tag_corners(kTagSize_m)[k].head<2>())).norm(), 0.1);
+  }
+}
+
 std::string refusal_of(const DetectorOptions& options) {
   try {
     Detector detector(options);

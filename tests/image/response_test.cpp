@@ -86,6 +86,15 @@ TEST(ToLinearLight, MapsEveryPixelOfAPaddedView) {
   EXPECT_NEAR(light(1, 1), 0.051269458374043, kFloat);
 }
 
+TEST(LinearToSrgbBytes, IsUndoneBySrgbsResponse) {
+  GrayImage image(256, 1);
+  for (int x = 0; x < 256; ++x) image(x, 0) = static_cast<std::uint8_t>(x);
+  const GrayImage back = to_linear_bytes(linear_to_srgb_bytes(image.view()).view(), ResponseCurve::srgb());
+  // sRGB's codes are 2.3 levels of light apart where they are farthest, at full scale; half of that, and
+  // rounding.
+  for (int x = 0; x < 256; ++x) EXPECT_NEAR(back(x, 0), x, 1.65) << x;
+}
+
 TEST(ToLinearBytes, RoundsToTheNearestByte) {
   GrayImage image(256, 1);
   for (int i = 0; i < 256; ++i) image(i, 0) = static_cast<std::uint8_t>(i);

@@ -124,20 +124,19 @@ class Detector::Implementation {
     return found;
   }
 
-  /// Finding in linear light alone loses dark tags, in the raw image alone blurred ones: both, each tag once.
+  /// Finding in linear light alone loses dark tags, in codes as cameras and screens have them alone blurred
+  /// ones: both, each tag once.
   std::vector<Candidate> candidates_in(const GrayView& image) {
-    std::vector<Candidate> candidates;
     const bool is_linear = options_.response.is_linear();
-    find_in(image, is_linear, &candidates);
-    if (is_linear) {
-      if (has_grids_) find_joined(image, &candidates);
-      return candidates;
-    }
-    const GrayImage linear = to_linear_bytes(image, options_.response);
-    find_in(linear.view(), true, &candidates);
+    const GrayImage other =
+        is_linear ? linear_to_srgb_bytes(image) : to_linear_bytes(image, options_.response);
+    const GrayView codes = is_linear ? other.view() : image, light = is_linear ? image : other.view();
+    std::vector<Candidate> candidates;
+    find_in(codes, false, &candidates);
+    find_in(light, true, &candidates);
     if (has_grids_) {
-      find_joined(image, &candidates);
-      find_joined(linear.view(), &candidates);
+      find_joined(codes, &candidates);
+      find_joined(light, &candidates);
     }
     return candidates;
   }

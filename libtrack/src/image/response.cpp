@@ -21,6 +21,10 @@ double srgb_to_linear(double code) {
   return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
 }
 
+double linear_to_srgb(double light) {
+  return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;
+}
+
 template <class T>
 Image<T> map_pixels(const GrayView& image, const std::array<T, 256>& table) {
   Image<T> out(image.width(), image.height());
@@ -69,6 +73,13 @@ GrayImage to_linear_bytes(const GrayView& image, const ResponseCurve& response) 
     const float light = std::clamp(response.linear_light()[code], 0.0F, 1.0F);
     table[code] = static_cast<std::uint8_t>(std::lround(255.0F * light));
   }
+  return map_pixels(image, table);
+}
+
+GrayImage linear_to_srgb_bytes(const GrayView& image) {
+  std::array<std::uint8_t, 256> table{};
+  for (int code = 0; code < 256; ++code)
+    table[code] = static_cast<std::uint8_t>(std::lround(255.0 * linear_to_srgb(code / 255.0)));
   return map_pixels(image, table);
 }
 

@@ -44,4 +44,7 @@ Image<float> to_linear_light(const GrayView& image, const ResponseCurve& respons
 /// Light re-quantised to 8 bits, full scale 255, rounded: for detectors that want bytes.
 GrayImage to_linear_bytes(const GrayView& image, const ResponseCurve& response);
 
+/// A picture in linear light as sRGB has it: dark parts keep their contrast beside bright ones.
+GrayImage linear_to_srgb_bytes(const GrayView& image);
+
 }  // namespace apriltrack
