@@ -11,7 +11,6 @@
 #include <optional>
 #include <string>
 
-#include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/numbers.h"
 #include "write_world.h"
 
@@ -67,8 +66,7 @@ int main(int argc, char** argv) try {
   if (arguments.has_images) {
     worlds::write_world(world, arguments.output);
   } else {
-    std::filesystem::create_directories(arguments.output);
-    write_file_atomically(arguments.output + "/world.json", worlds::describe(world).dump() + "\n");
+    worlds::write_without_pictures(world, arguments.output);
   }
 } catch (const std::exception& error) {
   std::fprintf(stderr, "bench_make_world: %s\n", error.what());

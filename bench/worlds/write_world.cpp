@@ -97,7 +97,7 @@ nlohmann::json describe(const World& world) {
           {"is_joint", world.scene.truth == TruthKind::kJoint}};
 }
 
-void write_world(const World& world, const std::filesystem::path& folder) {
+void write_without_pictures(const World& world, const std::filesystem::path& folder) {
   const SequenceWriter writer(folder, true);
   CameraRig rig;
   rig.cameras.push_back(world.stated_camera);
@@ -105,7 +105,11 @@ void write_world(const World& world, const std::filesystem::path& folder) {
   writer.write_map(world.scene.map);
   write_file_atomically(folder / "tag_sizes.yaml", sizes_text(world));
   write_file_atomically(folder / "world.json", describe(world).dump() + "\n");
+}
 
+void write_world(const World& world, const std::filesystem::path& folder) {
+  write_without_pictures(world, folder);
+  const SequenceWriter writer(folder, true);
   const Renderer renderer(world.scene, {.seed = world.seed, .min_instants = 1});
   std::string truth;
   std::vector<Frame> rows;

@@ -10,6 +10,9 @@ namespace apriltrack::worlds {
 /// truth.tum, world.json) and renders frames/. One thread.
 void write_world(const World& world, const std::filesystem::path& folder);
 
+/// The same without frames, and without what belongs to them (frames.csv, truth.tum).
+void write_without_pictures(const World& world, const std::filesystem::path& folder);
+
 /// world.json: the seed, the kind, all that was drawn, the planted fault, the tags, and every view of them.
 nlohmann::json describe(const World& world);
 
