@@ -16,7 +16,7 @@ ACCUSATIONS = {
     "duplicate": rf"^{KEYS} (?:is|are) seen at two places(?!.*not used there)",
     "wrong_size": rf"^{KEYS} looks? [\d.]+ %",
     "bent": rf"^{KEYS} (?:is|are) bent",
-    "contradicted": rf"^(?:left out: )?{KEYS}: .*contradict",
+    "contradicted": rf"^(?:left out: )?{KEYS}: (?:its|most of its|most) views.* contradict",
 }
 CAMERA_KINDS = ("focal", "camera_file")
 CAMERA_WORDS = r"focal length|principal point|intrinsics|camera file"
