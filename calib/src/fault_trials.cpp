@@ -5,9 +5,11 @@
 #include <set>
 #include <utility>
 
+#include "noise_scale.h"
 #include "split_tag.h"
 #include "tag_moves.h"
 #include "tag_places.h"
+#include "viewpoint_shares.h"
 
 namespace apriltrack {
 namespace {
@@ -28,20 +30,26 @@ bool is_kept(const AdjustedPart& solved, std::size_t view) {
   return std::ranges::binary_search(solved.part.views, view);
 }
 
-/// Half the squares of all views in question, none more than one that is given up.
+/// Half the squares; by the tails of what detectors claim, the negative logarithm of their likelihood.
+double view_cost(const TagView& view, double squares) {
+  return view.claimed_px2 > 0.0 ? 0.5 * (kTailFreedom + 8.0) * std::log1p(squares / kTailFreedom)
+                                : 0.5 * squares;
+}
+
+/// The cost of all views in question, none more than one that is given up.
 double cost_of(const Observations& observations, const std::vector<std::size_t>& views,
                const AdjustedPart& solved, const NoiseScale& noise) {
   std::set<int> frames;
   for (const std::size_t v : solved.part.views) frames.insert(observations.views[v].frame);
   MapState state = solved.state;
-  state.noise = {noise.sum, noise.difference, {}};
+  state.noise = noise.of_all();
   double sum = 0.0;
   for (const std::size_t v : views) {
     const TagView& view = observations.views[v];
     bool is_valid = frames.contains(view.frame) && std::ranges::binary_search(solved.part.tags, view.tag);
     Vector8d residual;
     if (is_valid) residual = whitened_residual(observations, view, state, is_valid);
-    sum += is_valid ? std::min(kGivenUpCost, 0.5 * residual.squaredNorm()) : kGivenUpCost;
+    sum += is_valid ? std::min(kGivenUpCost, view_cost(view, residual.squaredNorm())) : kGivenUpCost;
   }
   return sum;
 }
@@ -142,6 +150,7 @@ std::optional<FaultTrial> FaultTrials::try_fault(const Observations& observation
   double without = cost_of(observations_, views, solved_, noise);
   if (whole_) without = std::min(without, cost_of(observations_, views, *whole_, noise));
   trial.gain = without - cost_of(observations, views, *solved, noise);
+  trial.gain *= mean_viewpoint_share(observations, solved->state, suspect_.views, suspect_.tag);
   trial.solved = std::move(*solved);
   return trial;
 }

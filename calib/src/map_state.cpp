@@ -118,12 +118,20 @@ void place_tag(const Observations& observations, const std::vector<std::size_t>&
 
 }  // namespace
 
+double scale_by_claim(const TagView& view, double beyond_px) {
+  if (!(view.claimed_px2 > 0.0)) return 1.0;
+  return std::sqrt((view.claimed_px2 + beyond_px * beyond_px) /
+                   (view.claimed_px2 + kBeyondClaim_px * kBeyondClaim_px));
+}
+
 Vector8d noise_weights(const TagView& view, const MapState& state) {
   const NoiseScale& noise = state.noise;
-  const double of_frame = noise.of_frame.empty() ? 1.0 : noise.of_frame[static_cast<std::size_t>(view.frame)];
+  double scale = scale_by_claim(view, noise.beyond_px);
+  if (!noise.of_frame.empty()) scale *= noise.of_frame[static_cast<std::size_t>(view.frame)];
+  if (view.index < noise.of_view.size()) scale *= noise.of_view[view.index];
   Vector8d weights;
   for (int edge = 0; edge < 4; ++edge)
-    weights.segment<2>(2 * edge) << 1.0 / (noise.sum * of_frame), 1.0 / (noise.difference * of_frame);
+    weights.segment<2>(2 * edge) << 1.0 / (noise.sum * scale), 1.0 / (noise.difference * scale);
   return weights;
 }
 

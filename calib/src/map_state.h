@@ -12,7 +12,13 @@ namespace apriltrack {
 struct NoiseScale {
   double sum = 1.0;         ///< Of the numbers u of equation (5): errors that both ends of an edge share.
   double difference = 1.0;  ///< Of the numbers v.
-  std::vector<double> of_frame;  ///< Beside both, indexed like Observations::frames; empty = 1 for all.
+  /// What corners err by beyond their detector's claims, px; kBeyondClaim_px is in TagView::whitening.
+  double beyond_px = kBeyondClaim_px;
+  std::vector<double> of_frame = {};  ///< Beside all that, indexed like Observations::frames; empty: 1.
+  std::vector<double> of_view = {};   ///< Beside all that, by TagView::index; 1 for those that are not in it.
+
+  /// What was measured of all views alike.
+  NoiseScale of_all() const { return {sum, difference, beyond_px}; }
 };
 
 /// The unknowns of a calibration, indexed like Observations::tags, ::frames and ::cameras; entries that a
@@ -24,6 +30,9 @@ struct MapState {
   NoiseScale noise;
 };
 
+/// How large the errors of a view are, over what TagView::whitening expects, where corners err by so much
+/// beyond what detectors claim. 1 where none claims.
+double scale_by_claim(const TagView& view, double beyond_px);
 /// What the state's noise makes of TagView::whitening, row by row.
 Vector8d noise_weights(const TagView& view, const MapState& state);
 /// Of a view's residuals: into independent numbers of unit variance, as the state has the noise.

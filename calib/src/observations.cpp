@@ -212,6 +212,7 @@ Observations number_views(const std::vector<UsableFrame>& frames,
                    frame.camera, places.front()->corners_px,
                    {},           {}};
       view.covariance_px2 = places.front()->covariance_px2;
+      view.index = observations.views.size();
       view.set_noise(view.corners_px, noise);
       observations.views.push_back(view);
     }
@@ -227,6 +228,8 @@ void TagView::set_noise(const CornersPx& edges, const EdgeNoise& noise) {
   whitening = of_model;
   by_model_errors.setIdentity();
   if (!covariance_px2) return;
+  claimed_px2 =
+      noise.sigma_px * noise.sigma_px * (of_model * *covariance_px2 * of_model.transpose()).trace() / 8.0;
   whitening = corner_whitening(edges, *covariance_px2, noise);
   by_model_errors = whitening * of_model.inverse();
 }

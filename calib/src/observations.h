@@ -22,6 +22,9 @@ struct TagView {
   int place = -1;  ///< From which its frame was taken, if others were taken from there, too; -1: none was.
   std::optional<Matrix8d> covariance_px2 =
       std::nullopt;  ///< Of the corners' errors, where a detector told it.
+  /// Mean variance that the detector tells, of the whitened numbers without it, px^2; 0 where it tells none.
+  double claimed_px2 = 0.0;
+  std::size_t index = 0;  ///< Of the view, whatever others are merged or left out: into NoiseScale::of_view.
   /// How errors of unit variance by EdgeNoise enter the whitened numbers: the identity without a covariance.
   Matrix8d by_model_errors = Matrix8d::Identity();
 

@@ -20,6 +20,8 @@ constexpr double kCoarseLoss = 30.0;   // views are some ten pixels off at the s
 constexpr double kFineLoss = 6.0;      // a good view's whitened norm is sqrt(8)
 constexpr double kMaxViewRms = 4.0;    // sigmas; one in 1e18 good views
 constexpr double kMaxComponent = 6.0;  // sigmas; one corner off, the rest of the tag in place
+// The same by the tails of what detectors claim: one in 10,000 views, and one number of them.
+constexpr double kMaxViewRmsOfClaimed = 12.0, kMaxComponentOfClaimed = 22.0;
 constexpr int kMaxRounds = 4;
 constexpr double kGross_px = 1.0;
 constexpr double kGrossPerEdge = 0.1;
@@ -91,9 +93,13 @@ std::vector<std::size_t> inliers(const Observations& observations, const std::ve
   std::vector<std::size_t> kept;
   for (const std::size_t v : views) {
     bool is_valid = false;
-    const Vector8d whitened = whitened_residual(observations, observations.views[v], state, is_valid);
+    const TagView& view = observations.views[v];
+    const bool is_claimed = view.claimed_px2 > 0.0;
+    const Vector8d whitened = whitened_residual(observations, view, state, is_valid);
     const double rms = std::sqrt(whitened.squaredNorm() / 8.0);
-    if (is_valid && rms <= kMaxViewRms && whitened.cwiseAbs().maxCoeff() <= kMaxComponent) kept.push_back(v);
+    if (is_valid && rms <= (is_claimed ? kMaxViewRmsOfClaimed : kMaxViewRms) &&
+        whitened.cwiseAbs().maxCoeff() <= (is_claimed ? kMaxComponentOfClaimed : kMaxComponent))
+      kept.push_back(v);
   }
   return kept;
 }
@@ -114,6 +120,7 @@ Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapSta
     Part next =
         connected_to(observations, inliers(observations, part.views, state), held_tag, options.min_views);
     if (next.tags.size() < 2) fail_as_contradictory(observations, held_tag);
+    state.noise.of_view = measure_view_noise(observations, next.views, state);
     state.noise.of_frame = measure_frame_noise(observations, next.views, state);
     if (next.views == kept.views) return kept;
     kept = std::move(next);

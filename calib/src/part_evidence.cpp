@@ -50,7 +50,8 @@ CornerNoise usual_noise(const Observations& observations, const PartSolution& so
   Eigen::Array2d claimed = Eigen::Array2d::Zero();  // variances: of sums, of differences
   for (const std::size_t v : solution.part.views) {
     const Matrix8d in_model = observations.views[v].by_model_errors.inverse();
-    const Vector8d variances = in_model.rowwise().squaredNorm();
+    const double scale = scale_by_claim(observations.views[v], solution.state.noise.beyond_px);
+    const Vector8d variances = scale * scale * in_model.rowwise().squaredNorm();
     for (Eigen::Index i = 0; i < 8; ++i) claimed[i % 2] += 0.25 * variances[i];
   }
   claimed = (claimed / static_cast<double>(solution.part.views.size())).sqrt();

@@ -91,7 +91,7 @@ Picture picture_of(const PictureScene& scene, const Pose& T_map_camera,
   }
   picture.state.cameras = seen.cameras;
   picture.state.T_map_rig = {T_map_camera};
-  picture.state.noise = {scene.noise.sum_scale, scene.noise.difference_scale, {}};
+  picture.state.noise = {scene.noise.sum_scale, scene.noise.difference_scale};
   return picture;
 }
 

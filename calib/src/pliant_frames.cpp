@@ -28,9 +28,11 @@ double cost_beside_others(const PartTask& task, MapState& state, const ProbeView
 std::vector<ProbeView> without_pliant_frames(const PartTask& task, const AdjustedPart& solved,
                                              const std::vector<ProbeView>& probes, const TagFit& one) {
   MapState state = solved.state;
+  state.noise.of_view.clear();
   std::vector<ProbeView> witnesses = probes;
   std::erase_if(witnesses, [&](const ProbeView& probe) {
-    if (probe_cost(probe, one.T_map_tag, one.shape) < kFarInUsualCosts * usual_probe_cost()) return false;
+    if (probe_cost(probe, one.T_map_tag, one.shape) < kFarInUsualCosts * usual_probe_cost() * probe.share)
+      return false;
     state.T_map_tag[static_cast<std::size_t>(probe.view->tag)] = one.T_map_tag;
     return cost_beside_others(task, state, probe) < kExplained * usual_probe_cost();
   });

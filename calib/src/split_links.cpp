@@ -109,7 +109,7 @@ std::optional<OtherPlace> place_by(const PartTask& task, const SplitLink& link, 
     return std::nullopt;
   }
   MapState in_map = state;
-  in_map.noise = alike.state.noise = {state.noise.sum, state.noise.difference, {}};
+  in_map.noise = alike.state.noise = state.noise.of_all();
   const std::vector<std::size_t> fitting = inliers(task.observations, alike.part.views, alike.state);
   OtherPlace place{0, seen_from(link, state).inverse() * seen_from(link, alike.state)};
   for (const auto& [frame, views] : link.views_of_frame) {

@@ -277,17 +277,25 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
     if (!known.insert(tag).second) continue;
     if (auto finding = look_at_left_out(task, part, solved, tag)) findings.push_back(std::move(*finding));
   }
+  AdjustedPart sound = solved;  // without bent ones, too, which stay in the map
   for (int round = 0; round < kMostFaults; ++round) {
-    std::vector<int> suspects = suspects_in(task, part, solved, known, parallel);
+    std::vector<int> suspects = suspects_in(task, part, sound, known, parallel);
     suspects.resize(std::min(suspects.size(), kMostSuspectsExamined));
-    std::unique_ptr<Absence> best = best_absence(task, part, solved, suspects, known, parallel);
+    std::unique_ptr<Absence> best = best_absence(task, part, sound, suspects, known, parallel);
     if (!best) break;
-    if (best->finding.kind == TagFinding::Kind::kLoose)
-      best->finding = places_or_loose(task, part, best->rest, std::move(best->finding));
-    require_sound_held_tag(task, part, best->rest, findings, best->finding);
-    known.insert(best->finding.tag);
-    if (best->finding.is_left_out) solved = std::move(best->rest);
-    findings.push_back(std::move(best->finding));
+    TagFinding& finding = best->finding;
+    if (finding.kind == TagFinding::Kind::kLoose)
+      finding = places_or_loose(task, part, best->rest, std::move(finding));
+    require_sound_held_tag(task, part, best->rest, findings, finding);
+    const bool are_bent_in_map = sound.part.tags != solved.part.tags;
+    sound = std::move(best->rest);
+    if (finding.is_left_out && !are_bent_in_map) {
+      solved = sound;
+    } else if (finding.is_left_out && !solve_without(task, part, finding.tag, known, solved, parallel)) {
+      fail_after({finding}, no_result("calibrate", kTooLittleLeft));
+    }
+    known.insert(finding.tag);
+    findings.push_back(std::move(finding));
   }
   leave_out_rivals(task, part, solved, known, findings, parallel);  // or the map may be folded
   examine_by_all_views(task, part, solved, known, findings, parallel);

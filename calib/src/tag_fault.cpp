@@ -30,6 +30,7 @@ constexpr double kMostLeftOfPlaces = 0.3;        // of what is beyond the usual,
 struct Hypothesis {
   Kind kind;
   double cost;  ///< With a fee for its unknowns.
+  double fee;
   TagFit fit;
   std::optional<TwoPlaces> places;
   bool may_be_copies = false;
@@ -73,15 +74,15 @@ std::vector<Hypothesis> hypotheses_about(const std::vector<ProbeView>& probes, c
   if (is_clear(scaled.shape.log_scale, scaled.scale_sigma, kept, kClearScale, misfit)) {
     TagFit side = fit_of_one_side(probes, one);
     const bool is_one_side = side.cost < scaled.cost - kLikelierSide;
-    result.push_back(is_one_side ? Hypothesis{Kind::kNotFlat, side.cost, std::move(side), {}}
-                                 : Hypothesis{Kind::kSize, scaled.cost, scaled, {}});
+    result.push_back(is_one_side ? Hypothesis{Kind::kNotFlat, side.cost, 0.0, std::move(side), {}}
+                                 : Hypothesis{Kind::kSize, scaled.cost, 0.0, scaled, {}});
   }
   TagFit bent = fit_tag(probes, one, ShapeFreedom::kBend);
   bent.is_aspect_clear = is_clear(bent.shape.aspect, bent.aspect_sigma, kept, kClearBend, misfit);
   bent.is_twist_clear =
       is_clear(bent.shape.twist, bent.twist_sigma, kTwistPerEdge * kept, kClearBend, misfit);
   if (bent.is_aspect_clear || bent.is_twist_clear)
-    result.push_back({Kind::kNotFlat, bent.cost + 2.0 * kFeeOfUnknown, bent, {}});
+    result.push_back({Kind::kNotFlat, bent.cost + 2.0 * kFeeOfUnknown, 2.0 * kFeeOfUnknown, bent, {}});
   const bool are_some_elsewhere = count_elsewhere(one, probes) >= kLeastViewsElsewhere;
   if (misfit < kMisfitOfTwo && !are_some_elsewhere) return result;
   if (misfit > kMisfitOfMoved || are_some_elsewhere) {
@@ -89,12 +90,12 @@ std::vector<Hypothesis> hypotheses_about(const std::vector<ProbeView>& probes, c
     if (moved && (misfit > kMisfitOfMoved || is_beyond_doubt(*moved, probes))) {
       const double apart_m = moved->change().translation().norm();
       const bool may_be_copies = apart_m > least_between_tags_m(moved->change(), size_m);
-      result.push_back({Kind::kMoved, moved->cost, {}, std::move(moved), may_be_copies});
+      result.push_back({Kind::kMoved, moved->cost, moved->fee(), {}, moved, may_be_copies});
     }
   }
   if (auto places = two_places(probes, one, size_m)) {
     const Kind kind = are_of_one_tag(*places) ? Kind::kMoved : Kind::kTwoPlaces;
-    result.push_back({kind, places->cost, {}, places, true});
+    result.push_back({kind, places->cost, places->fee(), {}, places, true});
   }
   return result;
 }
@@ -135,20 +136,24 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
   const auto t = static_cast<std::size_t>(tag);
   const std::string name = to_string(task.observations.tags[t]);
   const TagFit one = fit_tag_anew(probes, task.observations.sizes_m[t]);
-  const double usual = usual_probe_cost() * static_cast<double>(probes.size());
+  const double usual = usual_cost_of(probes);
   TagLook look{one.cost / usual, std::nullopt};
+  const double mean_share = usual / (usual_probe_cost() * static_cast<double>(probes.size()));
+  // A fee counts here for as much as a view does.
+  const auto left_by = [&](const Hypothesis& it) { return it.cost - (1.0 - mean_share) * it.fee; };
+  const auto num_views = static_cast<std::size_t>(std::ceil(usual / usual_probe_cost()));
   const auto hypotheses = hypotheses_about(probes, one, look.misfit, task.options.corner_bias_px);
   const auto best = std::ranges::min_element(hypotheses, {}, &Hypothesis::cost);
   const double least_gain = std::max(kClearGainOfFault, kClearShare * (one.cost - usual));
   const auto is_explanation = [&](const Hypothesis& it) {
     const bool is_shape = it.kind == Kind::kSize || it.kind == Kind::kNotFlat;
     return one.cost - it.cost > least_gain &&
-           (it.cost < kMostLeft * usual ||
+           (left_by(it) < kMostLeft * usual ||
             (is_shape && one.cost - it.cost > kNearlyAll * (one.cost - usual)));
   };
   const bool is_explained = best != hypotheses.end() && is_explanation(*best);
   const bool leaves_much =
-      is_explained && best->places && best->cost - usual > kMostLeftOfPlaces * (one.cost - usual);
+      is_explained && best->places && left_by(*best) - usual > kMostLeftOfPlaces * (one.cost - usual);
   const bool is_without_place =
       (!is_explained || leaves_much) && look.misfit > kMisfitOfLoose && is_loose(probes, one);
   if (is_explained && !is_without_place) {
@@ -158,8 +163,8 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
                     .words = describe(*best, probes, task.observations, name),
                     .is_left_out = best->kind != Kind::kNotFlat,
                     .misfit_before = look.misfit,
-                    .misfit_after = best->cost / usual,
-                    .num_views = probes.size(),
+                    .misfit_after = left_by(*best) / usual,
+                    .num_views = num_views,
                     .views_by_place = views_by_place(*best, probes, task.observations),
                     .log_scale = best->kind == Kind::kSize ? best->fit.shape.log_scale : 0.0};
   } else if (is_without_place) {
@@ -169,7 +174,7 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
                     .is_left_out = true,
                     .misfit_before = look.misfit,
                     .misfit_after = kMisfitOfLoose,
-                    .num_views = probes.size()};
+                    .num_views = num_views};
     // It may have two places after all, and others may be at fault for it.
     if (is_explained) look.finding->views_by_place = views_by_place(*best, probes, task.observations);
   }

@@ -8,6 +8,7 @@
 
 #include "apriltrack/camera/pixel_jacobian.h"
 #include "cauchy_loss.h"
+#include "noise_scale.h"
 
 namespace apriltrack {
 namespace {
@@ -15,6 +16,9 @@ namespace {
 // Scales of Cauchy's loss on a view's whitened norm; a good one's is sqrt(8).
 constexpr double kProbeLoss = 8.0, kCoarseProbeLoss = 100.0;
 constexpr double kUnseenCost = 400.0;
+// Of Student's distribution of eight numbers, and less than its logarithm by so much that the mean is
+// usual_probe_cost(): (4 + 8) / 2 (digamma(6) - digamma(2)) = 7.70.
+constexpr double kTailPower = 0.5 * (kTailFreedom + 8.0), kTailOffset = 3.93;
 constexpr int kMaxTagSteps = 30;
 constexpr std::size_t kMaxProposals = 8;
 
@@ -52,19 +56,37 @@ bool probe_residual(const ProbeView& probe, const Pose& T_map_tag, const TagShap
   return true;
 }
 
+/// A view's loss, by its squares.
+class ViewLoss {
+ public:
+  ViewLoss(const ProbeView& view, double loss_scale)
+      : is_by_tails_(loss_scale == kProbeLoss && view.view->claimed_px2 > 0.0), cauchy_{loss_scale} {}
+
+  double cost(double squares) const {
+    return is_by_tails_ ? kTailPower * std::log1p(squares / kTailFreedom) - kTailOffset
+                        : cauchy_.cost(squares);
+  }
+  double weight(double squares) const {
+    return is_by_tails_ ? 2.0 * kTailPower / (kTailFreedom + squares) : cauchy_.weight(squares);
+  }
+
+ private:
+  bool is_by_tails_;
+  CauchyLoss cauchy_;
+};
+
 double cost_of(const ProbeView& view, const Pose& T_map_tag, const TagShape& shape, double loss_scale) {
-  Vector8d residual;
-  if (!probe_residual(view, T_map_tag, shape, &residual, nullptr)) return kUnseenCost;
-  return CauchyLoss{loss_scale}.cost(residual.squaredNorm());
+  const double squares = probe_squares(view, T_map_tag, shape);
+  return view.share * (std::isfinite(squares) ? ViewLoss(view, loss_scale).cost(squares) : kUnseenCost);
 }
 
 /// Where it is more than `most`, some number that is.
 double total_cost(const std::vector<ProbeView>& views, const TagFit& fit, double loss_scale,
                   double most = HUGE_VAL) {
-  double sum = 0.0;
+  double sum = 0.0, left = static_cast<double>(views.size());
   for (const ProbeView& view : views) {
     sum += cost_of(view, fit.T_map_tag, fit.shape, loss_scale);
-    if (sum > most) return sum;
+    if (sum - kTailOffset * --left > most) return HUGE_VAL;  // no view costs less
   }
   return sum;
 }
@@ -89,7 +111,7 @@ Normal normal_equations(const std::vector<ProbeView>& views, const TagFit& fit, 
     jacobian.col(6) += aspect_by_scale(freedom) * jacobian.col(7);
     if (freedom == ShapeFreedom::kNone) jacobian.col(6).setZero();
     if (freedom != ShapeFreedom::kBend) jacobian.rightCols<2>().setZero();
-    const double weight = CauchyLoss{loss_scale}.weight(residual.squaredNorm());
+    const double weight = view.share * ViewLoss(view, loss_scale).weight(residual.squaredNorm());
     const Matrix8x9d weighted = weight * jacobian;
     normal.H += weighted.transpose().lazyProduct(jacobian);
     normal.g += weighted.transpose().lazyProduct(residual);
@@ -128,7 +150,7 @@ TagFit descended(const std::vector<ProbeView>& views, TagFit best, ShapeFreedom 
       decrease = best.cost - trial.cost;
       best = std::move(trial);
     }
-    if (decrease < 1e-6 * best.cost) break;
+    if (decrease < 1e-6 * std::abs(best.cost)) break;
   }
   return best;
 }
@@ -193,6 +215,21 @@ double usual_probe_cost() {
   return CauchyLoss{kProbeLoss}.cost(8.0);
 }
 
+double usual_cost_of(const std::vector<ProbeView>& views) {
+  double shares = 0.0;
+  for (const ProbeView& view : views) shares += view.share;
+  return usual_probe_cost() * shares;
+}
+
+double probe_squares(const ProbeView& view, const Pose& T_map_tag, const TagShape& shape) {
+  Vector8d residual;
+  return probe_residual(view, T_map_tag, shape, &residual, nullptr) ? residual.squaredNorm() : HUGE_VAL;
+}
+
+double cost_of_squares(const ProbeView& view, double squares) {
+  return ViewLoss(view, kProbeLoss).cost(squares);
+}
+
 TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom freedom) {
   TagFit best = descended(views, std::move(start), freedom, kProbeLoss);
   const Matrix9d covariance =
@@ -208,7 +245,7 @@ TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom f
 TagFit fit_tag_anew(const std::vector<ProbeView>& views, double size_m) {
   const TagFit start = best_proposal(views, size_m);
   const TagFit direct = fit_tag(views, start, ShapeFreedom::kNone);
-  if (direct.cost < usual_probe_cost() * static_cast<double>(views.size())) return direct;
+  if (direct.cost < usual_cost_of(views)) return direct;
   // Few views, some of them at an angle to the others: the pose that pleases most of them may be a trap.
   TagFit coarse = descended(views, start, ShapeFreedom::kNone, kCoarseProbeLoss);
   const TagFit indirect = fit_tag(views, std::move(coarse), ShapeFreedom::kNone);

@@ -31,7 +31,7 @@ enum class ShapeFreedom {
 struct TagFit {
   Pose T_map_tag;
   TagShape shape;
-  double cost = 0.0;                                                ///< Half the robust sum of squares.
+  double cost = 0.0;                                                ///< Sum of probe_cost() by shares.
   Matrix6d covariance = Matrix6d::Zero();                           ///< Of the pose.
   double scale_sigma = 0.0, aspect_sigma = 0.0, twist_sigma = 0.0;  ///< Where they were free.
   bool is_aspect_clear = false, is_twist_clear = false;             ///< Beyond doubt.
@@ -46,9 +46,15 @@ TagFit fit_tag_anew(const std::vector<ProbeView>& views, double size_m);
 /// the tag cannot be projected.
 Eigen::Matrix<double, 8, 3> residual_by_shape(const Observations& observations, const TagView& view,
                                               const MapState& state);
-/// Of one view.
+/// Of one view, nats: by Student's distribution where the detector claims covariances (noise_scale.h), by
+/// Cauchy's loss else. A view that errs as expected costs usual_probe_cost() by either.
 double probe_cost(const ProbeView& view, const Pose& T_map_tag, const TagShape& shape);
-/// What a view costs that errs as expected.
 double usual_probe_cost();
+/// Of all that the views count together.
+double usual_cost_of(const std::vector<ProbeView>& views);
+/// Of the whitened residual; infinite where the tag cannot be projected.
+double probe_squares(const ProbeView& view, const Pose& T_map_tag, const TagShape& shape);
+/// The cost of a view of so many squares, its share left out.
+double cost_of_squares(const ProbeView& view, double squares);
 
 }  // namespace apriltrack

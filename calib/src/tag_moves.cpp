@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "moves_of_tag.h"
+#include "noise_scale.h"
 #include "split_tag.h"
 #include "tag_fault_words.h"
 #include "tag_neighbourhoods.h"
 #include "tag_places.h"
 #include "upper_median.h"
+#include "viewpoint_shares.h"
 
 namespace apriltrack {
 namespace {
@@ -91,22 +93,32 @@ void compare(const std::vector<Suspicion>& suspicions, const std::set<int>& own,
 }
 
 /// Of nothing where the views leave a pose undetermined.
-Suspicion suspicion_of(const LinearPart& part, int tag) {
+Suspicion suspicion_of(const PartTask& task, const MapState& state, const LinearPart& part, int tag) {
   Suspicion one;
   one.once.tag = one.twice.tag = one.always.tag = tag;
   if (!part.poses) return one;
   const MovesOfTag moves(part, tag);
   one.once = moves.with_one_more(moves.none());
-  one.explained_squares = one.once.squares;
   one.twice = moves.with_one_more(one.once);
   one.always = moves.all();
+  const double share = mean_viewpoint_share(task.observations, state, part.part.views, tag);
+  for (Move* move : {&one.once, &one.twice, &one.always}) move->squares *= share;
+  one.explained_squares = one.once.squares;
   one.is_asked = one.always.changes.size() > 0;
   return one;
 }
 
-/// A tag that moves makes its frames seem noisy, which would hide it.
+/// A tag that moves makes its frames and views seem noisy, which would hide it. But no view counts for more
+/// than one that is three sigmas off.
 MapState with_one_noise(MapState state) {
-  state.noise.of_frame.clear();
+  constexpr double kMostSquares = 8.0 * 9.0;
+  std::vector<double> of_view = std::move(state.noise.of_view);
+  for (double& scale : of_view) {
+    const double squares = (kTailFreedom + 8.0) * scale * scale - kTailFreedom;
+    scale = std::sqrt(std::max(1.0, squares / kMostSquares));
+  }
+  state.noise = state.noise.of_all();
+  state.noise.of_view = std::move(of_view);
   return state;
 }
 
@@ -125,8 +137,9 @@ std::vector<Suspicion> suspicions_of(const PartTask& task, const AdjustedPart& s
   std::vector<Suspicion> result(solved.part.tags.size());
   parallel(result.size(), [&](std::size_t i) {
     const int tag = solved.part.tags[i];
-    result[i] = whole ? suspicion_of(*whole, tag)
-                      : suspicion_of(linear_around(task, solved, neighbourhoods, tag), tag);
+    result[i] = whole
+                    ? suspicion_of(task, solved.state, *whole, tag)
+                    : suspicion_of(task, solved.state, linear_around(task, solved, neighbourhoods, tag), tag);
   });
   for (Suspicion& one : result) compare(result, {one.once.tag}, one);
   return result;
@@ -208,7 +221,7 @@ std::optional<Suspicion> judge_by_two_places(const PartTask& task, const Adjuste
                   move.tag);
   if (!by_two.poses || !part.poses) return std::nullopt;
   part.scale = by_two.scale;
-  Suspicion one = suspicion_of(part, move.tag);
+  Suspicion one = suspicion_of(task, state, part, move.tag);
   one.explained_squares = move.squares;
   // The noise knows what frames repeat. But it may be a step that they repeat, like a move.
   for (Move* some : {&one.once, &one.twice, &one.always})

@@ -11,9 +11,10 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::size_t kLeastOfMoved = 3;  // views at each of the places
-constexpr std::size_t kLeastOfCopy = 2;   // of two wrong views, hardly any agree on a place
-constexpr double kMostOfPlace = 2.5, kLeastElsewhere = 40.0;  // of the usual cost
+constexpr std::size_t kLeastOfMoved = 3;      // views at each of the places
+constexpr std::size_t kLeastOfCopy = 2;       // of two wrong views, hardly any agree on a place
+constexpr double kMostOfPlace = 2.5;          // of the usual cost
+constexpr double kElsewhereSquares = 7000.0;  // thirty
 // Apart: by so much, so clearly.
 constexpr double kClearSquares = 45.0;      // of six numbers: chance in a million
 constexpr double kClearMoveInSizes = 0.02;  // of the tag's size; and at least
@@ -67,7 +68,7 @@ std::optional<TwoPlaces> fit_two(const std::vector<ProbeView>& probes, std::vect
 std::vector<bool> are_elsewhere(const std::vector<ProbeView>& probes, const TagFit& one) {
   std::vector<bool> result;
   for (const ProbeView& probe : probes)
-    result.push_back(probe_cost(probe, one.T_map_tag, one.shape) > 4.0 * usual_probe_cost());
+    result.push_back(probe_cost(probe, one.T_map_tag, one.shape) > 4.0 * usual_probe_cost() * probe.share);
   return result;
 }
 
@@ -90,13 +91,22 @@ bool are_apart(const TwoPlaces& two, double least_m) {
 /// Whether one tag there explains the views, in frames that are beyond doubt, and nothing at the other place
 /// does.
 bool is_plainly_a_place(const TagFit& fit, const TagFit& other, const std::vector<ProbeView>& views) {
-  const double usual = usual_probe_cost() * static_cast<double>(views.size());
-  return fit.cost < kMostOfPlace * usual && cost_at(views, other) > kLeastElsewhere * usual &&
-         std::ranges::all_of(views, &ProbeView::is_frame_sure);
+  return fit.cost < kMostOfPlace * usual_cost_of(views) &&
+         std::ranges::all_of(views, [&](const ProbeView& view) {
+           return view.is_frame_sure && probe_squares(view, other.T_map_tag, other.shape) > kElsewhereSquares;
+         });
 }
 
 bool is_a_place(const TagFit& fit, const TagFit& other, const std::vector<ProbeView>& views) {
   return views.size() >= kLeastOfMoved || is_plainly_a_place(fit, other, views);
+}
+
+/// The one that is nearer to `one`, where two are about as likely.
+TagFit place_by_itself(const ProbeView& probe, const TagFit& one) {
+  constexpr double kAboutAsLikely = 2.0;  // nats
+  TagFit anew = fit_tag_anew({probe}, one.shape.size_m);
+  TagFit near = fit_tag({probe}, one, ShapeFreedom::kNone);
+  return near.cost < anew.cost + kAboutAsLikely * probe.share ? near : anew;
 }
 
 }  // namespace
@@ -167,7 +177,7 @@ bool is_beyond_doubt(const TwoPlaces& two, const std::vector<ProbeView>& probes)
 
 std::size_t count_elsewhere(const TagFit& one, const std::vector<ProbeView>& probes) {
   return static_cast<std::size_t>(std::ranges::count_if(probes, [&](const ProbeView& probe) {
-    return probe_cost(probe, one.T_map_tag, one.shape) > kLeastElsewhere * usual_probe_cost();
+    return probe_squares(probe, one.T_map_tag, one.shape) > kElsewhereSquares;
   }));
 }
 
@@ -199,22 +209,42 @@ std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const 
   return result;
 }
 
-// A frame that rests on one tag may be mirrored with it: where others are enough, it does not count.
+// Each view at a place of its own, normally distributed about the one by as much as they scatter, against all
+// at the one: by how much likelier the views are, nats. A view's place is taken up by six of its eight
+// numbers, so that a place of its own explains any error; the determinant is what that costs. A frame that
+// rests on one tag may be mirrored with it: where others are enough, it does not count.
 bool is_loose(const std::vector<ProbeView>& all_probes, const TagFit& one) {
-  constexpr double kFarSquaresOfProbe = 30.0, kAsUsual = 12.0;  // squares; 8 and 2 are expected
   constexpr std::size_t kEnough = 8;
+  constexpr double kClearOdds = 20.0;       // nats
+  constexpr double kLeastElsewhere = 0.35;  // of the views: fewer are outliers
   std::vector<ProbeView> probes;
   std::ranges::copy_if(all_probes, std::back_inserter(probes), &ProbeView::is_frame_sure);
   if (probes.size() < kEnough) probes = all_probes;
-  std::size_t far = 0, explained = 0;
+  std::vector<TagFit> alone;
+  std::vector<Vector6d> aside;
+  Matrix6d scatter = Matrix6d::Zero();
+  double shares = 0.0;
   for (const ProbeView& probe : probes) {
-    const double cost = probe_cost(probe, one.T_map_tag, one.shape);
-    if (cost < usual_probe_cost() * kFarSquaresOfProbe / 8.0 * 0.8) continue;
-    ++far;
-    const TagFit alone = fit_tag_anew({probe}, one.shape.size_m);
-    if (alone.cost < usual_probe_cost() * kAsUsual / 8.0) ++explained;
+    alone.push_back(place_by_itself(probe, one));
+    aside.push_back((one.T_map_tag.inverse() * alone.back().T_map_tag).log());
+    scatter += probe.share * aside.back() * aside.back().transpose();
+    shares += probe.share;
   }
-  return static_cast<double>(far) > 0.35 * static_cast<double>(probes.size()) &&
-         static_cast<double>(explained) > 0.8 * static_cast<double>(far);
+  scatter /= shares;
+  double odds = 0.0, shares_elsewhere = 0.0;
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    // In the tag's frame by its own view: small as the swing is, the same as by the one place.
+    const Matrix6d own = probes[i].share * alone[i].covariance;
+    const Matrix6d about = own + scatter;
+    const double squares = probe_squares(probes[i], alone[i].T_map_tag, alone[i].shape) +
+                           aside[i].dot(about.ldlt().solve(aside[i]));
+    const double before = probe_squares(probes[i], one.T_map_tag, one.shape);
+    if (!std::isfinite(squares) || !std::isfinite(before)) continue;
+    const double of_view = cost_of_squares(probes[i], before) - cost_of_squares(probes[i], squares) -
+                           0.5 * std::log(about.determinant() / own.determinant());
+    odds += probes[i].share * of_view;
+    if (of_view > 0.0) shares_elsewhere += probes[i].share;
+  }
+  return odds > kClearOdds && shares_elsewhere > kLeastElsewhere * shares;
 }
 }  // namespace apriltrack

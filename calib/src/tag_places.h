@@ -18,6 +18,7 @@ struct TwoPlaces {
   std::vector<bool> is_at_second;  ///< By view.
 
   Pose change() const { return fit.T_map_tag.inverse() * second.T_map_tag; }
+  double fee() const { return cost - fit.cost - second.cost; }
 };
 
 /// Of a change of a tag's pose: how far it must shift to be told; 0 where it turns enough.

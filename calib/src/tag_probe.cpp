@@ -10,6 +10,7 @@
 #include "camera_parameters.h"
 #include "corner_views.h"
 #include "spread_selection.h"
+#include "viewpoint_shares.h"
 
 namespace apriltrack {
 namespace {
@@ -129,12 +130,26 @@ std::vector<ViewCandidates> candidates_by_other_lens(const PartTask& task, const
   return solve_views(by_cameras, views, parallel_for(1));
 }
 
+/// By where each view itself has the tag.
+void share_viewpoints(std::vector<ProbeView>& probes) {
+  std::vector<Eigen::Vector3d> lines_of_sight;
+  for (const ProbeView& probe : probes) {
+    const Pose T_map_camera = probe.T_map_rig * probe.camera->T_camera_rig.inverse();
+    lines_of_sight.push_back(probe.T_map_tag_proposed.front().translation() - T_map_camera.translation());
+  }
+  const std::vector<double> shares = viewpoint_shares(lines_of_sight);
+  for (std::size_t i = 0; i < probes.size(); ++i)
+    if (probes[i].view->claimed_px2 > 0.0) probes[i].share = shares[i];
+}
+
 }  // namespace
 
 std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const AdjustedPart& solved,
                                    int tag) {
   const std::vector<std::size_t> probed = views_to_probe(task.observations, part, tag);
   const auto others = frames_by_others(task, part, solved, tag, probed);
+  MapState even = solved.state;  // what is wrong with the tag makes its views seem noisy
+  even.noise.of_view.clear();
   const std::vector<ViewCandidates> own_candidates = candidates_by_other_lens(task, solved, probed);
   std::vector<ProbeView> probes;
   for (const std::size_t v : probed) {
@@ -147,6 +162,7 @@ std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const
                     frame->second.T_map_rig,
                     task.observations.frames[static_cast<std::size_t>(view.frame)],
                     Matrix8d::Identity(),
+                    1.0,
                     frame->second.views,
                     {}};
     const auto& candidates = (own_candidates.empty() ? task.candidates : own_candidates)[v].candidates;
@@ -157,7 +173,7 @@ std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const
                        probe.T_map_rig, probe.T_map_rig * candidates.front().T_rig_tag, &residual_px, &by_rig,
                        nullptr))
       continue;
-    const Matrix8d W = whitening(view, solved.state);
+    const Matrix8d W = whitening(view, even);
     const Matrix8x6d by_frame = W * by_rig;
     const Matrix8d covariance =
         Matrix8d::Identity() + by_frame * frame->second.information.ldlt().solve(by_frame.transpose());
@@ -166,6 +182,7 @@ std::vector<ProbeView> probe_views(const PartTask& task, const Part& part, const
       probe.T_map_tag_proposed.push_back(probe.T_map_rig * candidate.T_rig_tag);
     if (probe.whitening.allFinite()) probes.push_back(std::move(probe));
   }
+  share_viewpoints(probes);
   return probes;
 }
 

@@ -19,6 +19,8 @@ struct ProbeView {
   /// Turns reprojection errors (px) into independent numbers of unit variance, the frame's own error
   /// included.
   Matrix8d whitening = Matrix8d::Identity();
+  /// What it counts, of one view (viewpoint_shares.h); 1 where the detector claims nothing.
+  double share = 1.0;
   std::vector<std::size_t> others = {};       ///< Views of its frame, on which the pose rests.
   std::vector<Pose> T_map_tag_proposed = {};  ///< Where the tag may be by this view, at its stated size.
 };
