@@ -33,6 +33,12 @@ std::string one_of(const std::vector<std::vector<TagKey>>& joints) {
   return fmt::format("one of {}, each of which", fmt::join(names, ", "));
 }
 
+/// Nothing that is in doubt is said outright.
+std::string perhaps(const std::string& words) {
+  const std::string word = "Perhaps ";
+  return words.starts_with(word) ? words : word + words;
+}
+
 }  // namespace
 
 std::string shift_and_turn(const Pose& change) {
@@ -96,13 +102,13 @@ std::string words_of_loose(const std::string& name) {
 
 std::string words_of_rival(const std::string& words) {
   const std::string another = ". Or another tag is at fault: the views do not tell which";
-  return words.ends_with(another) ? words : words + another;
+  return words.ends_with(another) ? words : perhaps(words) + another;
 }
 
 std::string words_of_rivals_in_map(const std::string& words, const std::vector<std::vector<TagKey>>& others) {
   const std::string way_out = ": then the map is folded there. Film them at both places together with others";
   if (words.ends_with(way_out)) return words;
-  return fmt::format("{}. Or {} alone joins its two places, hangs twice, or was moved{}", words,
+  return fmt::format("{}. Or {} alone joins its two places, hangs twice, or was moved{}", perhaps(words),
                      one_of(others), way_out);
 }
 
@@ -111,7 +117,7 @@ std::string words_of_rivals_instead(const std::string& words,
   return fmt::format(
       "{}. Or {} alone joins its two places, hangs twice, or was moved, instead: the views do "
       "not tell which; hold neither",
-      words, one_of(others));
+      perhaps(words), one_of(others));
 }
 
 std::string words_of_joint(const std::string& name, const std::vector<TagKey>& board,

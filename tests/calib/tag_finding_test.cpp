@@ -39,14 +39,14 @@ TEST(TagFinding, IsCompleteOfATagWithoutAPlace) {
 
 TEST(TagFaultWords, TellOnceThatAnotherMayBeAtFault) {
   const std::string once = words_of_rival("A was moved");
-  EXPECT_EQ(once, "A was moved. Or another tag is at fault: the views do not tell which");
+  EXPECT_EQ(once, "Perhaps A was moved. Or another tag is at fault: the views do not tell which");
   EXPECT_EQ(words_of_rival(once), once);
 }
 
 TEST(TagFaultWords, NameTheOneOrTheSeveralThatMayBe) {
   const std::vector<TagKey> four{{"tag36h11", 4}}, board{{"tag36h11", 4}, {"tag36h11", 5}};
   EXPECT_THAT(words_of_rivals_in_map("A was moved", {four}),
-              HasSubstr("A was moved. Or tag36h11/4, which alone joins its two places"));
+              HasSubstr("Perhaps A was moved. Or tag36h11/4, which alone joins its two places"));
   EXPECT_THAT(words_of_rivals_in_map("A was moved", {board}),
               HasSubstr("Or the board (tag36h11/4, tag36h11/5), which alone joins its two places"));
   EXPECT_THAT(
