@@ -97,19 +97,27 @@ nlohmann::json describe(const World& world) {
           {"is_joint", world.scene.truth == TruthKind::kJoint}};
 }
 
-void write_without_pictures(const World& world, const std::filesystem::path& folder) {
-  const SequenceWriter writer(folder, true);
+namespace {
+
+SequenceWriter write_all_but_frames(const World& world, const std::filesystem::path& folder) {
+  SequenceWriter writer(folder, true);
   CameraRig rig;
   rig.cameras.push_back(world.stated_camera);
   writer.write_camera(rig);
   writer.write_map(world.scene.map);
   write_file_atomically(folder / "tag_sizes.yaml", sizes_text(world));
   write_file_atomically(folder / "world.json", describe(world).dump() + "\n");
+  return writer;
+}
+
+}  // namespace
+
+void write_without_pictures(const World& world, const std::filesystem::path& folder) {
+  write_all_but_frames(world, folder);
 }
 
 void write_world(const World& world, const std::filesystem::path& folder) {
-  write_without_pictures(world, folder);
-  const SequenceWriter writer(folder, true);
+  const SequenceWriter writer = write_all_but_frames(world, folder);
   const Renderer renderer(world.scene, {.seed = world.seed, .min_instants = 1});
   std::string truth;
   std::vector<Frame> rows;

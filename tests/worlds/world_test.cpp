@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <iterator>
 #include <set>
 
 #include "apriltrack/base/timestamp.h"
 #include "apriltrack/sim/renderer.h"
+#include "support/shared_data.h"
 #include "truth.h"
 #include "write_world.h"
 
@@ -121,6 +124,20 @@ Pose moved_between(const World& world, const PlacedTag& tag) {
     return world.T_world_tag(tag, seconds_between(Timestamp{}, world.scene.timestamp(frame)));
   };
   return at(0).inverse() * at(world.scene.num_frames - 1);
+}
+
+TEST(World, IsWrittenWithAllThatProgramsRead) {
+  World world = make_world(3, FaultKind::kNone);
+  world.scene.num_frames = 2;
+  const std::filesystem::path folder = test::temporary_folder();
+  write_world(world, folder / "film");
+  write_without_pictures(world, folder / "numbers");
+  for (const char* name : {"camera.yaml", "map.yaml", "tag_sizes.yaml", "world.json"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder / "film" / name)) << name;
+    EXPECT_TRUE(std::filesystem::exists(folder / "numbers" / name)) << name;
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "film" / "truth.tum"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "film" / "frames"), {}), 2);
 }
 
 TEST(PlantedFault, WrongSizeIsStatedOfOneTag) {
