@@ -113,7 +113,7 @@ class PatternFit {
     if (!corners) return std::nullopt;
     FittedPattern fitted;
     fitted.corners_px = corners->px;
-    fitted.covariance_px2 = corners->by_place * covariance_of_place() * corners->by_place.transpose();
+    fitted.covariance_px2 = covariance_of_corners(corners->by_unknowns);
     fitted.blur_px2 = model_.blur_px2(state_);
     fitted.contrast = state_.contrast();
     fitted.residual_rms = residual_rms_ / state_.contrast();
@@ -230,7 +230,7 @@ class PatternFit {
 
   /// What the pixels' noise makes of the estimate, and what the priors may be wrong by: an M-estimate's
   /// covariance (Huber 1981), from the weighted residuals, and how much less they change than the residuals.
-  Matrix8d covariance_of_place() const {
+  Matrix8d covariance_of_corners(const Eigen::Matrix<double, 8, kNumPatternUnknowns>& by_unknowns) const {
     std::vector<FittedPixel> fitted;
     fitted.reserve(used_.size());
     for (std::size_t k = 0; k < used_.size(); ++k) {
@@ -240,13 +240,13 @@ class PatternFit {
       fitted.push_back(
           {used_[k].x, used_[k].y, weights_[i] * predicted_.residuals[i], counts, predicted_.gradient2[i]});
     }
-    const Eigen::Matrix<double, 8, kNumPatternUnknowns> place_by_gradient =
-        information_.ldlt().solve(Information::Identity()).topRows<8>();
-    const Eigen::Matrix<double, 8, Eigen::Dynamic> place_by_light =
-        place_by_gradient * predicted_.by_unknowns *
-        (weights_.array() > 0.0).cast<double>().matrix().asDiagonal() / share_of_slope_;
-    return ResidualNoise(std::move(fitted), kNumPatternUnknowns).covariance_of_sum(place_by_light) +
-           variance_ * place_by_gradient * held_.asDiagonal() * place_by_gradient.transpose();
+    const Eigen::Matrix<double, 8, kNumPatternUnknowns> by_gradient =
+        by_unknowns * information_.ldlt().solve(Information::Identity());
+    const Eigen::Matrix<double, 8, Eigen::Dynamic> by_light =
+        by_gradient * predicted_.by_unknowns * (weights_.array() > 0.0).cast<double>().matrix().asDiagonal() /
+        share_of_slope_;
+    return ResidualNoise(std::move(fitted), kNumPatternUnknowns).covariance_of_sum(by_light) +
+           variance_ * by_gradient * held_.asDiagonal() * by_gradient.transpose();
   }
 
   PatternModel model_;

@@ -49,6 +49,20 @@ Eigen::Vector2d bend_at(const Eigen::Vector3d& bend, const Eigen::Vector2d& out)
   return out.squaredNorm() * (bend.head<2>() + bend[2] * out);
 }
 
+/// Derivative of bend_at() by `bend`.
+Eigen::Matrix<double, 2, 3> bend_by_unknowns(const Eigen::Vector2d& out) {
+  const double r2 = out.squaredNorm();
+  Eigen::Matrix<double, 2, 3> by_bend;
+  by_bend << r2, 0.0, r2 * out.x(), 0.0, r2, r2 * out.y();
+  return by_bend;
+}
+
+/// Derivative of bend_at() by `out`.
+Eigen::Matrix2d bend_by_place(const Eigen::Vector3d& bend, const Eigen::Vector2d& out) {
+  return 2.0 * (bend.head<2>() + bend[2] * out) * out.transpose() +
+         bend[2] * out.squaredNorm() * Eigen::Matrix2d::Identity();
+}
+
 }  // namespace
 
 PatternState PatternState::start(const TagPlaces& places, const Eigen::Matrix3d& straight_from_tag,
@@ -145,17 +159,21 @@ void PatternModel::predict_pixel(const PatternState& state, const PatternPixel& 
 std::optional<PatternModel::Corners> PatternModel::corners(const PatternState& state) const {
   const Eigen::Matrix3d straight_from_tag = state.tag_from_straight.inverse();
   Corners corners;
+  corners.by_unknowns.setZero();
   for (std::size_t k = 0; k < kNumCorners; ++k) {
     const Eigen::Vector3d image = straight_from_tag * kTagQuad[k].homogeneous();
-    const Eigen::Vector2d straight = image.hnormalized();
+    const Eigen::Vector2d unbent = image.hnormalized(), out = unbent - places_.middle();
     Eigen::Matrix2d by_straight;
-    const auto pixel =
-        places_.pixel(straight + bend_at(state.bend, straight - places_.middle()), &by_straight);
+    const auto pixel = places_.pixel(unbent + bend_at(state.bend, out), &by_straight);
     if (!pixel || !pixel->allFinite()) return std::nullopt;
     corners.px[k] = *pixel;
     const auto row = 2 * static_cast<Eigen::Index>(k);
-    corners.by_place.middleRows<2>(row) =
-        by_straight * projective_derivative(straight_from_tag, image) * corner_moves().middleRows<2>(row);
+    const Eigen::Matrix2d by_unbent =
+        by_straight * (Eigen::Matrix2d::Identity() + bend_by_place(state.bend, out));
+    // The generators move the plane under the picture: where one moves it outwards, the corner goes inwards.
+    corners.by_unknowns.block<2, 8>(row, kPlaceUnknowns) =
+        -by_unbent * projective_derivative(straight_from_tag, image) * corner_moves().middleRows<2>(row);
+    corners.by_unknowns.block<2, 3>(row, kBendUnknowns) = by_straight * bend_by_unknowns(out);
   }
   return corners;
 }

@@ -67,7 +67,8 @@ class PatternModel {
 
   struct Corners {
     Quad px;
-    Matrix8d by_place;  ///< Derivatives of x0 y0 x1 ..., px, by the unknowns of the place.
+    /// Derivatives of x0 y0 x1 ..., px: by place and bend, zero by what moves no corner.
+    Eigen::Matrix<double, 8, kNumPatternUnknowns> by_unknowns;
   };
   /// nullopt where the lens does not show them.
   std::optional<Corners> corners(const PatternState& state) const;

@@ -1,0 +1,67 @@
+#include "pattern_model.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+#include <vector>
+
+#include "apriltrack/tags/tag_family.h"
+#include "support/numeric_jacobian.h"
+#include "tag_quad.h"
+
+namespace apriltrack {
+namespace {
+
+const TagPattern& shown_pattern() {
+  static const TagPattern pattern = TagFamily::get("tag36h11").pattern(17);
+  return pattern;
+}
+
+/// A tag of about `side_px` seen askew; its middle lies at (200, 150).
+PatternState askew(double side_px) {
+  Eigen::Matrix3d straight_from_tag;
+  straight_from_tag << 0.5, 0.1, 0.0, -0.06, 0.45, 0.0, 0.04 / side_px, 0.1 / side_px, 1.0 / side_px;
+  straight_from_tag *= side_px;
+  Eigen::Matrix3d moved = Eigen::Matrix3d::Identity();
+  moved.topRightCorner<2, 1>() = Eigen::Vector2d(200.0, 150.0);
+  PatternState state;
+  state.tag_from_straight = (moved * straight_from_tag).inverse();
+  state.blur_px2 << 0.5, 0.1, 0.1, 0.4;
+  state.bend = Eigen::Vector3d(1.2e-4, -0.7e-4, 1e-7);
+  state.colours << 0.6, 0.05, -0.04, 0.1, 0.01, 0.02, 0.0, 0.0, 0.0, 0.0;
+  return state;
+}
+
+PatternState moved_by(PatternState state, const Eigen::VectorXd& step) {
+  state.take(step, 1.0);
+  return state;
+}
+
+class PatternModelTest : public ::testing::Test {
+ protected:
+  BlurredPattern blurred_{shown_pattern()};
+  TagPlaces places_ = *TagPlaces::about({200.0, 150.0}, nullptr);
+  PatternModel model_{blurred_, places_};
+};
+
+TEST_F(PatternModelTest, CornersFollowPlaceAndBend) {
+  const PatternState state = askew(120.0);
+  // In steps that are worth about a pixel.
+  PatternStep unit = PatternStep::Ones();
+  unit.head<8>() *= 0.02;
+  unit.segment<3>(kBendUnknowns) << 1e-4, 1e-4, 1e-6;
+  const auto corners_after = [&](const Eigen::VectorXd& step) -> Eigen::VectorXd {
+    const auto corners = model_.corners(moved_by(state, unit.cwiseProduct(step)));
+    Eigen::VectorXd px(8);
+    for (std::size_t k = 0; k < kNumCorners; ++k)
+      px.segment<2>(2 * static_cast<Eigen::Index>(k)) = corners->px[k];
+    return px;
+  };
+  EXPECT_TRUE(test::jacobians_agree(model_.corners(state)->by_unknowns * unit.asDiagonal(),
+                                    test::numeric_jacobian(corners_after, kNumPatternUnknowns, 1e-4), 1e-6));
+}
+
+}  // namespace
+}  // namespace apriltrack
