@@ -46,6 +46,29 @@ class PatternModelTest : public ::testing::Test {
   PatternModel model_{blurred_, places_};
 };
 
+TEST_F(PatternModelTest, CornersAreWherePixelsShowThem) {
+  // The model straightens a pixel x by x - b(x), and so must the corner be straightened.
+  for (const double side_px : {60.0, 120.0, 300.0}) {
+    const PatternState state = askew(side_px);
+    const auto corners = model_.corners(state);
+    ASSERT_TRUE(corners);
+    for (std::size_t k = 0; k < kNumCorners; ++k) {
+      const Eigen::Vector2d out = corners->px[k] - places_.middle();
+      const Eigen::Vector2d bend_px = out.squaredNorm() * (state.bend.head<2>() + state.bend[2] * out);
+      const Eigen::Vector2d unbent = corners->px[k] - bend_px;
+      const Eigen::Vector2d shown =
+          (state.tag_from_straight.inverse() * kTagQuad[k].homogeneous()).hnormalized();
+      EXPECT_LT((unbent - shown).norm(), 1e-6) << side_px;
+    }
+  }
+}
+
+TEST_F(PatternModelTest, CornersOfAFoldedPictureAreNone) {
+  PatternState state = askew(300.0);
+  state.bend *= 100.0;
+  EXPECT_FALSE(model_.corners(state));
+}
+
 TEST_F(PatternModelTest, CornersFollowPlaceAndBend) {
   const PatternState state = askew(120.0);
   // In steps that are worth about a pixel.

@@ -49,6 +49,21 @@ Eigen::Vector2d bend_at(const Eigen::Vector3d& bend, const Eigen::Vector2d& out)
   return out.squaredNorm() * (bend.head<2>() + bend[2] * out);
 }
 
+/// How far off the tag's middle lies what a lens moves to `unbent` off it: out = unbent + bend_at(out).
+/// nullopt where the bend is so strong that it folds the picture.
+std::optional<Eigen::Vector2d> bent(const Eigen::Vector3d& bend, const Eigen::Vector2d& unbent) {
+  constexpr int kMaxRounds = 20;
+  constexpr double kSame_px = 1e-9;
+  Eigen::Vector2d out = unbent;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const Eigen::Vector2d next = unbent + bend_at(bend, out);
+    const double change_px = (next - out).norm();
+    out = next;
+    if (change_px <= kSame_px * std::max(1.0, unbent.norm())) return out;
+  }
+  return std::nullopt;
+}
+
 /// Derivative of bend_at() by `bend`.
 Eigen::Matrix<double, 2, 3> bend_by_unknowns(const Eigen::Vector2d& out) {
   const double r2 = out.squaredNorm();
@@ -162,18 +177,19 @@ std::optional<PatternModel::Corners> PatternModel::corners(const PatternState& s
   corners.by_unknowns.setZero();
   for (std::size_t k = 0; k < kNumCorners; ++k) {
     const Eigen::Vector3d image = straight_from_tag * kTagQuad[k].homogeneous();
-    const Eigen::Vector2d unbent = image.hnormalized(), out = unbent - places_.middle();
+    const auto out = bent(state.bend, image.hnormalized() - places_.middle());
+    if (!out) return std::nullopt;
     Eigen::Matrix2d by_straight;
-    const auto pixel = places_.pixel(unbent + bend_at(state.bend, out), &by_straight);
+    const auto pixel = places_.pixel(places_.middle() + *out, &by_straight);
     if (!pixel || !pixel->allFinite()) return std::nullopt;
     corners.px[k] = *pixel;
     const auto row = 2 * static_cast<Eigen::Index>(k);
     const Eigen::Matrix2d by_unbent =
-        by_straight * (Eigen::Matrix2d::Identity() + bend_by_place(state.bend, out));
+        by_straight * (Eigen::Matrix2d::Identity() - bend_by_place(state.bend, *out)).inverse();
     // The generators move the plane under the picture: where one moves it outwards, the corner goes inwards.
     corners.by_unknowns.block<2, 8>(row, kPlaceUnknowns) =
         -by_unbent * projective_derivative(straight_from_tag, image) * corner_moves().middleRows<2>(row);
-    corners.by_unknowns.block<2, 3>(row, kBendUnknowns) = by_straight * bend_by_unknowns(out);
+    corners.by_unknowns.block<2, 3>(row, kBendUnknowns) = by_unbent * bend_by_unknowns(*out);
   }
   return corners;
 }
