@@ -152,6 +152,17 @@ TEST(PatternFit, ClaimsTheErrorsThatItMakes) {
   EXPECT_LT(claims.mean_nees(), 1.25);
 }
 
+TEST(PatternFit, ClaimsTheErrorsThatItMakesBehindSharpLenses) {
+  Claims claims;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Scene scene = scene_of_tags(seed);
+    scene.formation.lens_blur_sigma_px = seed % 4 == 0 ? 0.0 : 0.2 + 0.01 * static_cast<double>(seed);
+    ASSERT_NO_FATAL_FAILURE(claims.add(scene, seed, true));
+  }
+  EXPECT_GT(claims.mean_nees(), 0.8);
+  EXPECT_LT(claims.mean_nees(), 1.25);
+}
+
 TEST(PatternFit, ClaimsTheErrorsThatItMakesWhereNoCameraIsKnown) {
   // The bend's part of the corners' covariance counts: without it the mean is 2.1.
   Claims claims;

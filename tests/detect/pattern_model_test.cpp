@@ -34,9 +34,24 @@ PatternState askew(double side_px) {
   return state;
 }
 
-PatternState moved_by(PatternState state, const Eigen::VectorXd& step) {
-  state.take(step, 1.0);
+PatternState moved_by(PatternState state, const Eigen::VectorXd& asked) {
+  PatternStep step = asked;
+  state.take(&step, 1.0);
   return state;
+}
+
+TEST(PatternStateTest, TellsTheStepThatItTook) {
+  const PatternState before = askew(60.0);
+  PatternState state = before;
+  PatternStep step = PatternStep::Zero();
+  step[kPlaceUnknowns] = 3.0;
+  step.segment<3>(kBlurUnknowns) << -0.9, 0.1, -0.2;  // further than to nothing
+  EXPECT_EQ(state.take(&step, 0.5), 0.5);
+  EXPECT_EQ(step[kPlaceUnknowns], 0.5);
+  EXPECT_GT(state.blur_px2.determinant(), 0.0);
+  EXPECT_NEAR(step[kBlurUnknowns], state.blur_px2(0, 0) - before.blur_px2(0, 0), 1e-15);
+  EXPECT_NEAR(step[kBlurUnknowns + 1], state.blur_px2(0, 1) - before.blur_px2(0, 1), 1e-15);
+  EXPECT_NEAR(step[kBlurUnknowns + 2], state.blur_px2(1, 1) - before.blur_px2(1, 1), 1e-15);
 }
 
 class PatternModelTest : public ::testing::Test {

@@ -161,11 +161,11 @@ class PatternFit {
       factor_equations();
       Information damped = information_;
       damped.diagonal() *= 1.0 + 1e-6;
-      const PatternStep by = damped.ldlt().solve(gradient_);
+      PatternStep by = damped.ldlt().solve(gradient_);
       if (!by.allFinite()) return false;
 
       const PatternState before = state_;
-      const double move = state_.take(by, kMaxStep_cells * model_.cell_size());
+      const double move = state_.take(&by, kMaxStep_cells * model_.cell_size());
       moved_ += move;
       if (!(moved_ < kMaxMove_cells * model_.cell_size()) || !(state_.contrast() > 0.0)) return false;
       is_settled_ = is_small(move, before) && least_outlier_scale_ <= kMinOutlierScale;

@@ -90,7 +90,8 @@ PatternState PatternState::start(const TagPlaces& places, const Eigen::Matrix3d&
   return state;
 }
 
-double PatternState::take(PatternStep step, double max_move) {
+double PatternState::take(PatternStep* asked, double max_move) {
+  PatternStep& step = *asked;
   const double move = (corner_moves() * step.head<8>()).cwiseAbs().maxCoeff();
   if (move > max_move) step.head<8>() *= max_move / move;
   const auto t = step.head<8>();
@@ -101,7 +102,10 @@ double PatternState::take(PatternStep step, double max_move) {
   Eigen::Matrix2d change;
   change << step[kBlurUnknowns], step[kBlurUnknowns + 1], step[kBlurUnknowns + 1], step[kBlurUnknowns + 2];
   const double size = change.cwiseAbs().maxCoeff(), most = blur_px2.trace();
+  const Eigen::Matrix2d before = blur_px2;
   blur_px2 = clamped_blur(blur_px2 + std::min(1.0, most / std::max(size, 1e-12)) * change);
+  change = blur_px2 - before;
+  step.segment<3>(kBlurUnknowns) << change(0, 0), change(0, 1), change(1, 1);
   bend += step.segment<3>(kBendUnknowns);
   colours += step.tail<kNumColours>();
   return std::min(move, max_move);

@@ -41,9 +41,9 @@ struct PatternState {
                             double blur_sigma_px);
 
   double contrast() const { return colours[0]; }  ///< White less black, linear light.
-  /// Takes a step, of which a corner moves at most `max_move`. Returns how far the corners moved. Both in
-  /// half tag sizes.
-  double take(PatternStep step, double max_move);
+  /// Takes a step, of which a corner moves at most `max_move` and a blur stays one that a lens may have:
+  /// *step becomes what was taken of it. Returns how far the corners moved. Both in half tag sizes.
+  double take(PatternStep* step, double max_move);
 };
 
 /// What the model says of some pixels.
