@@ -121,7 +121,7 @@ class PatternFit {
     fitted.used_share = weights_.sum() / std::max(1.0, predicted_.shows_print.sum());
     const double of_edges = predicted_.shows_print.dot(predicted_.gradient2);
     fitted.used_edges = of_edges > 0.0 ? weights_.dot(predicted_.gradient2) / of_edges : 0.0;
-    if (!fitted.covariance_px2.allFinite()) return std::nullopt;
+    if (fitted.covariance_px2.llt().info() != Eigen::Success) return std::nullopt;  // or not finite
     return fitted;
   }
 

@@ -11,12 +11,24 @@ namespace {
 
 /// How far errors reach, measured on residuals of path-traced pictures (JPEG of quality 95: correlations of
 /// 0.37 to 0.40, 0.25, 0.15 and 0.08 over 1 to 4 px in one renderer's, 0.26, 0.13 and 0.04 in the other's).
-constexpr double kDecayPerPixel = 0.6;
+/// 0.8^d (1 - d/5) is 0.64, 0.38, 0.20 and 0.08 over 1 to 4 px: the same but for a factor.
+constexpr double kDecayPerPixel = 0.8;
 /// What is taken for c before residuals are looked at, as if so many pairs had shown it.
 constexpr double kPriorCorrelation = 0.4, kPriorPairs = 100.0;
 constexpr double kMaxCorrelation = 0.95;
 /// Of the mean variance, at least: grain that the robust weights took away.
 constexpr double kMinShareOfVariance = 0.2;
+
+/// How alike errors are over so many pixels along one axis. Both factors have spectra that are nowhere
+/// negative (of an autoregressive process; of a triangle: Bartlett 1950), so their product has, too.
+template <std::size_t N>
+std::array<double, N> tapered_decay() {
+  std::array<double, N> decay{};
+  for (std::size_t d = 0; d < N; ++d)
+    decay[d] = std::pow(kDecayPerPixel, static_cast<double>(d)) *
+               (1.0 - static_cast<double>(d) / static_cast<double>(N));
+  return decay;
+}
 
 }  // namespace
 
@@ -61,46 +73,38 @@ void ResidualNoise::fit_variances(int num_unknowns) {
 
 template <class Visit>
 void ResidualNoise::for_pairs(const Visit& visit) const {
+  const auto decay = tapered_decay<kReach_px + 1>();
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     const int x = pixels_[i].x - x0_, y = pixels_[i].y - y0_;
     for (int dy = 0; dy <= std::min(kReach_px, height_ - 1 - y); ++dy) {
-      const int reach = kReach_px - dy;
-      const int begin = std::max(0, dy == 0 ? x + 1 : x - reach), end = std::min(width_ - 1, x + reach);
+      const int begin = std::max(0, dy == 0 ? x + 1 : x - kReach_px);
+      const int end = std::min(width_ - 1, x + kReach_px);
       const int* row = index_.data() + (y + dy) * width_;
       for (int other = begin; other <= end; ++other)
-        if (row[other] >= 0) visit(static_cast<int>(i), row[other], dy + std::abs(other - x));
+        if (row[other] >= 0)
+          visit(static_cast<int>(i), row[other],
+                decay[static_cast<std::size_t>(dy)] * decay[static_cast<std::size_t>(std::abs(other - x))]);
     }
   }
 }
 
 void ResidualNoise::fit_correlation() {
-  std::array<double, kReach_px + 1> sums{}, counts{}, decay{};
-  for (std::size_t d = 0; d < decay.size(); ++d) decay[d] = std::pow(kDecayPerPixel, static_cast<double>(d));
-  for_pairs([&](int i, int j, int distance) {
+  const double of_prior = tapered_decay<kReach_px + 1>()[1];
+  double norm = kPriorPairs * of_prior * of_prior, along = norm * kPriorCorrelation;
+  for_pairs([&](int i, int j, double decay) {
     const FittedPixel &a = pixels_[static_cast<std::size_t>(i)], &b = pixels_[static_cast<std::size_t>(j)];
     if (!a.counts || !b.counts) return;
-    sums[static_cast<std::size_t>(distance)] += a.residual * b.residual / (sigmas_[i] * sigmas_[j]);
-    counts[static_cast<std::size_t>(distance)] += 1.0;
+    along += decay * a.residual * b.residual / (sigmas_[i] * sigmas_[j]);
+    norm += decay * decay;
   });
-  double along = kPriorPairs * decay[1] * decay[1] * kPriorCorrelation,
-         norm = kPriorPairs * decay[1] * decay[1];
-  for (std::size_t d = 1; d < decay.size(); ++d) {
-    along += decay[d] * sums[d];
-    norm += decay[d] * decay[d] * counts[d];
-  }
   correlation_ = std::clamp(along / norm, 0.0, kMaxCorrelation);
 }
 
 Eigen::Matrix<double, 8, 8> ResidualNoise::covariance_of_sum(
     Eigen::Matrix<double, 8, Eigen::Dynamic> influence) const {
-  std::array<double, kReach_px + 1> correlations{};
-  for (std::size_t d = 0; d < correlations.size(); ++d)
-    correlations[d] = correlation_ * std::pow(kDecayPerPixel, static_cast<double>(d));
   influence *= sigmas_.asDiagonal();
   Eigen::Matrix<double, 8, Eigen::Dynamic> near = 0.5 * influence;
-  for_pairs([&](int i, int j, int distance) {
-    near.col(i) += correlations[static_cast<std::size_t>(distance)] * influence.col(j);
-  });
+  for_pairs([&](int i, int j, double decay) { near.col(i) += correlation_ * decay * influence.col(j); });
   const Eigen::Matrix<double, 8, 8> half = near * influence.transpose();
   return half + half.transpose();
 }

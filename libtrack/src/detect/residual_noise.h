@@ -16,8 +16,8 @@ struct FittedPixel {
 /// What a fit's residuals say of the noise that is left in the pixels.
 ///
 /// It is larger where light changes (a lens that is no Gaussian, JPEG's rounding), s^2 = alpha + beta
-/// gradient^2, and neighbours err alike: correlation c a^(|dx| + |dy|) with a = 0.6, c as the residuals have
-/// it (docs/algorithms/detector.md, section 5).
+/// gradient^2, and neighbours err alike: correlation c k(dx) k(dy) with k(d) = 0.8^|d| (1 - |d| / 5) up to 4
+/// px, c as the residuals have it (docs/algorithms/detector.md, section 5). No sum has a negative variance.
 class ResidualNoise {
  public:
   /// num_unknowns: that were fitted to the pixels.
@@ -28,11 +28,11 @@ class ResidualNoise {
   Eigen::Matrix<double, 8, 8> covariance_of_sum(Eigen::Matrix<double, 8, Eigen::Dynamic> influence) const;
 
  private:
-  static constexpr int kReach_px = 5;  // a^6 is 5 %
+  static constexpr int kReach_px = 4;
 
   void fit_variances(int num_unknowns);
   void fit_correlation();
-  /// Calls visit(i, j, |dx| + |dy|) for each pair of pixels near each other, once.
+  /// Calls visit(i, j, k(dx) k(dy)) for each pair of pixels near each other, once.
   template <class Visit>
   void for_pairs(const Visit& visit) const;
 
