@@ -163,6 +163,18 @@ TEST(PatternFit, ClaimsTheErrorsThatItMakesBehindSharpLenses) {
   EXPECT_LT(claims.mean_nees(), 1.25);
 }
 
+TEST(PatternFit, ClaimsTheErrorsThatItMakesInOverexposedPictures) {
+  // White is full: what counts are black cells, and edges where they are dark.
+  Claims claims;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Scene scene = scene_of_tags(seed);
+    scene.lighting.ambient = 1.5;
+    ASSERT_NO_FATAL_FAILURE(claims.add(scene, seed, true));
+  }
+  EXPECT_GT(claims.mean_nees(), 0.8);
+  EXPECT_LT(claims.mean_nees(), 1.25);
+}
+
 TEST(PatternFit, ClaimsTheErrorsThatItMakesWhereNoCameraIsKnown) {
   // The bend's part of the corners' covariance counts: without it the mean is 2.1.
   Claims claims;

@@ -118,8 +118,8 @@ class PatternFit {
     fitted.blur_px2 = model_.blur_px2(state_);
     fitted.contrast = state_.contrast();
     fitted.residual_rms = residual_rms_ / state_.contrast();
-    fitted.used_share = weights_.sum() / std::max(1.0, predicted_.shows_print.sum());
-    const double of_edges = predicted_.shows_print.dot(predicted_.gradient2);
+    fitted.used_share = weights_.sum() / std::max(1.0, predicted_.counts.sum());
+    const double of_edges = predicted_.counts.dot(predicted_.gradient2);
     fitted.used_edges = of_edges > 0.0 ? weights_.dot(predicted_.gradient2) / of_edges : 0.0;
     if (fitted.covariance_px2.llt().info() != Eigen::Success) return std::nullopt;  // or not finite
     return fitted;
@@ -139,16 +139,16 @@ class PatternFit {
   /// held, lest they take the place of a pattern that is not there.
   bool fit_colours() {
     const auto by_colours = predicted_.by_unknowns.bottomRows<kNumColours>();
-    const Eigen::VectorXd& shown = predicted_.shows_print;
+    const Eigen::VectorXd& counts = predicted_.counts;
     Eigen::Matrix<double, kNumColours, kNumColours> H =
-        by_colours * shown.asDiagonal() * by_colours.transpose();
+        by_colours * counts.asDiagonal() * by_colours.transpose();
     const double size = H(0, 0);
-    if (!(shown.sum() >= kMinPixels && size > 0.0)) return false;
+    if (!(counts.sum() >= kMinPixels && size > 0.0)) return false;
     for (const int slope : {1, 2, 4, 5}) H(slope, slope) += 0.1 * size;
     for (int side = kBeyondUnknowns - kWhiteUnknowns; side < kNumColours; ++side)
       H(side, side) += 0.01 * size;
     H.diagonal().array() += 1e-9 * size;
-    state_.colours = H.ldlt().solve(by_colours * shown.cwiseProduct(predicted_.residuals));
+    state_.colours = H.ldlt().solve(by_colours * counts.cwiseProduct(predicted_.residuals));
     return state_.colours.allFinite() && state_.contrast() > 0.0;
   }
 
@@ -157,7 +157,7 @@ class PatternFit {
   bool iterate() {
     is_settled_ = false;
     for (int step = 0; step < stage_->max_steps; ++step) {
-      weigh();
+      if (!weigh()) return false;
       factor_equations();
       Information damped = information_;
       damped.diagonal() *= 1.0 + 1e-6;
@@ -176,8 +176,7 @@ class PatternFit {
       }
       predict();
     }
-    weigh();
-    return true;
+    return weigh();
   }
 
   /// move: in half tag sizes.
@@ -186,15 +185,15 @@ class PatternFit {
            (state_.blur_px2 - before.blur_px2).norm() < kSmallBlurStep * state_.blur_px2.norm();
   }
 
-  /// Robust weights, and the variance of the residuals.
-  void weigh() {
+  /// Robust weights, and the variance of the residuals. False where too few pixels count.
+  bool weigh() {
     const Eigen::VectorXd& residuals = predicted_.residuals;
-    weights_ = predicted_.shows_print;
+    weights_ = predicted_.counts;
     std::vector<double> sizes;
     sizes.reserve(static_cast<std::size_t>(residuals.size()));
     for (Eigen::Index i = 0; i < residuals.size(); ++i)
       if (weights_[i] > 0.0) sizes.push_back(std::abs(residuals[i]));
-    if (sizes.empty()) return;
+    if (sizes.size() < kMinPixels) return false;
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
     const GemanMcClure error(
@@ -212,6 +211,7 @@ class PatternFit {
     residual_rms_ = std::sqrt(squares / std::max(sum, 1.0));
     const double freedom = std::max(sum - kNumPatternUnknowns, 0.1 * sum);
     variance_ = std::max(squares / std::max(freedom, 1.0), 1e-6 * state_.contrast() * state_.contrast());
+    return true;
   }
 
   /// Normal equations, in units of the residuals' variance times their inverse: with the priors.
@@ -238,10 +238,8 @@ class PatternFit {
     fitted.reserve(used_.size());
     for (std::size_t k = 0; k < used_.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
-      // Saturated pixels have derivatives of 0.
-      const bool counts = weights_[i] > 0.0 && predicted_.by_unknowns(kBlackUnknowns, i) != 0.0;
-      fitted.push_back(
-          {used_[k].x, used_[k].y, weights_[i] * predicted_.residuals[i], counts, predicted_.gradient2[i]});
+      fitted.push_back({used_[k].x, used_[k].y, weights_[i] * predicted_.residuals[i],
+                        predicted_.counts[i] > 0.0, predicted_.gradient2[i]});
     }
     const Eigen::Matrix<double, 8, kNumPatternUnknowns> by_gradient =
         by_unknowns * information_.ldlt().solve(Information::Identity());

@@ -117,7 +117,7 @@ void PatternModel::predict(const PatternState& state, std::span<const PatternPix
   prediction->by_unknowns.resize(kNumPatternUnknowns, n);
   prediction->residuals.resize(n);
   prediction->gradient2.resize(n);
-  prediction->shows_print.resize(n);
+  prediction->counts.resize(n);
   const Eigen::Matrix2d D = places_.straight_by_pixel();
   const Eigen::Matrix2d blur = state.blur_px2 + kPixelVariance * D * D.transpose();
   prepare_texture(state, blur, max_blur_change, pixels.size());
@@ -152,11 +152,11 @@ void PatternModel::predict_pixel(const PatternState& state, const PatternPixel& 
   const double residual = pixel.light - by_colours.dot(state.colours);
   const double printed = std::max(0.0, 1.0 - sample.beyond[kLeftSide] - sample.beyond[kRightSide]) *
                          std::max(0.0, 1.0 - sample.beyond[kTopSide] - sample.beyond[kBottomSide]);
-  prediction->shows_print[i] =
+  prediction->counts[i] =
       printed >= kMinShareOfPrint && printed - sample.known <= kMaxShareUnknown ? 1.0 : 0.0;
   auto by = prediction->by_unknowns.col(i);
   if (pixel.light >= kSaturated && residual <= 0.0) {
-    prediction->residuals[i] = prediction->gradient2[i] = 0.0;
+    prediction->residuals[i] = prediction->gradient2[i] = prediction->counts[i] = 0.0;
     by.setZero();
     return;
   }

@@ -50,8 +50,10 @@ struct PatternState {
 struct PatternPrediction {
   Eigen::Matrix<double, kNumPatternUnknowns, Eigen::Dynamic> by_unknowns;  ///< Derivatives of the light.
   Eigen::VectorXd residuals;                                               ///< Light less what is predicted.
-  Eigen::VectorXd gradient2;    ///< Square of the predicted light's gradient, per px.
-  Eigen::VectorXd shows_print;  ///< 1 where a pixel's light comes from the print, else 0.
+  Eigen::VectorXd gradient2;  ///< Square of the predicted light's gradient, per px.
+  /// 1 where a pixel's light comes from the print and the sensor tells it, else 0: a full sensor contradicts
+  /// nothing that is brighter.
+  Eigen::VectorXd counts;
 };
 
 /// Predicts the light of pixels that show a tag: equation (9) of docs/algorithms/detector.md.
