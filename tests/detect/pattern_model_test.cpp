@@ -101,5 +101,39 @@ TEST_F(PatternModelTest, CornersFollowPlaceAndBend) {
                                     test::numeric_jacobian(corners_after, kNumPatternUnknowns, 1e-4), 1e-6));
 }
 
+TEST_F(PatternModelTest, DerivativesAreThoseOfThePrediction) {
+  // Head-on, under even light, on white paper: what the derivatives by the place leave out is nothing there.
+  PatternState state = askew(60.0);
+  Eigen::Matrix3d straight_from_tag;
+  straight_from_tag << 30.0, 4.0, 200.0, -4.0, 30.0, 150.0, 0.0, 0.0, 1.0;
+  state.tag_from_straight = straight_from_tag.inverse();
+  state.bend.setZero();
+  state.colours << 0.6, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0;
+  std::vector<PatternPixel> pixels;
+  for (int y = 110; y < 190; y += 3)
+    for (int x = 160; x < 240; x += 3) pixels.push_back({Eigen::Vector2d(x, y), 0.3, x, y});
+  // In steps that are worth about a pixel, or a tenth of the light.
+  PatternStep unit = PatternStep::Constant(0.1);
+  unit.head<8>().setConstant(0.03);
+  unit.segment<3>(kBendUnknowns) << 1e-3, 1e-3, 1e-5;
+  constexpr double kSameTexture = 0.4;
+  PatternPrediction at;
+  model_.predict(state, pixels, kSameTexture, &at);
+  const auto light_after = [&](const Eigen::VectorXd& step) -> Eigen::VectorXd {
+    PatternPrediction prediction;
+    model_.predict(moved_by(state, unit.cwiseProduct(step)), pixels, kSameTexture, &prediction);
+    return -prediction.residuals;
+  };
+  const Eigen::MatrixXd numeric = test::numeric_jacobian(light_after, kNumPatternUnknowns, 1e-3);
+  const Eigen::MatrixXd analytic = at.by_unknowns.transpose() * unit.asDiagonal();
+  for (int k = 0; k < kNumPatternUnknowns; ++k) {
+    const double scale = numeric.col(k).norm();
+    EXPECT_GT(scale, 0.0) << k;
+    // What stretches the plane stretches the blur in it, which is left to the next step.
+    const bool is_stretch = k >= 2 && k < 8;
+    EXPECT_LT((numeric.col(k) - analytic.col(k)).norm(), (is_stretch ? 0.05 : 1e-5) * scale) << k;
+  }
+}
+
 }  // namespace
 }  // namespace apriltrack

@@ -48,8 +48,11 @@ struct PatternState {
 
 /// What the model says of some pixels.
 struct PatternPrediction {
-  Eigen::Matrix<double, kNumPatternUnknowns, Eigen::Dynamic> by_unknowns;  ///< Derivatives of the light.
-  Eigen::VectorXd residuals;                                               ///< Light less what is predicted.
+  /// Derivatives of the light. Those by place and bend are of the printed cells alone: not of the slopes of
+  /// light, nor of what lies beyond the print, whose edge need not be where the family has it; nor do they
+  /// follow the blur in the plane, which changes with the place.
+  Eigen::Matrix<double, kNumPatternUnknowns, Eigen::Dynamic> by_unknowns;
+  Eigen::VectorXd residuals;  ///< Light less what is predicted.
   Eigen::VectorXd gradient2;  ///< Square of the predicted light's gradient, per px.
   /// 1 where a pixel's light comes from the print and the sensor tells it, else 0: a full sensor contradicts
   /// nothing that is brighter.
