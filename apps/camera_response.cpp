@@ -57,6 +57,7 @@ std::optional<std::size_t> length_of(const SampledInput& sampled) {
 /// Where tags are, to a pixel: one search in the image as it is, and nothing that depends on the response.
 DetectorOptions quick(DetectorOptions detector) {
   detector.response = ResponseCurve::linear();
+  detector.search_raw_image_only = true;
   detector.refine_edges = false;
   return detector;
 }

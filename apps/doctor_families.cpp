@@ -21,6 +21,7 @@ DetectorOptions options_for_all(const DetectorOptions& asked) {
   for (const std::string_view name : TagFamily::names())
     if (std::ranges::find(asked.families, name) == asked.families.end()) options.families.emplace_back(name);
   options.response = ResponseCurve::linear();
+  options.search_raw_image_only = true;
   options.max_hamming = 0;
   options.decimate = 1.0;
   return options;

@@ -189,6 +189,11 @@ TEST(Detector, FindsTagsBesideBrightLightWhateverTheResponse) {
                            .detect(image.view());
     ASSERT_EQ(found.size(), 1U) << is_srgb;
     EXPECT_EQ(found[0].tag.id, 128);
+    const std::size_t found_in_raw_image =
+        Detector({.response = ResponseCurve::linear(), .search_raw_image_only = true})
+            .detect(image.view())
+            .size();
+    EXPECT_EQ(found_in_raw_image, is_srgb ? 1U : 0U);
     for (std::size_t k = 0; k < kNumCorners; ++k)
       EXPECT_LT((found[0].corners_px[k] - view.to_pixel(tag_corners(kTagSize_m)[k].head<2>())).norm(), 0.1);
   }

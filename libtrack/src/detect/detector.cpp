@@ -128,10 +128,15 @@ class Detector::Implementation {
   /// ones: both, each tag once.
   std::vector<Candidate> candidates_in(const GrayView& image) {
     const bool is_linear = options_.response.is_linear();
+    std::vector<Candidate> candidates;
+    if (options_.search_raw_image_only) {
+      find_in(image, is_linear, &candidates);
+      if (has_grids_) find_joined(image, &candidates);
+      return candidates;
+    }
     const GrayImage other =
         is_linear ? linear_to_srgb_bytes(image) : to_linear_bytes(image, options_.response);
     const GrayView codes = is_linear ? other.view() : image, light = is_linear ? image : other.view();
-    std::vector<Candidate> candidates;
     find_in(codes, false, &candidates);
     find_in(light, true, &candidates);
     if (has_grids_) {

@@ -15,16 +15,16 @@ namespace apriltrack {
 
 struct DetectorOptions {
   std::vector<std::string> families = {"tag36h11"};
-  /// Undone before corners are localised; finding uses the raw and the linear image, so that neither's tags
-  /// are lost. linear(): one search, in the image as it is; with refine_edges off that is what the AprilTag
-  /// library finds.
+  /// Undone before corners are localised. Tags are searched for in linear light and in grey levels as sRGB or
+  /// the camera has them, so that neither's tags are lost: two searches, whatever the response.
   ResponseCurve response = ResponseCurve::srgb();
   /// Of the camera that takes the images: its lens bends a tag's edges, by half a pixel and more where it is
   /// wide. None: a bend that ordinary lenses have is estimated with the corners.
   std::optional<CameraModel> camera_model = std::nullopt;
-  /// Corners from curves fitted to the tag's edges; a tag whose edges cannot be fitted (hidden, cut by the
-  /// image) is not reported, for its corners would be pixels off. Off: the quad's corners as the library
-  /// found them, with biases of up to a pixel; only to reproduce old results.
+  /// Corners from the tag's whole pattern, with a covariance, or else from curves fitted to its edges,
+  /// without one. A tag that neither fits (hidden, cut by the image) is not reported, for its corners would
+  /// be pixels off. Off: the quad's corners as the library found them, with biases of up to a pixel; only to
+  /// reproduce old results.
   bool refine_edges = true;
   /// Quads are searched for in an image this many times smaller; 1 finds the smallest tags, 2 is three times
   /// faster.
@@ -37,6 +37,10 @@ struct DetectorOptions {
   /// 5,000 codes, and 0 for tag16h5. Up to that limit readings that chance makes too often must also look
   /// like the tag that they are read as; a higher one given here takes all as they are.
   std::optional<int> max_hamming = std::nullopt;
+  /// One search, in the image as it is, in half the time: it loses tags in the dark or beside bright light.
+  /// With refine_edges off that is what the AprilTag library finds. Not for detect_in(), which always
+  /// searches once, in linear light.
+  bool search_raw_image_only = false;
 
   /// Throws Error(kInvalidInput) that names the option, its value and its range.
   void check() const;
@@ -50,8 +54,11 @@ struct TagRegion {
 
 /// Why a tag that was read is not reported.
 enum class LeftOutReason {
-  kEdgesNotFitted,  ///< Too small or blurred, hidden, or cut by the image: its corners would be pixels off.
-  kMayBeChance,     ///< Of a family with few bits, and the picture does not look like the tag.
+  /// Neither its pattern nor its edges could be fitted: too small or blurred, hidden, or cut by the image.
+  /// Its
+  /// corners would be pixels off.
+  kEdgesNotFitted,
+  kMayBeChance,  ///< Of a family with few bits, and the picture does not look like the tag.
 };
 
 /// A tag that was read and is not reported.
