@@ -10,6 +10,7 @@
 #include "apriltrack/base/geman_mcclure.h"
 #include "apriltrack/geometry/homography.h"
 #include "apriltrack/tags/tag_family.h"
+#include "lens_priors.h"
 #include "pattern_pixels.h"
 #include "tag_quad.h"
 
@@ -25,7 +26,8 @@ constexpr double kLeastNoise = 0.3 / 255.0;  // of rounding to grey levels
 constexpr int kMostSteps = 8;
 constexpr double kSettled = 1e-3;  // of a step's worth, in squared standard deviations
 constexpr double kMostStep_cells = 0.5, kMostMove_cells = 2.0;
-constexpr double kFirstBlur_px = 0.5, kLeastBlur_px = 0.1, kMostBlur_px = 5.0;
+constexpr double kFirstBlur_px = 0.5, kLeastBlur_px = 0.1;
+constexpr double kMostBlur_px = 5.0;  // those of over 1 px are not used (response_views.cpp)
 constexpr double kPixelArea_px2 = 1.0 / 12.0;
 constexpr double kSameTextureBlur = 0.1;  // the texture is made anew where the blur changed by a larger part
 constexpr double kIsBlack = 0.1, kIsWhite = 0.9;
@@ -37,10 +39,6 @@ constexpr double kAllPrinted = 0.99;
 /// A sensor that is full tells no light, nor do pixels beside those, into which charge may have run over.
 constexpr int kFullCode = 250, kAboutFull_px = 2;
 constexpr double kMostFull = 0.02;  // of the pixels
-// Priors, one standard deviation: of a blur, and of the bends that lenses have (see pattern_fit.cpp).
-constexpr double kUsualBlur_px2 = 0.25, kBlurSpread_px2 = 2.0;
-constexpr double kBendSpread_per_px = 1.2e-4, kBendSpread_per_px2 = 1.2e-6;
-constexpr double kBendOfStraightened = 1e-3;  // so much of that is left
 
 double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -188,12 +186,12 @@ void CodedTag::hold(Information& information, Unknowns& gradient) const {
     information(i, i) += 1.0 / (sigma * sigma);
     gradient[i] -= off / (sigma * sigma);
   };
-  one(kCodedBlur, blur_px2_(0, 0) - kUsualBlur_px2, kBlurSpread_px2);
-  one(kCodedBlur + 1, blur_px2_(0, 1), kBlurSpread_px2);
-  one(kCodedBlur + 2, blur_px2_(1, 1) - kUsualBlur_px2, kBlurSpread_px2);
-  const double share = is_straightened_ ? kBendOfStraightened : 1.0;
-  for (int axis = 0; axis < 2; ++axis) one(kCodedBend + axis, bend_[axis], share * kBendSpread_per_px);
-  one(kCodedBend + 2, bend_[2], share * kBendSpread_per_px2);
+  one(kCodedBlur, blur_px2_(0, 0) - kBlurPrior_px2, kBlurPriorSpread_px2);
+  one(kCodedBlur + 1, blur_px2_(0, 1), kBlurPriorSpread_px2);
+  one(kCodedBlur + 2, blur_px2_(1, 1) - kBlurPrior_px2, kBlurPriorSpread_px2);
+  const double share = is_straightened_ ? kBendPriorLeft : 1.0;
+  for (int axis = 0; axis < 2; ++axis) one(kCodedBend + axis, bend_[axis], share * kBendPrior_per_px);
+  one(kCodedBend + 2, bend_[2], share * kBendPrior_per_px2);
 }
 
 bool CodedTag::begin(const CodeCurve& curve) {

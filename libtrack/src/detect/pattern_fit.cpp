@@ -11,6 +11,7 @@
 #include "apriltrack/base/geman_mcclure.h"
 #include "apriltrack/geometry/homography.h"
 #include "apriltrack/tags/blurred_pattern.h"
+#include "lens_priors.h"
 #include "pattern_model.h"
 #include "pattern_pixels.h"
 #include "residual_noise.h"
@@ -57,11 +58,6 @@ constexpr double kMinUsedEdges = 0.5;
 /// twentieth of white, and so is its slope smaller.
 constexpr double kWhiteSlope = 0.15, kBlackSlope = 0.03;
 constexpr double kBeyondSpread = 0.5;  // of the contrast
-constexpr double kLens_px2 = 0.25;     // of a lens in focus
-constexpr double kBlurSpread_px2 = 2.0;
-/// What a lens displaces a point by that lies r from the middle: 1.2e-4 r^2 (k1 = -0.3, a fifth of the focal
-/// length off the axis, f = 500 px: |k1| x / f), and 1.2e-6 r^3 (|k1| / f^2).
-constexpr double kBend_per_px = 1.2e-4, kBend_per_px2 = 1.2e-6;
 
 /// An unknown that is held: by how much it exceeds what is expected of it, and what it may exceed that by.
 struct PatternPrior {
@@ -79,13 +75,13 @@ std::vector<PatternPrior> priors_at(const PatternState& state, bool is_straighte
   }
   for (Eigen::Index side = kBeyondUnknowns; side < kNumPatternUnknowns; ++side)
     priors.push_back({side, state.colours[side - kWhiteUnknowns], kBeyondSpread * contrast});
-  priors.push_back({kBlurUnknowns, state.blur_px2(0, 0) - kLens_px2, kBlurSpread_px2});
-  priors.push_back({kBlurUnknowns + 1, state.blur_px2(0, 1), kBlurSpread_px2});
-  priors.push_back({kBlurUnknowns + 2, state.blur_px2(1, 1) - kLens_px2, kBlurSpread_px2});
-  const double share = is_straightened ? 1e-3 : 1.0;  // straightened pictures are not bent
-  priors.push_back({kBendUnknowns, state.bend[0], share * kBend_per_px});
-  priors.push_back({kBendUnknowns + 1, state.bend[1], share * kBend_per_px});
-  priors.push_back({kBendUnknowns + 2, state.bend[2], share * kBend_per_px2});
+  priors.push_back({kBlurUnknowns, state.blur_px2(0, 0) - kBlurPrior_px2, kBlurPriorSpread_px2});
+  priors.push_back({kBlurUnknowns + 1, state.blur_px2(0, 1), kBlurPriorSpread_px2});
+  priors.push_back({kBlurUnknowns + 2, state.blur_px2(1, 1) - kBlurPrior_px2, kBlurPriorSpread_px2});
+  const double share = is_straightened ? kBendPriorLeft : 1.0;
+  priors.push_back({kBendUnknowns, state.bend[0], share * kBendPrior_per_px});
+  priors.push_back({kBendUnknowns + 1, state.bend[1], share * kBendPrior_per_px});
+  priors.push_back({kBendUnknowns + 2, state.bend[2], share * kBendPrior_per_px2});
   return priors;
 }
 
