@@ -18,10 +18,12 @@ using Kind = TagFinding::Kind;
 
 constexpr std::size_t kLeastAtPlace = 3;  // views
 constexpr int kMostShifts = 3;
-constexpr double kGivenUpCost = 64.0;  // half the squares at which a view is rejected
-constexpr double kClearMove = 150.0;   // of that: three views, or more that were explained by half
-constexpr double kClearSize = 30.0;    // eight sigmas
-constexpr double kHopeful = 10.0;      // of a size that is off by a half of itself
+/// Squares at which a view is rejected (part_adjustment.cpp), by normal noise and by the tails of claims.
+constexpr double kRejectedSquares = 8.0 * 4.0 * 4.0, kRejectedSquaresOfClaimed = 8.0 * 12.0 * 12.0;
+constexpr double kClearMove =
+    2.35;  // of what rejected views cost: three, or more that were explained by half
+constexpr double kClearSize = 30.0;  // nats
+constexpr double kHopeful = 10.0;    // of a size that is off by a half of itself
 constexpr double kFeeOfPlace = 12.0;
 constexpr double kMostUnexplained = 0.15;                // of the tag's views
 constexpr double kFirstStep = 0.06, kLastStep = 0.0075;  // of the logarithm of a size
@@ -36,20 +38,22 @@ double view_cost(const TagView& view, double squares) {
                                 : 0.5 * squares;
 }
 
-/// The cost of all views in question, none more than one that is given up.
+/// The cost of all views in question: each by its share of its viewpoint, and none more than one that is
+/// rejected.
 double cost_of(const Observations& observations, const std::vector<std::size_t>& views,
-               const AdjustedPart& solved, const NoiseScale& noise) {
+               const std::vector<double>& shares, const AdjustedPart& solved, const NoiseScale& noise) {
   std::set<int> frames;
   for (const std::size_t v : solved.part.views) frames.insert(observations.views[v].frame);
   MapState state = solved.state;
   state.noise = noise.of_all();
   double sum = 0.0;
-  for (const std::size_t v : views) {
-    const TagView& view = observations.views[v];
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const TagView& view = observations.views[views[i]];
     bool is_valid = frames.contains(view.frame) && std::ranges::binary_search(solved.part.tags, view.tag);
-    Vector8d residual;
+    Vector8d residual = Vector8d::Zero();
     if (is_valid) residual = whitened_residual(observations, view, state, is_valid);
-    sum += is_valid ? std::min(kGivenUpCost, view_cost(view, residual.squaredNorm())) : kGivenUpCost;
+    const double most = cost_of_rejected_view(view);
+    sum += shares[i] * (is_valid ? std::min(most, view_cost(view, residual.squaredNorm())) : most);
   }
   return sum;
 }
@@ -95,6 +99,10 @@ double at_vertex(const FaultTrial& middle, double gain_below, double gain_above,
 }
 
 }  // namespace
+
+double cost_of_rejected_view(const TagView& view) {
+  return view_cost(view, view.claimed_px2 > 0.0 ? kRejectedSquaresOfClaimed : kRejectedSquares);
+}
 
 FaultTrials::FaultTrials(const PartTask& task, const Suspect& suspect, const AdjustedPart& solved)
     : task_(task), suspect_(suspect), solved_(solved), observations_(task.observations) {
@@ -147,10 +155,10 @@ std::optional<FaultTrial> FaultTrials::try_fault(const Observations& observation
   if (!solved) return std::nullopt;
   const NoiseScale noise = solved->state.noise;
   const std::vector<std::size_t>& views = suspect_.part.views;
-  double without = cost_of(observations_, views, solved_, noise);
-  if (whole_) without = std::min(without, cost_of(observations_, views, *whole_, noise));
-  trial.gain = without - cost_of(observations, views, *solved, noise);
-  trial.gain *= mean_viewpoint_share(observations, solved->state, suspect_.views, suspect_.tag);
+  const std::vector<double> shares = viewpoint_shares(observations, solved->state, views);
+  double without = cost_of(observations_, views, shares, solved_, noise);
+  if (whole_) without = std::min(without, cost_of(observations_, views, shares, *whole_, noise));
+  trial.gain = without - cost_of(observations, views, shares, *solved, noise);
   trial.solved = std::move(*solved);
   return trial;
 }
@@ -275,10 +283,11 @@ std::optional<FaultTrial> FaultTrials::if_enough(std::optional<FaultTrial> trial
   }
   const auto num = static_cast<double>(suspect_.views.size());
   if (num - static_cast<double>(at_first + at_second) > kMostUnexplained * num) return std::nullopt;
+  const double clear_move = kClearMove * cost_of_rejected_view(observations_.views[suspect_.views.front()]);
   const bool is_clear =
       trial->kind == Kind::kSize
           ? trial->gain > kClearSize && std::abs(trial->log_scale) > kClearScale
-          : trial->gain > kClearMove && std::min(at_first, at_second) >= kLeastAtPlace && are_apart(*trial);
+          : trial->gain > clear_move && std::min(at_first, at_second) >= kLeastAtPlace && are_apart(*trial);
   return is_clear ? std::move(trial) : std::nullopt;
 }
 

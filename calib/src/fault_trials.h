@@ -71,4 +71,7 @@ class FaultTrials {
   std::map<std::vector<bool>, std::optional<FaultTrial>> splits_;
 };
 
+/// What a view costs at which it is rejected, nats: no view costs more.
+double cost_of_rejected_view(const TagView& view);
+
 }  // namespace apriltrack

@@ -25,7 +25,7 @@ constexpr double kShareOfMost = 0.2;   // of what the first lost
 constexpr std::size_t kLeastGivenUp = 3, kLeastViewsOfSuspect = 4;
 constexpr std::size_t kMostFramesTried = 120;  // of a tag; and as many others
 constexpr double kSureFrames = 0.7;            // of those that were given up
-constexpr double kNoClearLead = 100.0;         // of half the squares: less than two views that are given up
+constexpr double kNoClearLead = 1.56;          // of what rejected views cost: less than two of them
 constexpr double kAsGood = 0.5;                // of the gain, where that is small
 
 /// Of one tag's views.
@@ -191,8 +191,10 @@ std::vector<std::vector<TagFinding>> find_faults_by_trial(const PartTask& task, 
   std::vector<std::vector<TagFinding>> alternatives;
   while (!left.empty()) {
     const double most = trials[left.front()]->gain;
+    const TagView& of_first = task.observations.views[suspects[left.front()].views.front()];
+    const double clear_lead = kNoClearLead * cost_of_rejected_view(of_first);
     const auto is_worse = [&](std::size_t i) {
-      return trials[i]->gain <= most - std::min(kNoClearLead, kAsGood * most);
+      return trials[i]->gain <= most - std::min(clear_lead, kAsGood * most);
     };
     const auto end = std::ranges::find_if(left, is_worse);
     const bool is_alone = end - left.begin() == 1;

@@ -1,8 +1,12 @@
 #include "viewpoint_shares.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <numeric>
+#include <utility>
 
 namespace apriltrack {
 namespace {
@@ -28,19 +32,36 @@ std::vector<double> viewpoint_shares(const std::vector<Eigen::Vector3d>& lines_o
   return shares;
 }
 
+std::vector<double> viewpoint_shares(const Observations& observations, const MapState& state,
+                                     const std::vector<std::size_t>& views) {
+  std::map<std::pair<int, int>, std::vector<std::size_t>> of_tag_and_camera;  // places in `views`
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const TagView& view = observations.views[views[i]];
+    if (view.claimed_px2 > 0.0) of_tag_and_camera[{view.tag, view.camera}].push_back(i);
+  }
+  std::vector<double> shares(views.size(), 1.0);
+  for (const auto& [key, places] : of_tag_and_camera) {
+    std::vector<Eigen::Vector3d> lines_of_sight;
+    for (const std::size_t i : places) {
+      const TagView& view = observations.views[views[i]];
+      const Pose T_map_camera = state.T_map_rig[static_cast<std::size_t>(view.frame)] *
+                                state.cameras[static_cast<std::size_t>(view.camera)].T_camera_rig.inverse();
+      lines_of_sight.push_back(state.T_map_tag[static_cast<std::size_t>(view.tag)].translation() -
+                               T_map_camera.translation());
+    }
+    const std::vector<double> of_places = viewpoint_shares(lines_of_sight);
+    for (std::size_t k = 0; k < places.size(); ++k) shares[places[k]] = of_places[k];
+  }
+  return shares;
+}
+
 double mean_viewpoint_share(const Observations& observations, const MapState& state,
                             const std::vector<std::size_t>& views, int tag) {
-  std::vector<Eigen::Vector3d> lines_of_sight;
-  for (const std::size_t v : views) {
-    const TagView& view = observations.views[v];
-    if (view.tag != tag || !(view.claimed_px2 > 0.0)) continue;
-    const Pose T_map_camera = state.T_map_rig[static_cast<std::size_t>(view.frame)] *
-                              state.cameras[static_cast<std::size_t>(view.camera)].T_camera_rig.inverse();
-    lines_of_sight.push_back(state.T_map_tag[static_cast<std::size_t>(tag)].translation() -
-                             T_map_camera.translation());
-  }
-  if (lines_of_sight.empty()) return 1.0;
-  const std::vector<double> shares = viewpoint_shares(lines_of_sight);
+  std::vector<std::size_t> of_tag;
+  std::ranges::copy_if(views, std::back_inserter(of_tag),
+                       [&](std::size_t v) { return observations.views[v].tag == tag; });
+  if (of_tag.empty()) return 1.0;
+  const std::vector<double> shares = viewpoint_shares(observations, state, of_tag);
   return std::reduce(shares.begin(), shares.end()) / static_cast<double>(shares.size());
 }
 
