@@ -17,6 +17,17 @@ struct PicturesOfTag {
   int lost = 0;       ///< Of these.
 };
 
+/// The mean over its standard error, as of Student's test.
+void take_gains(const std::map<int, double>& gains, HeldOutComparison& result) {
+  const auto num = static_cast<double>(gains.size());
+  double mean = 0.0, squares = 0.0;
+  for (const auto& [moment, gain] : gains) mean += gain / num;
+  for (const auto& [moment, gain] : gains) squares += (gain - mean) * (gain - mean);
+  result.moments = static_cast<int>(gains.size());
+  if (num < 2.0 || mean == 0.0) return;
+  result.gain_in_errors = mean / std::sqrt(squares / (num * (num - 1.0)));
+}
+
 }  // namespace
 
 std::optional<HeldOutComparison> compare_held_out(const std::vector<PhotometricView>& views,
@@ -41,11 +52,8 @@ std::optional<HeldOutComparison> compare_held_out(const std::vector<PhotometricV
     ++tag.explained;
     tag.lost += after[i] ? 0 : 1;
   }
-  HeldOutComparison result{std::sqrt(squares_before / count), std::sqrt(squares_after / count), 0.0, {}};
-  double square_of_gains = 0.0;
-  for (const auto& [moment, gain] : gains) square_of_gains += gain * gain;
-  if (square_of_gains > 0.0)
-    result.gain_in_errors = (squares_before - squares_after) / std::sqrt(square_of_gains);
+  HeldOutComparison result{std::sqrt(squares_before / count), std::sqrt(squares_after / count), 0.0, 0, {}};
+  take_gains(gains, result);
   for (const auto& [number, tag] : tags) {
     if (tag.explained >= kLeastPicturesOfTag && 2 * tag.lost > tag.explained)
       result.lost_tags.push_back(number);

@@ -11,9 +11,11 @@ namespace apriltrack {
 /// number.
 struct HeldOutComparison {
   double before = 0.0, after = 0.0;
-  /// What the squares fall by, over the standard error of that: moments are independent, pictures of one are
-  /// not.
+  /// What the squares of a moment fall by in the mean, over the standard error of that: moments are
+  /// independent, pictures of one are not. By Student's distribution of moments - 1 degrees of freedom where
+  /// the maps are as good as each other.
   double gain_in_errors = 0.0;
+  int moments = 0;             ///< That are held out, and explained before.
   std::vector<int> lost_tags;  ///< Most of whose pictures the map explains before, and no more after.
 };
 

@@ -12,6 +12,7 @@
 #include "apriltrack/base/parallel.h"
 #include "claimed_noise.h"
 #include "held_out.h"
+#include "normal_distribution.h"
 #include "photometric_adjustment.h"
 #include "refined_places.h"
 #include "refinement_input.h"
@@ -21,10 +22,10 @@ namespace apriltrack {
 namespace {
 
 constexpr int kMostRefinementSteps = 30;
-constexpr int kMomentsPerHeldOut = 4;  ///< Every so many moments, one.
-constexpr int kLeastMomentsToRefine = 8;
-/// One map in fifty that is no better is taken for a better one.
-constexpr double kClearGainInErrors = 2.0;
+constexpr int kMomentsPerHeldOut = 4;      ///< Every so many moments, one.
+constexpr int kLeastMomentsToRefine = 12;  ///< Three are held out: Student's test needs them.
+/// One map in fifty that is no better is taken for a better one: sigmas, were moments many.
+constexpr double kClearGain = 2.05;
 
 /// The moments that are held out, or the others.
 std::vector<bool> moments_where(int num_moments, bool is_held_out) {
@@ -79,10 +80,12 @@ class Refinement {
           "moved it: it hung in two places, or something like it is in its pictures; leave it out, or film "
           "again",
           names_of(compared->lost_tags, calibration_.map, input_));
-    if (!(compared->gain_in_errors > kClearGainInErrors))
+    if (compared->moments < 3 ||
+        !(compared->gain_in_errors > student_place(kClearGain, compared->moments - 1.0)))
       return fmt::format(
-          "pictures that were held out agree no better with it ({:.2f} sigmas before, {:.2f} after)",
-          compared->before, compared->after);
+          "pictures that were held out do not agree clearly better with it ({:.2f} sigmas before, {:.2f} "
+          "after, in {} frames)",
+          compared->before, compared->after, compared->moments);
     return "";
   }
 

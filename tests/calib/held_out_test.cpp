@@ -53,7 +53,8 @@ TEST(HeldOut, TellsHowClearAGainIs) {
   const auto compared = compare_held_out(views, Squares{6.0, 6.0, 6.0, 6.0, 6.0, 6.0, 6.0, 6.0},
                                          Squares{4.0, 4.0, 4.0, 4.0, 4.0, 4.0, 7.0, 7.0});
   ASSERT_TRUE(compared.has_value());
-  EXPECT_NEAR(compared->gain_in_errors, 10.0 / std::sqrt(3.0 * 16.0 + 4.0), 1e-12);
+  EXPECT_EQ(compared->moments, 4);
+  EXPECT_NEAR(compared->gain_in_errors, 2.5 / std::sqrt((3.0 * 2.25 + 20.25) / (4.0 * 3.0)), 1e-12);
 }
 
 TEST(HeldOut, SaysNothingWherePicturesOfBothAreWanting) {

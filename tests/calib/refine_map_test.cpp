@@ -248,7 +248,7 @@ TEST(RefinedMap, NamesOptionsOutOfRange) {
     return test::error_of(ErrorKind::kInvalidInput,
                           [&] { refine_map(filmed.by_corners, filmed.frames, filmed.rig, options); });
   };
-  EXPECT_EQ(error({.max_moments = 7}), "max_moments: must be 8 or more (is 7)");
+  EXPECT_EQ(error({.max_moments = 11}), "max_moments: must be 12 or more (is 11)");
   EXPECT_EQ(error({.picture_bias_px = -1.0}), "picture_bias_px: must be in [0, 100] (is -1)");
   EXPECT_EQ(error({.num_threads = -1}), "num_threads: must be 0 (all cores) or more (is -1)");
 }

@@ -42,7 +42,7 @@ TEST(RefinedMap, StaysAsItWasWithoutPictures) {
   for (FrameDetections& frame : frames) frame.patches.clear();
   const RefinementResult refined = refine_map(filmed.by_corners, frames, filmed.rig, {});
   EXPECT_FALSE(refined.is_accepted);
-  EXPECT_EQ(refined.reason, "too few pictures: 0 moments show two tags or more, 8 are needed");
+  EXPECT_EQ(refined.reason, "too few pictures: 0 moments show two tags or more, 12 are needed");
   for (std::size_t i = 0; i < refined.map.tags.size(); ++i)
     EXPECT_EQ(refined.map.tags[i].T_map_tag.matrix(), filmed.by_corners.map.tags[i].T_map_tag.matrix());
 }
@@ -151,7 +151,7 @@ TEST(RefinedMap, IsRefusedWherePicturesContradictEachOther) {
   }
   const RefinementResult refined = refine_map(filmed.by_corners, frames, filmed.rig, {});
   EXPECT_FALSE(refined.is_accepted);
-  EXPECT_THAT(refined.reason, HasSubstr("held out agree no better"));
+  EXPECT_THAT(refined.reason, HasSubstr("held out do not agree clearly better"));
   for (std::size_t i = 0; i < refined.map.tags.size(); ++i)
     EXPECT_EQ(refined.map.tags[i].T_map_tag.matrix(), filmed.by_corners.map.tags[i].T_map_tag.matrix());
 }
