@@ -16,7 +16,8 @@ std::vector<LinearView> corner_views(const Observations& observations, const std
     const Vector8d weights = noise_weights(view, state);
     const Matrix8d W = weights.asDiagonal() * view.whitening;
     linear.push_back({view.tag, view.frame, view.camera, W.lazyProduct(residual_px), W.lazyProduct(by_rig),
-                      W.lazyProduct(by_tag), Matrix8d(weights.asDiagonal() * view.by_model_errors)});
+                      W.lazyProduct(by_tag),
+                      Matrix8d(view.kept_share * weights.asDiagonal() * view.by_model_errors)});
   }
   return linear;
 }

@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <set>
@@ -270,6 +271,10 @@ Observations collect_observations(std::span<const FrameDetections> frames, const
   report_repetitions(repetitions, findings);
   Observations observations =
       number_views(usable, repetitions, {options.corner_sigma_px, options.edge_end_correlation});
+  if (options.corner_bias_px > 0.0)
+    for (TagView& view : observations.views)
+      if (view.covariance_px2)
+        view.kept_share = std::sqrt(view.covariance_px2->trace() / 8.0) / options.corner_bias_px;
   observations.cameras = rig_cameras(rig, used);
   for (const TagKey& tag : observations.tags) observations.sizes_m.push_back(sizes.find(tag).value_or(0.0));
   return observations;

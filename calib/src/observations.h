@@ -25,6 +25,9 @@ struct TagView {
   /// Mean variance that the detector tells, of the whitened numbers without it, px^2; 0 where it tells none.
   double claimed_px2 = 0.0;
   std::size_t index = 0;  ///< Of the view, whatever others are merged or left out: into NoiseScale::of_view.
+  /// What the view keeps in all of its tag's views, over CalibrationOptions::corner_bias_px: where its
+  /// detector claims, it is as large as the claim (claimed_noise.h).
+  double kept_share = 1.0;
   /// How errors of unit variance by EdgeNoise enter the whitened numbers: the identity without a covariance.
   Matrix8d by_model_errors = Matrix8d::Identity();
 
