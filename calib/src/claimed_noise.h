@@ -15,7 +15,8 @@ struct KeptErrors {
   double pictures_px = 0.0;  ///< Of a map refined on pictures, which estimates each tag's light.
 };
 
-/// As large as what the detector claims for a view, the median of all; nullopt where it claims nothing.
+/// As large as what the detector claims for a view: the median of all, over which each view has its own
+/// (TagView::kept_share). nullopt where it claims nothing.
 ///
 /// Measured in path-traced recordings against exact truth, tag by tag (docs/algorithms/detector.md, section
 /// 5): 0.014 px kept where 0.014 are claimed, and 0.035 where 0.033 are.

@@ -11,7 +11,7 @@
 namespace apriltrack {
 namespace {
 
-// As wide as the image of a lamp on paper and print with gloss (bench/worlds draws .06 to .13 rad).
+// As wide as the image of a lamp on paper and print with gloss (bench/worlds draws .03 to .2 rad).
 constexpr double kOnePlace_rad = 0.1, kOnePlaceLogDistance = 0.1;
 
 bool are_from_one_place(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
