@@ -18,6 +18,7 @@
 #include "apriltrack/tags/tag_map.h"
 #include "corner_statistics.h"
 #include "edge_frame.h"
+#include "lit_boards.h"
 
 namespace apriltrack {
 namespace {
@@ -32,31 +33,17 @@ struct Print {
 
 /// Twelve boards with a tag each, of cells of 2.5 to 7 px, seen at 0 to 50 degrees.
 Scene scene_of_prints(const Print& print, std::uint64_t seed) {
-  constexpr double kFocal_px = 500.0;
   const TagFamily& family = TagFamily::get(print.family);
   RandomStream random(seed);
-  Scene scene;
-  scene.camera.model = CameraModel(Pinhole{kFocal_px, kFocal_px, 319.5, 239.5}, NoDistortion{});
-  scene.camera.width = 640;
-  scene.camera.height = 480;
-  scene.num_frames = 1;
-  scene.formation.lens_blur_sigma_px = random.uniform(0.4, 0.8);
-  scene.formation.full_well = random.uniform(2000.0, 9000.0);
-  scene.T_world_camera = Motion::fixed(Pose());
-  scene.lighting = {.lamp_world = {0.3, -0.5, 0.0}, .ambient = 0.5, .intensity = 0.5, .reach_m = 2.0};
+  Scene scene = test::lit_scene(random);
   Body boards{.name = "world", .T_world_body = {}, .panels = {}};
   const TagPrint paper{.margin_cells = 2.5};
   for (int i = 0; i < 12; ++i) {
-    const Eigen::Vector3d place((i % 4 - 1.5) * 0.3, (i / 4 - 1.0) * 0.3, 1.0);
     const double axis = random.uniform(0.0, 2.0 * pi);
     MapTag tag;
     tag.key = {family.name(), (i * family.num_codes() / 12 + static_cast<int>(seed)) % family.num_codes()};
-    tag.size_m = family.width_at_border() * 2.5 * std::pow(2.8, random.uniform()) / kFocal_px;
-    tag.T_map_tag = Pose(
-        Eigen::AngleAxisd(random.uniform(0.0, 50.0) * pi / 180.0,
-                          Eigen::Vector3d(std::cos(axis), std::sin(axis), 0.0)) *
-            Eigen::Quaterniond(Eigen::AngleAxisd(random.uniform(0.0, 2.0 * pi), Eigen::Vector3d::UnitZ())),
-        place);
+    tag.size_m = family.width_at_border() * 2.5 * std::pow(2.8, random.uniform()) / test::kBoardsFocal_px;
+    tag.T_map_tag = test::pose_of_board(i, axis, 50.0, random);
     scene.map.tags.push_back(tag);
   }
   add_tags(boards, scene.map, paper);

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "apriltrack/base/random.h"
+#include "apriltrack/sim/renderer.h"
+
+namespace apriltrack::test {
+
+inline constexpr double kBoardsFocal_px = 500.0;
+
+/// One picture, 640 x 480, of what a lamp and the sky light; blur and noise drawn. Nothing is in it.
+inline Scene lit_scene(RandomStream& random) {
+  Scene scene;
+  scene.camera.model = CameraModel(Pinhole{kBoardsFocal_px, kBoardsFocal_px, 319.5, 239.5}, NoDistortion{});
+  scene.camera.width = 640;
+  scene.camera.height = 480;
+  scene.num_frames = 1;
+  scene.formation.lens_blur_sigma_px = random.uniform(0.4, 0.8);
+  scene.formation.full_well = random.uniform(2000.0, 9000.0);
+  scene.T_world_camera = Motion::fixed(Pose());
+  scene.lighting = {.lamp_world = {0.3, -0.5, 0.0}, .ambient = 0.5, .intensity = 0.5, .reach_m = 2.0};
+  return scene;
+}
+
+/// Of the i-th of twelve boards, 1 m before the camera: tilted about an axis in its plane by up to max_tilt_deg,
+/// and turned in its plane at random.
+inline Pose pose_of_board(int i, double axis_rad, double max_tilt_deg, RandomStream& random) {
+  using std::numbers::pi;
+  return Pose(
+      Eigen::AngleAxisd(random.uniform(0.0, max_tilt_deg) * pi / 180.0,
+                        Eigen::Vector3d(std::cos(axis_rad), std::sin(axis_rad), 0.0)) *
+          Eigen::Quaterniond(Eigen::AngleAxisd(random.uniform(0.0, 2.0 * pi), Eigen::Vector3d::UnitZ())),
+      Eigen::Vector3d((i % 4 - 1.5) * 0.3, (i / 4 - 1.0) * 0.3, 1.0));
+}
+
+}  // namespace apriltrack::test
