@@ -79,7 +79,15 @@ def figures_of_corners(outcomes):
             "edges' bias px": float(all_rows[:, 4:8].mean()) if len(all_rows) else float("nan")}
 
 
-def fault_rows(outcomes):
+def worse_than_clean_twins(some, clean):
+    """Of maps with a fault that is not named: by how many mm the farthest sound tag is off beyond that of the same seed's clean world. It asks
+    nothing of what maps claim."""
+    twins = {o.seed: max(o.map["off_mm"].values()) for o in clean if o.map.get("off_mm")}
+    unnamed = [o for o in some if o.verdict_of_fault() != "named" and o.map.get("off_mm") and o.seed in twins]
+    return [max(o.map["off_mm"].values()) - twins[o.seed] for o in unnamed]
+
+
+def fault_rows(outcomes, clean):
     rows = []
     for fault in [*sorted({o.fault for o in outcomes}), "all"]:
         some = [o for o in outcomes if fault in ("all", o.fault)]
@@ -87,7 +95,8 @@ def fault_rows(outcomes):
         blamed = counts["named"] + counts["harmful"]
         rows.append({"fault": fault, "worlds": len(some), "named": counts["named"], "harmless": counts["harmless"], "missed and harmful": counts["harmful"],
                      "score": f"{counts['named'] / blamed:.2f}" if blamed else "-", "tag accused, of any kind": sum(o.is_tag_named for o in some),
-                     "sound tags accused": sum(len(o.accused) for o in some), "no map": sum(o.status != 0 for o in some)})
+                     "sound tags accused": sum(len(o.accused) for o in some), "no map": sum(o.status != 0 for o in some), "of them named": sum(o.status != 0 and o.is_named for o in some),
+                     "unnamed, mm beyond the clean twin: median, most": shown([quantile(worse_than_clean_twins(some, clean), q) for q in (0.5, 1.0)])})
     return rows
 
 
@@ -115,7 +124,7 @@ def listed(figures):
 def aggregates(outcomes):
     clean, faulty = ([o for o in outcomes if (o.fault == "none") is is_clean] for is_clean in (True, False))
     return {"clean": figures_of_maps(clean) if clean else {}, "doctor": doctor_against_calibrate(clean), "corners": figures_of_corners(clean) if clean else {},
-            "corner_bins": corner_rows(clean) if clean else [], "faults": fault_rows(faulty) if faulty else [], "time": times(outcomes)}
+            "corner_bins": corner_rows(clean) if clean else [], "faults": fault_rows(faulty, clean) if faulty else [], "time": times(outcomes)}
 
 
 def markdown(found):
