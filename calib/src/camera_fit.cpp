@@ -1,5 +1,6 @@
 #include "camera_fit.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -56,6 +57,17 @@ Eigen::MatrixXd CameraFit::covariance() const {
   Eigen::VectorXd units(covariance_.rows());
   for (Eigen::Index i = 0; i < units.size(); ++i) units[i] = parameters_[static_cast<std::size_t>(i)].sigma;
   return units.asDiagonal() * covariance_ * units.asDiagonal();
+}
+
+double CameraFit::log_odds_of_change() const {
+  std::vector<Eigen::Index> of_files;
+  for (std::size_t i = 0; i < parameters_.size(); ++i)
+    if (parameters_[i].is_of_lens() || parameters_[i].is_of_place())
+      of_files.push_back(static_cast<Eigen::Index>(i));
+  const Eigen::VectorXd estimate = total_(of_files);  // the prior: mean 0, covariance 1
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance_(of_files, of_files));
+  const double log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  return 0.5 * (estimate.dot(factor.solve(estimate)) + log_determinant);
 }
 
 /// What was found before is part of what is estimated now.

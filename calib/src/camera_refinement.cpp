@@ -19,6 +19,10 @@ namespace apriltrack {
 namespace {
 
 constexpr double kWorthTrying = 0.001;
+/// What nobody asked to change changes on very strong evidence alone: 150 to 1 (Kass and Raftery, JASA 90,
+/// 1995, section 3.2). Frames that are held out from a film of one place keep the errors of the others, and
+/// cannot tell.
+constexpr double kLeastOdds = 150.0;
 
 /// The share by which the residuals would fall, to first order.
 double promised_gain(const PartTask& task, const CameraParameters& parameters, const AdjustedPart& solved) {
@@ -89,6 +93,12 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part, const Ca
   if (!stands) return result;
   if (!is_determined) {
     result.reason = "the views do not determine them";
+    return result;
+  }
+  const double odds = std::exp(fit.log_odds_of_change());
+  if (least_gain > 0.0 && odds < kLeastOdds) {
+    result.reason = fmt::format(
+        "odds of {:.2g} to 1 that the camera file is off, and it stays up to {:.0f} to 1", odds, kLeastOdds);
     return result;
   }
   try {
