@@ -25,8 +25,8 @@ inline Scene lit_scene(RandomStream& random) {
   return scene;
 }
 
-/// Of the i-th of twelve boards, 1 m before the camera: tilted about an axis in its plane by up to max_tilt_deg,
-/// and turned in its plane at random.
+/// Of the i-th of twelve boards, 1 m before the camera: tilted about an axis in its plane by up to
+/// max_tilt_deg, and turned in its plane at random.
 inline Pose pose_of_board(int i, double axis_rad, double max_tilt_deg, RandomStream& random) {
   using std::numbers::pi;
   return Pose(

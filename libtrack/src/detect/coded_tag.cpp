@@ -12,12 +12,13 @@
 #include "apriltrack/tags/tag_family.h"
 #include "lens_priors.h"
 #include "pattern_pixels.h"
+#include "pattern_step.h"
 #include "tag_quad.h"
 
 namespace apriltrack {
 namespace {
 
-// The unknowns, by their first index; of place, blur and bend as in pattern_fit.cpp.
+// The unknowns, by their first index; of place, blur and bend as in pattern_model.h.
 constexpr int kCodedBlur = 8, kCodedBend = 11, kCodedColour = 14;
 
 constexpr double kReachInNoise = 4.0;  // Geman and McClure's, of residuals
@@ -90,7 +91,6 @@ std::optional<CodedTag> CodedTag::of(const TagPatch& patch, const Quad& corners_
   Eigen::Matrix3d about_middle = Eigen::Matrix3d::Identity();
   about_middle.topRightCorner<2, 1>() = middle;
   tag.tag_from_straight_ = straight_from_tag->inverse() * about_middle;
-  tag.tag_from_straight_ /= tag.tag_from_straight_(2, 2);
   tag.blur_px2_ = kFirstBlur_px * kFirstBlur_px * tag.straight_by_pixel_ * tag.straight_by_pixel_.transpose();
   tag.noise_ = kFirstNoise;
   const ResponseCurve as_it_is = ResponseCurve::linear();
@@ -142,14 +142,7 @@ void CodedTag::predict_picture() {
     const Eigen::Matrix2d in_plane = J * blur * J.transpose();
     const PatternSample sample =
         texture_ ? texture_->at(u, v, in_plane) : pattern_->at(u, v, PatternBlur::of(in_plane));
-    const double radial = u * sample.by_u + v * sample.by_v;
-    const Eigen::Matrix2d cross = J.col(0) * J.col(1).transpose();
-    const Eigen::Vector2d gradient = J.transpose() * Eigen::Vector2d(sample.by_u, sample.by_v);
-    rows_.col(i) << sample.by_u, sample.by_v, u * sample.by_u, v * sample.by_u, u * sample.by_v,
-        v * sample.by_v, u * radial, v * radial, sample.by_covariance(J.col(0) * J.col(0).transpose()),
-        sample.by_covariance(cross + cross.transpose()),
-        sample.by_covariance(J.col(1) * J.col(1).transpose()), -r2 * gradient, -r2 * out.dot(gradient),
-        sample.light, 1.0, sample.light * u, sample.light * v;
+    rows_.col(i) << by_shape(sample, u, v, J, out), sample.light, 1.0, sample.light * u, sample.light * v;
     by_print_[i] = std::hypot(sample.by_u, sample.by_v);
   }
 }
@@ -231,28 +224,12 @@ std::optional<CodedTag::Equation> CodedTag::linearise(const CodeCurve& curve) {
 
 bool CodedTag::advance(double exponent_step) {
   Unknowns step = step_ - exponent_step * step_by_exponent_;
-  double move = 0.0;
-  const auto t = step.head<8>();
-  for (const Eigen::Vector2d& corner : kTagQuad) {
-    const double u = corner.x(), v = corner.y(), line = t[6] * u + t[7] * v;
-    const Eigen::Vector2d by(t[0] + t[2] * u + t[3] * v + u * line, t[1] + t[4] * u + t[5] * v + v * line);
-    move = std::max(move, by.cwiseAbs().maxCoeff());
-  }
+  const double move = largest_corner_move(step.head<8>());
   const double most = kMostStep_cells * pattern_->cell_size();
   if (move > most) step.head<8>() *= most / move;
   moved_ += std::min(move, most);
-  Eigen::Matrix3d moved;  // to first order what the generators do
-  moved << 1.0 + t[2], t[3], t[0], t[4], 1.0 + t[5], t[1], -t[6], -t[7], 1.0;
-  tag_from_straight_ = moved * tag_from_straight_;
-  tag_from_straight_ /= tag_from_straight_(2, 2);
-  Eigen::Matrix2d change;
-  change << step[kCodedBlur], step[kCodedBlur + 1], step[kCodedBlur + 1], step[kCodedBlur + 2];
-  const double size = change.cwiseAbs().maxCoeff(), most_blur = blur_px2_.trace();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
-      blur_px2_ + std::min(1.0, most_blur / std::max(size, 1e-12)) * change);
-  const Eigen::Vector2d variances =
-      axes.eigenvalues().cwiseMax(kLeastBlur_px * kLeastBlur_px).cwiseMin(kMostBlur_px * kMostBlur_px);
-  blur_px2_ = axes.eigenvectors() * variances.asDiagonal() * axes.eigenvectors().transpose();
+  tag_from_straight_ = moved_plane(tag_from_straight_, step.head<8>());
+  blur_px2_ = changed_blur(blur_px2_, step.segment<3>(kCodedBlur), kLeastBlur_px, kMostBlur_px);
   bend_ += step.segment<3>(kCodedBend);
   colours_ += step.tail<kNumColours>();
   return tag_from_straight_.allFinite() && colours_[0] > 0.0 &&

@@ -1,11 +1,11 @@
 #include "pattern_model.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "pattern_step.h"
 #include "tag_quad.h"
 
 namespace apriltrack {
@@ -21,28 +21,6 @@ constexpr double kMaxShareUnknown = 0.02;
 constexpr double kSaturated = 0.975;
 /// How often pixels are predicted, on average, before a new texture is made.
 constexpr std::size_t kTimesAsked = 2;
-
-/// How far the corners move in the plane (x0 y0 x1 ...), by the eight generators.
-const Matrix8d& corner_moves() {
-  static const Matrix8d moves = [] {
-    Matrix8d m;
-    for (std::size_t k = 0; k < kNumCorners; ++k) {
-      const double u = kTagQuad[k].x(), v = kTagQuad[k].y();
-      const auto row = 2 * static_cast<Eigen::Index>(k);
-      m.row(row) << 1, 0, u, v, 0, 0, u * u, u * v;
-      m.row(row + 1) << 0, 1, 0, 0, u, v, u * v, v * v;
-    }
-    return m;
-  }();
-  return moves;
-}
-
-Eigen::Matrix2d clamped_blur(const Eigen::Matrix2d& blur_px2) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(blur_px2);
-  const Eigen::Vector2d variances =
-      axes.eigenvalues().cwiseMax(kMinBlur_px * kMinBlur_px).cwiseMin(kMaxBlur_px * kMaxBlur_px);
-  return axes.eigenvectors() * variances.asDiagonal() * axes.eigenvectors().transpose();
-}
 
 /// How far a lens moves what lies `out` of the tag's middle.
 Eigen::Vector2d bend_at(const Eigen::Vector3d& bend, const Eigen::Vector2d& out) {
@@ -92,19 +70,12 @@ PatternState PatternState::start(const TagPlaces& places, const Eigen::Matrix3d&
 
 double PatternState::take(PatternStep* asked, double max_move) {
   PatternStep& step = *asked;
-  const double move = (corner_moves() * step.head<8>()).cwiseAbs().maxCoeff();
+  const double move = largest_corner_move(step.head<8>());
   if (move > max_move) step.head<8>() *= max_move / move;
-  const auto t = step.head<8>();
-  Eigen::Matrix3d moved;  // to first order what the generators do
-  moved << 1.0 + t[2], t[3], t[0], t[4], 1.0 + t[5], t[1], -t[6], -t[7], 1.0;
-  tag_from_straight = moved * tag_from_straight;
-  tag_from_straight /= tag_from_straight.norm();
-  Eigen::Matrix2d change;
-  change << step[kBlurUnknowns], step[kBlurUnknowns + 1], step[kBlurUnknowns + 1], step[kBlurUnknowns + 2];
-  const double size = change.cwiseAbs().maxCoeff(), most = blur_px2.trace();
+  tag_from_straight = moved_plane(tag_from_straight, step.head<8>());
   const Eigen::Matrix2d before = blur_px2;
-  blur_px2 = clamped_blur(blur_px2 + std::min(1.0, most / std::max(size, 1e-12)) * change);
-  change = blur_px2 - before;
+  blur_px2 = changed_blur(blur_px2, step.segment<3>(kBlurUnknowns), kMinBlur_px, kMaxBlur_px);
+  const Eigen::Matrix2d change = blur_px2 - before;
   step.segment<3>(kBlurUnknowns) << change(0, 0), change(0, 1), change(1, 1);
   bend += step.segment<3>(kBendUnknowns);
   colours += step.tail<kNumColours>();
@@ -162,16 +133,8 @@ void PatternModel::predict_pixel(const PatternState& state, const PatternPixel& 
   }
   prediction->residuals[i] = residual;
   const double white = state.colours[0] + state.colours[1] * u + state.colours[2] * v;
-  const double by_u = white * sample.by_u, by_v = white * sample.by_v, radial = u * by_u + v * by_v;
-  by.segment<8>(kPlaceUnknowns) << by_u, by_v, u * by_u, v * by_u, u * by_v, v * by_v, u * radial, v * radial;
-  const Eigen::Matrix2d cross = J.col(0) * J.col(1).transpose();
-  by.segment<3>(kBlurUnknowns) << white * sample.by_covariance(J.col(0) * J.col(0).transpose()),
-      white * sample.by_covariance(cross + cross.transpose()),
-      white * sample.by_covariance(J.col(1) * J.col(1).transpose());
-  const Eigen::Vector2d gradient = J.transpose() * Eigen::Vector2d(by_u, by_v);
-  prediction->gradient2[i] = gradient.squaredNorm();
-  const double r2 = out.squaredNorm();
-  by.segment<3>(kBendUnknowns) << -r2 * gradient, -r2 * out.dot(gradient);
+  by.head<kNumShapeUnknowns>() = white * by_shape(sample, u, v, J, out);
+  prediction->gradient2[i] = (J.transpose() * by.head<2>()).squaredNorm();
   by.segment<kNumColours>(kWhiteUnknowns) = by_colours;
 }
 

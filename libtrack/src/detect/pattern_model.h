@@ -8,6 +8,7 @@
 #include "apriltrack/tags/blurred_pattern.h"
 #include "edge_frame.h"
 #include "pattern_pixels.h"
+#include "pattern_step.h"
 #include "pattern_texture.h"
 
 namespace apriltrack {
@@ -27,7 +28,6 @@ inline constexpr int kBeyondUnknowns = 20;  ///< Of what lies beyond each side, 
 inline constexpr int kNumPatternUnknowns = 24;
 inline constexpr int kNumColours = kNumPatternUnknowns - kWhiteUnknowns;
 using PatternStep = Eigen::Matrix<double, kNumPatternUnknowns, 1>;
-using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
 /// A value of the unknowns.
 struct PatternState {
