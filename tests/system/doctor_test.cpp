@@ -165,6 +165,13 @@ TEST_F(Doctor, KnowsTagsOfKalibrsGrids) {
   EXPECT_THAT(run.out + run.err, HasSubstr("--family tag36h11b2"));
 }
 
+TEST_F(Doctor, NamesTheFamilyThatHangsBeside) {
+  film(8, paint({{"tag36h11", 1, 0}, {"tag36h11", 2, 1}, {"tag25h9", 1, 2}}));
+  const ProgramRun run = run_program({"doctor", folder_.string()});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("besides tag36h11 there are 2 readings of tag25h9 in 2 frames looked at"));
+}
+
 TEST_F(Doctor, TakesNoFamilyForAnother) {
   film(8, paint(kThreeTags));
   const ProgramRun run = run_program({"doctor", folder_.string(), "--json"});
