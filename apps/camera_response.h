@@ -45,6 +45,13 @@ struct SampledInput {
 
 ResponseCamera to_ask_of(const Camera& camera);
 
+inline constexpr int kSampleRounds = 4;
+
+/// Frames of one round of the sample: first_frames or some more of `count`, spread evenly, none of which an
+/// earlier round has. nullopt where there are none left. all: of the run; round: 0 to kSampleRounds - 1.
+std::optional<SourceOptions> frames_of_round(const SourceOptions& all, std::size_t count, int round,
+                                             std::size_t first_frames);
+
 /// Estimates a response from tags in some frames of each recording: 4 to 8, spread evenly, and in up to four
 /// times as many where these do not tell it. `estimate` says so if none do; live cameras are not asked.
 ResponseFinding response_of_sample(std::span<const SampledInput> inputs, const DetectorOptions& detector,
