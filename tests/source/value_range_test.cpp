@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
+#include "apriltrack/base/random.h"
 #include "apriltrack/source/image_file.h"
 #include "source_support.h"
 
@@ -62,6 +63,34 @@ TEST(ValueRange, PassesOverDeadPixels) {
   cv::Mat temperatures = ramp(7000, 8020);
   temperatures.at<std::uint16_t>(3, 3) = 0;
   EXPECT_EQ(range_of(temperatures), (ValueRange{6490, 8530}));
+}
+
+TEST(ValueRange, PassesOverAThousandthOfHotAndDeadPixels) {
+  constexpr int kSensorSide = 640;
+  RandomStream random(7);
+  const auto with_odd = [&](int low, int high, double hot, double dead) {
+    cv::Mat picture(kSensorSide, kSensorSide, CV_16UC1);
+    for (int y = 0; y < kSensorSide; ++y) {
+      for (int x = 0; x < kSensorSide; ++x) {
+        const double drawn = random.uniform();
+        const int light = low + (high - low) * x / (kSensorSide - 1);
+        picture.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(drawn < hot          ? 65535
+                                                                     : drawn > 1.0 - dead ? 0
+                                                                                          : light);
+      }
+    }
+    return range_of(picture);
+  };
+  EXPECT_EQ(with_odd(0, 1000, 1e-3, 0.0), (ValueRange{0, 1023}));
+  EXPECT_EQ(with_odd(0, 4000, 1e-3, 1e-3), (ValueRange{0, 4095}));
+  EXPECT_EQ(with_odd(7000, 8020, 1e-3, 1e-3), (ValueRange{6490, 8530}));
+}
+
+TEST(ValueRange, KeepsASmallLamp) {
+  cv::Mat picture = ramp(0, 900);
+  for (int y = 20; y < 25; ++y)
+    for (int x = 40; x < 45; ++x) picture.at<std::uint16_t>(y, x) = 4000;
+  EXPECT_EQ(range_of(picture).white, 4095);
 }
 
 void write_deep(const fs::path& path, const cv::Mat& picture) {
