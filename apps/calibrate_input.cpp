@@ -94,6 +94,7 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
       all.odd_pictures.push_back(recording.input + ": " + *odd);
     all.counts.readable += counts.readable;
     all.counts.unreadable += counts.unreadable;
+    if (counts.value_range) all.value_ranges.emplace(recording.input, *counts.value_range);
     all.counts.blank += counts.blank;
     all.counts.is_interrupted = counts.is_interrupted;
   }

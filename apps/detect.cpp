@@ -175,6 +175,7 @@ void finish(const DetectArguments& arguments, const Record& record) {
                                   {"response", json_of(record.response)},
                                   {"interrupted", record.counts.is_interrupted},
                                   {"output", arguments.output}};
+                                  {"value_range", value_range_json(record.counts.value_range)},
   arguments.console.finish(
       summary, fmt::format("{} of {} frames with tags, {} unreadable; {} detections of {} tags{}\n"
                            "response: {}\ndetections: {}",

@@ -146,6 +146,7 @@ KeptPictures look_with(const SampledInput& input, const DetectorOptions& detecto
       });
   facts.unreadable = counts.unreadable;
   is_interrupted = counts.is_interrupted;
+  facts.value_range = counts.value_range;
   return kept;
 }
 

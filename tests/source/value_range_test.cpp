@@ -134,6 +134,26 @@ TEST(ImageFolder, ScalesAllPicturesAlike) {
   EXPECT_TRUE(heard.warnings.empty());
 }
 
+TEST(ImageFolder, TellsTheRangeToPrograms) {
+  const fs::path folder = temporary_folder() / "typed";
+  write_deep(folder / "deep" / "1000000000.png", ramp(0, 900));
+  write_deep(folder / "warm" / "1000000000.png", ramp(7000, 8020));
+  fs::create_directories(folder / "plain");
+  ASSERT_TRUE(
+      cv::imwrite((folder / "plain" / "1000000000.png").string(), cv::Mat(8, 8, CV_8UC1, cv::Scalar(9))));
+  const auto range_in = [&](const char* name, const SourceOptions& options) {
+    const auto source = open_source((folder / name).string(), options);
+    EXPECT_FALSE(source->value_range()) << "nothing was read yet";
+    source->next();
+    return source->value_range();
+  };
+  EXPECT_EQ(range_in("deep", {}), (ValueRange{0, 1023}));
+  EXPECT_EQ(range_in("deep", {})->bits(), 10);
+  EXPECT_EQ(range_in("deep", {.bits = 12})->bits(), 12);
+  EXPECT_EQ(range_in("warm", {})->bits(), std::nullopt);
+  EXPECT_EQ(range_in("plain", {}), std::nullopt);
+}
+
 TEST(ImageFolder, TakesTheBitsThatItIsTold) {
   const fs::path folder = temporary_folder() / "told";
   write_deep(folder / "1000000000.png", ramp(0, 900));

@@ -76,10 +76,16 @@ ValueRange range_of_bits(int bits) {
   return {0, (1 << bits) - 1};
 }
 
+std::optional<int> ValueRange::bits() const {
+  const auto largest = static_cast<unsigned>(white);
+  if (black != 0 || !std::has_single_bit(largest + 1)) return std::nullopt;
+  return static_cast<int>(std::bit_width(largest));
+}
+
 std::string told(const ValueRange& range) {
-  const bool is_of_bits = range.black == 0 && std::has_single_bit(static_cast<unsigned>(range.white) + 1);
-  if (!is_of_bits) return fmt::format("the range {} to {}", range.black, range.white);
-  return fmt::format("{} bits (0 to {})", std::bit_width(static_cast<unsigned>(range.white)), range.white);
+  const std::optional<int> bits = range.bits();
+  if (!bits) return fmt::format("the range {} to {}", range.black, range.white);
+  return fmt::format("{} bits (0 to {})", *bits, range.white);
 }
 
 }  // namespace apriltrack

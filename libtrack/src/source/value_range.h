@@ -4,18 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/source/frame_source.h"
+
 namespace cv {
 class Mat;
 }
 
 namespace apriltrack {
-
-/// Which numbers of a 16-bit picture stand for black and for white.
-struct ValueRange {
-  int black = 0;
-  int white = 65535;
-  bool operator==(const ValueRange&) const = default;
-};
 
 /// How often each number occurs in 16-bit pictures of one source.
 class ValueCounts {
