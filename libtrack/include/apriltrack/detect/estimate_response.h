@@ -41,7 +41,7 @@ struct ResponseEstimate {
   /// How much worse the response as assumed explains the pictures than the exponent does, in standard errors
   /// of the mean over frames.
   double assumed_worse_sigmas = 0.0;
-  /// The response as assumed is wrong: over 5 sigma away, and explains the pictures worse.
+  /// The response as assumed is wrong: over 4 sigma away, and explains the pictures worse.
   bool contradicts_assumed = false;
   int views_used = 0, frames_used = 0;
 
