@@ -135,18 +135,20 @@ ResponseFinding response_of_sample(std::span<const SampledInput> inputs, const D
 ResponseFinding run_with_response(
     const ResponseCamera& camera, ResponseOrigin origin, const SampledInput& input,
     const DetectorOptions& detector, int num_threads,
-    const std::function<std::span<const FrameDetections>(const ResponseCurve&)>& detect) {
+    const std::function<std::span<const FrameDetections>(
+        const ResponseCurve& response, const std::optional<ResponseCurve>& rival)>& detect) {
   if (origin != ResponseOrigin::kStated) {
     ResponseFinding finding = response_of_sample({&input, 1}, detector, camera, TagSizes(), num_threads);
     if (finding.origin == ResponseOrigin::kEstimated) {
-      detect(finding.estimate.response);
+      detect(finding.estimate.response, std::nullopt);
       return finding;
     }
   }
-  const std::span<const FrameDetections> frames = detect(camera.assumed);
+  const std::span<const FrameDetections> frames =
+      detect(camera.assumed, rival_response(camera.assumed, origin));
   ResponseFinding finding = check_by_frames(frames, camera, origin, TagSizes(), num_threads);
   if (origin == ResponseOrigin::kStated || !finding.estimate.is_found() || is_interrupted()) return finding;
-  if (finding.differs()) detect(finding.estimate.response);
+  detect(finding.estimate.response, std::nullopt);  // without a doubt, if not by another curve
   finding.origin = ResponseOrigin::kEstimated;
   return finding;
 }

@@ -58,11 +58,13 @@ ResponseFinding response_of_sample(std::span<const SampledInput> inputs, const D
                                    const ResponseCamera& camera, const TagSizes& sizes, int num_threads);
 
 /// Runs `detect`, which keeps the tags with their pictures, with the response that is stated; else with what
-/// a sample of the frames tells; else with that assumed, and once more if all its tags tell another.
+/// a sample of the frames tells; else with that assumed, and once more if all its tags tell one. rival: what
+/// it may be as well, for DetectorOptions.
 ResponseFinding run_with_response(
     const ResponseCamera& camera, ResponseOrigin origin, const SampledInput& input,
     const DetectorOptions& detector, int num_threads,
-    const std::function<std::span<const FrameDetections>(const ResponseCurve&)>& detect);
+    const std::function<std::span<const FrameDetections>(const ResponseCurve& response,
+                                                         const std::optional<ResponseCurve>& rival)>& detect);
 
 /// As response_of_sample(), for a camera, whose response becomes the one that is found; says in words what is
 /// used.

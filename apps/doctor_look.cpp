@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -145,8 +146,8 @@ KeptPictures look_with(const SampledInput& input, const DetectorOptions& detecto
         keeper.keep(frame.source.pixels.view(), kept.tags.back());
       });
   facts.unreadable = counts.unreadable;
-  is_interrupted = counts.is_interrupted;
   facts.value_range = counts.value_range;
+  is_interrupted = counts.is_interrupted;
   return kept;
 }
 
@@ -173,15 +174,17 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
   DetectorOptions detector = options.detector;
   if (facts.camera) detector.camera_model = facts.camera->model;
   const SampledInput sampled{named.input, source_options};
-  KeptPictures kept;
+  std::optional<KeptPictures> kept;
   facts.response = run_with_response(
       camera_to_ask(facts), facts.camera ? facts.camera->response_origin : ResponseOrigin::kAssumed, sampled,
-      detector, options.num_threads, [&](const ResponseCurve& response) {
+      detector, options.num_threads, [&](const ResponseCurve& response, const std::optional<ResponseCurve>&) {
+        // A rival would change covariances alone, which nobody asks for.
+        const bool is_seen = kept && detector.response.name() == response.name();
         detector.response = response;
-        kept = look_with(sampled, detector, options, console, is_interrupted, facts);
-        return std::span<const FrameDetections>(kept.tags);
+        if (!is_seen) kept = look_with(sampled, detector, options, console, is_interrupted, facts);
+        return std::span<const FrameDetections>(kept->tags);
       });
-  if (!is_interrupted) look_for_what_was_not_asked(kept, detector, options, console, facts);
+  if (!is_interrupted) look_for_what_was_not_asked(*kept, detector, options, console, facts);
   return facts;
 }
 

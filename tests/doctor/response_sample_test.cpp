@@ -1,7 +1,6 @@
 // Which frames a camera's response is asked of before a run.
 
 #include <gtest/gtest.h>
-
 #include <sys/stat.h>
 
 #include <filesystem>

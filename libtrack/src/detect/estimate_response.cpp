@@ -96,6 +96,11 @@ ResponseEstimate estimate_response(std::span<const FrameDetections> frames, cons
   return result;
 }
 
+std::optional<ResponseCurve> rival_response(const ResponseCurve& used, ResponseOrigin origin) {
+  if (origin != ResponseOrigin::kAssumed) return std::nullopt;
+  return used.is_linear() ? ResponseCurve::srgb() : ResponseCurve::linear();
+}
+
 std::string words_of(const ResponseEstimate& estimate) {
   return fmt::format("gamma {:.2f} (sigma {:.2f})", estimate.exponent, estimate.sigma);
 }

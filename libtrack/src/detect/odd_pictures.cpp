@@ -44,6 +44,7 @@ std::optional<OddPictures> find_odd_pictures(std::span<const GrayImage> images,
   DetectorOptions options = detector;
   // One search in the picture as it is will do, and corrected bits prove little.
   options.response = ResponseCurve::linear();
+  options.rival_response.reset();
   options.search_raw_image_only = true;
   options.max_hamming = 0;
   options.decimate = 1.0;
