@@ -66,7 +66,8 @@ struct RecordingFacts {
   std::size_t unreadable = 0;
   std::optional<ValueRange> value_range = std::nullopt;  ///< Of 16-bit image files.
   LeftOutTags left_out = {};                             ///< Readings.
-  std::optional<OddPictures> odd_pictures = {};          ///< Hardly a tag was read: what is wrong.
+  std::optional<OddPictures> odd_pictures = {};          ///< What is wrong with frames without tags.
+  bool are_some_good = false;                            ///< Where odd_pictures tells of others.
   std::size_t sampled = 0;                               ///< Frames in which all families were looked for.
   std::vector<FamilyReadings> other_families = {};  ///< Those read at all, without the families asked for.
 };

@@ -78,6 +78,12 @@ std::vector<GrayImage> FamilySample::images() const {
   return all;
 }
 
+std::optional<OddPictures> find_odd_pictures_of_any(std::span<const GrayImage> images,
+                                                    const DetectorOptions& asked) {
+  constexpr std::size_t kMost = 2;
+  return find_odd_pictures(images.first(std::min(kMost, images.size())), options_for_all(asked));
+}
+
 std::vector<FamilyReadings> read_other_families(std::span<const GrayImage> images,
                                                 const DetectorOptions& asked, int num_threads,
                                                 const Console& console) {

@@ -28,6 +28,10 @@ class FamilySample {
   EvenSample explained_{kMostExplained, kMostPixels}, unexplained_{kMostUnexplained, kMostPixels};
 };
 
+/// As find_odd_pictures(), of all families: in two of the images, for three searches of each take a second.
+std::optional<OddPictures> find_odd_pictures_of_any(std::span<const GrayImage> images,
+                                                    const DetectorOptions& asked);
+
 /// Looks for every family that `asked` does not name, all in one search of each image; what a family asked
 /// for reads as well, or better, does not count. Returns those that were read, chance readings among them
 /// (is_surely_there), in the order of their names. Ctrl-C ends it.

@@ -155,10 +155,17 @@ KeptPictures look_with(const SampledInput& input, const DetectorOptions& detecto
 void look_for_what_was_not_asked(const KeptPictures& kept, const DetectorOptions& detector,
                                  const LookOptions& options, const Console& console, RecordingFacts& facts) {
   facts.odd_pictures = kept.watch.look(detector);
+  if (!facts.odd_pictures) {
+    facts.odd_pictures = kept.watch.look_among_good(detector);
+    facts.are_some_good = facts.odd_pictures.has_value();
+  }
   if (!options.tries_other_families) return;
   const std::vector<GrayImage> images = kept.for_families.images();
   facts.other_families = read_other_families(images, detector, options.num_threads, console);
   facts.sampled = images.size();
+  const bool has_tags = std::ranges::any_of(facts.frames, [](const auto& one) { return !one.tags.empty(); });
+  if (has_tags || facts.odd_pictures || !facts.other_families.empty()) return;
+  facts.odd_pictures = find_odd_pictures_of_any(images, detector);
 }
 
 RecordingFacts look_at_one(const std::string& input, const LookOptions& options, const Console& console,

@@ -41,8 +41,8 @@ double mean_nees(const ResponseCurve& truth, const DetectorOptions& options) {
 
 DetectorOptions in_doubt() {
   DetectorOptions options;
-  options.camera_model = CameraModel(Pinhole{test::kBoardsFocal_px, test::kBoardsFocal_px, 319.5, 239.5},
-                                     NoDistortion{});
+  options.camera_model =
+      CameraModel(Pinhole{test::kBoardsFocal_px, test::kBoardsFocal_px, 319.5, 239.5}, NoDistortion{});
   options.rival_response = rival_response(options.response, ResponseOrigin::kAssumed);
   return options;
 }

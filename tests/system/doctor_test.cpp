@@ -206,6 +206,33 @@ TEST_F(Doctor, AndAllThatDetectSayThatPicturesAreMirrored) {
   EXPECT_THAT(run_program({"track", input, "--method", "pnp", "--output", path("o.tum")}), EndsWith(1, says));
 }
 
+TEST_F(Doctor, NamesTheFamilyOfMirroredPictures) {
+  film(4, mirrored(paint({{"tag25h9", 1, 0}, {"tag25h9", 2, 1}})));
+  const ProgramRun doctor = run_program({"doctor", folder_.string()});
+  EXPECT_EQ(doctor.status, 1);
+  EXPECT_THAT(doctor.out,
+              HasSubstr("the pictures are mirrored: tags are read in their mirror image (tag25h9/1 and "
+                        "1 more), and these are no tag36h11: give --family tag25h9; turn mirroring"));
+  EXPECT_EQ(doctor.out.find("no tag of"), std::string::npos) << doctor.out;
+}
+
+TEST_F(Doctor, TellsThatSomePicturesAreMirrored) {
+  film(6, paint(kThreeTags));
+  film(6, mirrored(paint(kThreeTags)));
+  const ProgramRun doctor = look();
+  EXPECT_EQ(doctor.status, 0);
+  EXPECT_THAT(doctor.err,
+              HasSubstr("some pictures, though not all, are mirrored: tags are read in their mirror "
+                        "image (tag36h11/1 and 2 more)"));
+}
+
+TEST_F(Doctor, TakesFramesWithoutTagsForNoMirrorImages) {
+  film(6, paint(kThreeTags));
+  film(6, paint({}));
+  const ProgramRun doctor = look();
+  EXPECT_EQ(doctor.err.find("mirror"), std::string::npos) << doctor.err;
+}
+
 TEST_F(Doctor, SaysThatTagsAreLightOnDark) {
   GrayImage picture = paint(kThreeTags);
   for (int y = 0; y < picture.height(); ++y)
