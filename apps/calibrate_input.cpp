@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/detect/estimate_response.h"
 #include "frame_loop.h"
 #include "inputs.h"
 #include "odd_picture_watch.h"
@@ -73,6 +74,7 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
     }
     FrameLoopOptions options{detector, &camera, num_threads, "detect " + recording.input};
     options.detector->response = camera.response;
+    options.detector->rival_response = rival_response(camera.response, camera.response_origin);
     options.detector->camera_model = camera.model;
     SourceOptions source_of_camera = source_options;
     source_of_camera.log = console.log();
@@ -92,6 +94,7 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
     takes.add(recording.input, {camera.name}, std::move(frames));
     if (const auto odd = watch.told(*options.detector))
       all.odd_pictures.push_back(recording.input + ": " + *odd);
+    if (counts.value_range) all.value_ranges.emplace(recording.input, *counts.value_range);
     all.counts.readable += counts.readable;
     all.counts.unreadable += counts.unreadable;
     all.counts.blank += counts.blank;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,9 @@ struct Recording {
 
 /// Everything that was found in all inputs.
 struct Sightings {
-  std::vector<FrameDetections> frames;  ///< In the order of time, by one clock (see Takes).
-  FrameCounts counts;
+  std::vector<FrameDetections> frames;             ///< In the order of time, by one clock (see Takes).
+  FrameCounts counts;                              ///< Of all recordings; no range.
+  std::map<std::string, ValueRange> value_ranges;  ///< By INPUT, of those with 16-bit image files.
   LeftOutTags left_out;
   /// What is wrong with pictures in which hardly a tag is read.
   std::vector<std::string> odd_pictures;

@@ -80,7 +80,7 @@ bool check_responses(const CalibrateOptions& a, const std::filesystem::path& cam
         check_by_frames(sightings.frames, to_ask_of(camera), camera.response_origin, sizes, a.num_threads);
     const bool was_stated = finding.origin == ResponseOrigin::kStated;
     if (!was_stated && finding.estimate.is_found()) {
-      is_anew = is_anew || finding.differs();
+      is_anew = true;  // covariances counted the doubt
       finding.origin = camera.response_origin = ResponseOrigin::kEstimated;
       camera.response = finding.estimate.response;
       if (finding.is_news()) prepare_to_write(a, camera_file, filmed->input, camera);

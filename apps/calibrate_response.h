@@ -21,7 +21,7 @@ ResponseFindings estimate_responses(const CalibrateOptions& options, const std::
                                     CameraRig& rig);
 
 /// Holds what was stated or assumed against the tags' pictures. True where one that was assumed is told by
-/// them to be another, which is set in `rig`: then what was seen is to be gathered anew.
+/// them, which is set in `rig`: then what was seen is to be gathered anew.
 bool check_responses(const CalibrateOptions& options, const std::filesystem::path& camera_file,
                      const std::vector<Recording>& recordings, const TagSizes& sizes,
                      const Sightings& sightings, CameraRig& rig, ResponseFindings& findings);

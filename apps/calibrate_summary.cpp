@@ -6,6 +6,7 @@
 
 #include "calibrate_report_tables.h"
 #include "constraint_table.h"
+#include "frame_loop.h"
 
 namespace apriltrack::app {
 namespace {
@@ -107,6 +108,8 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
   if (!a.report.empty()) summary["report"] = a.report;
   if (files.has_joint_covariance) summary["joint_covariance"] = a.joint_covariance;
   if (!responses.empty()) summary["responses"] = told(responses);
+  for (const auto& [input, range] : sightings.value_ranges)
+    summary["value_ranges"][input] = value_range_json(range);
   if (refinement) summary["refinement"] = told(*refinement);
   if (result.print_batches) summary["print_batches"] = told(*result.print_batches);
   if (result.print_aspect) summary["print_aspect"] = *result.print_aspect;

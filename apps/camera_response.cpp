@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -16,34 +17,23 @@ namespace apriltrack::app {
 namespace {
 
 constexpr std::size_t kFewestFrames = 4, kMostFrames = 8, kOneFrameIn = 10;  // in the first round
-constexpr int kRounds = 3;
 /// Pictures of tags after which no further round is worth its time.
 constexpr int kEnoughPictures = 16;
 /// Of a recording that does not tell how long it is.
 constexpr std::size_t kAssumedLength = 80;
 
-/// Frames of one round: spread evenly, between those of the rounds before. nullopt where there are none left.
-std::optional<SourceOptions> frames_of_round(const SourceOptions& all, std::size_t count, int round,
-                                             std::size_t first_frames) {
-  std::size_t stride = std::max<std::size_t>(1, count / first_frames);
-  std::size_t begin = stride / 2;
-  if (round == 1) begin = 0;
-  if (round == 2) {
-    begin = stride / 4;
-    stride /= 2;
-  }
-  const bool is_new = round == 0 || (round == 1 && stride > 1) || (round == 2 && stride > 1);
-  if (!is_new || begin >= count) return std::nullopt;
-  SourceOptions some = all;
-  some.skip += begin * all.step;
-  some.step *= stride;
-  some.max_frames = (count - begin + stride - 1) / stride;
-  some.log = silent_log();  // the run itself tells what is odd
-  return some;
+/// A live camera, or a pipe, gives each frame once, and the run itself needs it.
+bool can_be_read_again(const std::string& input) {
+  if (input.starts_with("camera:")) return false;
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(input, ignored);
+  return !std::filesystem::exists(status) || std::filesystem::is_regular_file(status) ||
+         std::filesystem::is_directory(status);
 }
 
 /// The number of frames that a run uses; nullopt where they cannot be looked at beforehand.
 std::optional<std::size_t> length_of(const SampledInput& sampled) {
+  if (!can_be_read_again(sampled.input)) return std::nullopt;
   SourceOptions options = sampled.source;
   options.log = silent_log();
   const auto source = open_source(sampled.input, options);
@@ -98,6 +88,21 @@ std::string readable(const std::string& curve) {
 
 }  // namespace
 
+std::optional<SourceOptions> frames_of_round(const SourceOptions& all, std::size_t count, int round,
+                                             std::size_t first_frames) {
+  const std::size_t stride = std::max<std::size_t>(1, count / first_frames);
+  // Each round lies in the middle of the gaps that the rounds before leave.
+  const std::array<std::size_t, kSampleRounds> begins = {stride / 2, 0, stride / 4, 3 * stride / 4};
+  const auto begin = begins.begin() + round;
+  if (std::find(begins.begin(), begin, *begin) != begin || *begin >= count) return std::nullopt;
+  SourceOptions some = all;
+  some.skip += *begin * all.step;
+  some.step *= stride;
+  some.max_frames = (count - *begin + stride - 1) / stride;
+  some.log = silent_log();  // the run itself tells what is odd
+  return some;
+}
+
 ResponseCamera to_ask_of(const Camera& camera) {
   return {camera.name, camera.model, camera.response};
 }
@@ -108,7 +113,7 @@ ResponseFinding response_of_sample(std::span<const SampledInput> inputs, const D
   std::vector<std::optional<std::size_t>> lengths;
   for (const SampledInput& one : inputs) lengths.push_back(length_of(one));
   std::vector<FrameDetections> frames;
-  for (int round = 0; round < kRounds && !is_enough(finding.estimate) && !is_interrupted(); ++round) {
+  for (int round = 0; round < kSampleRounds && !is_enough(finding.estimate) && !is_interrupted(); ++round) {
     const std::size_t before = frames.size();
     for (std::size_t i = 0; i < inputs.size(); ++i) {
       if (!lengths[i]) continue;
@@ -130,18 +135,20 @@ ResponseFinding response_of_sample(std::span<const SampledInput> inputs, const D
 ResponseFinding run_with_response(
     const ResponseCamera& camera, ResponseOrigin origin, const SampledInput& input,
     const DetectorOptions& detector, int num_threads,
-    const std::function<std::span<const FrameDetections>(const ResponseCurve&)>& detect) {
+    const std::function<std::span<const FrameDetections>(
+        const ResponseCurve& response, const std::optional<ResponseCurve>& rival)>& detect) {
   if (origin != ResponseOrigin::kStated) {
     ResponseFinding finding = response_of_sample({&input, 1}, detector, camera, TagSizes(), num_threads);
     if (finding.origin == ResponseOrigin::kEstimated) {
-      detect(finding.estimate.response);
+      detect(finding.estimate.response, std::nullopt);
       return finding;
     }
   }
-  const std::span<const FrameDetections> frames = detect(camera.assumed);
+  const std::span<const FrameDetections> frames =
+      detect(camera.assumed, rival_response(camera.assumed, origin));
   ResponseFinding finding = check_by_frames(frames, camera, origin, TagSizes(), num_threads);
   if (origin == ResponseOrigin::kStated || !finding.estimate.is_found() || is_interrupted()) return finding;
-  if (finding.differs()) detect(finding.estimate.response);
+  detect(finding.estimate.response, std::nullopt);  // without a doubt, if not by another curve
   finding.origin = ResponseOrigin::kEstimated;
   return finding;
 }

@@ -45,17 +45,26 @@ struct SampledInput {
 
 ResponseCamera to_ask_of(const Camera& camera);
 
+inline constexpr int kSampleRounds = 4;
+
+/// Frames of one round of the sample: first_frames or some more of `count`, spread evenly, none of which an
+/// earlier round has. nullopt where there are none left. all: of the run; round: 0 to kSampleRounds - 1.
+std::optional<SourceOptions> frames_of_round(const SourceOptions& all, std::size_t count, int round,
+                                             std::size_t first_frames);
+
 /// Estimates a response from tags in some frames of each recording: 4 to 8, spread evenly, and in up to four
 /// times as many where these do not tell it. `estimate` says so if none do; live cameras are not asked.
 ResponseFinding response_of_sample(std::span<const SampledInput> inputs, const DetectorOptions& detector,
                                    const ResponseCamera& camera, const TagSizes& sizes, int num_threads);
 
 /// Runs `detect`, which keeps the tags with their pictures, with the response that is stated; else with what
-/// a sample of the frames tells; else with that assumed, and once more if all its tags tell another.
+/// a sample of the frames tells; else with that assumed, and once more if all its tags tell one. rival: what
+/// it may be as well, for DetectorOptions.
 ResponseFinding run_with_response(
     const ResponseCamera& camera, ResponseOrigin origin, const SampledInput& input,
     const DetectorOptions& detector, int num_threads,
-    const std::function<std::span<const FrameDetections>(const ResponseCurve&)>& detect);
+    const std::function<std::span<const FrameDetections>(const ResponseCurve& response,
+                                                         const std::optional<ResponseCurve>& rival)>& detect);
 
 /// As response_of_sample(), for a camera, whose response becomes the one that is found; says in words what is
 /// used.

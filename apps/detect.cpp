@@ -108,10 +108,12 @@ std::optional<ResponseCurve> stated_response(const DetectArguments& arguments,
 }
 
 Record detect_with(const DetectArguments& arguments, const std::optional<Camera>& camera,
-                   const std::string& name, const ResponseCurve& response) {
+                   const std::string& name, const ResponseCurve& response,
+                   const std::optional<ResponseCurve>& rival) {
   FrameLoopOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
                               arguments.num_threads, "detect"};
   options.detector->response = response;
+  options.detector->rival_response = rival;
   const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options(arguments));
   Record record;
   OddPictureWatch watch;
@@ -135,13 +137,13 @@ Record detect(const DetectArguments& arguments) {
   const auto stated = stated_response(arguments, camera);
   if (stated) asked.assumed = *stated;
   Record record;
-  ResponseFinding response =
-      run_with_response(asked, stated ? ResponseOrigin::kStated : ResponseOrigin::kAssumed,
-                        {arguments.input, source_options(arguments)}, detector_options(arguments, camera),
-                        arguments.num_threads, [&](const ResponseCurve& curve) {
-                          record = detect_with(arguments, camera, asked.name, curve);
-                          return std::span<const FrameDetections>(record.frames);
-                        });
+  ResponseFinding response = run_with_response(
+      asked, stated ? ResponseOrigin::kStated : ResponseOrigin::kAssumed,
+      {arguments.input, source_options(arguments)}, detector_options(arguments, camera),
+      arguments.num_threads, [&](const ResponseCurve& curve, const std::optional<ResponseCurve>& rival) {
+        record = detect_with(arguments, camera, asked.name, curve, rival);
+        return std::span<const FrameDetections>(record.frames);
+      });
   record.response = std::move(response);
   return record;
 }
@@ -173,6 +175,7 @@ void finish(const DetectArguments& arguments, const Record& record) {
                                   {"tags", tags},
                                   {"readings_left_out", record.left_out.json()},
                                   {"response", json_of(record.response)},
+                                  {"value_range", value_range_json(record.counts.value_range)},
                                   {"interrupted", record.counts.is_interrupted},
                                   {"output", arguments.output}};
   arguments.console.finish(

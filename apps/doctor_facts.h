@@ -10,6 +10,7 @@
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/detect/odd_pictures.h"
+#include "apriltrack/source/frame_source.h"
 #include "apriltrack/tags/tag_key.h"
 #include "camera_response.h"
 #include "left_out_tags.h"
@@ -63,9 +64,11 @@ struct RecordingFacts {
   bool tells_times = true;  ///< False: no time in the images' names and none given; one a second was taken.
   std::vector<FrameFacts> frames = {};  ///< In the order of time.
   std::size_t unreadable = 0;
-  LeftOutTags left_out = {};                        ///< Readings.
-  std::optional<OddPictures> odd_pictures = {};     ///< Hardly a tag was read: what is wrong.
-  std::size_t sampled = 0;                          ///< Frames in which all families were looked for.
+  std::optional<ValueRange> value_range = std::nullopt;  ///< Of 16-bit image files.
+  LeftOutTags left_out = {};                             ///< Readings.
+  std::optional<OddPictures> odd_pictures = {};          ///< What is wrong with frames without tags.
+  bool are_some_good = false;                            ///< Where odd_pictures tells of others.
+  std::size_t sampled = 0;                               ///< Frames in which all families were looked for.
   std::vector<FamilyReadings> other_families = {};  ///< Those read at all, without the families asked for.
 };
 

@@ -66,6 +66,24 @@ class ReadingsOfFamily {
 
 }  // namespace
 
+void FamilySample::offer(const GrayView& image, std::span<const Detection> asked) {
+  const bool is_explained =
+      std::ranges::any_of(asked, [](const Detection& one) { return one.hamming.value_or(0) == 0; });
+  (is_explained ? explained_ : unexplained_).offer(image);
+}
+
+std::vector<GrayImage> FamilySample::images() const {
+  std::vector<GrayImage> all = unexplained_.images();
+  all.insert(all.end(), explained_.images().begin(), explained_.images().end());
+  return all;
+}
+
+std::optional<OddPictures> find_odd_pictures_of_any(std::span<const GrayImage> images,
+                                                    const DetectorOptions& asked) {
+  constexpr std::size_t kMost = 2;
+  return find_odd_pictures(images.first(std::min(kMost, images.size())), options_for_all(asked));
+}
+
 std::vector<FamilyReadings> read_other_families(std::span<const GrayImage> images,
                                                 const DetectorOptions& asked, int num_threads,
                                                 const Console& console) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 
 namespace apriltrack::app {
@@ -14,8 +15,12 @@ std::vector<Finding> find_all(const Facts& facts) {
   std::ranges::move(find_in_places(facts), std::back_inserter(all));
   std::ranges::move(find_in_sizes(facts), std::back_inserter(all));
   for (const RecordingFacts& recording : facts.recordings) {
-    for (const auto& find : {find_in_odd_pictures, find_in_camera, find_in_response, find_in_lens,
-                             find_in_images, find_in_blur}) {
+    using Find = std::function<std::vector<Finding>(const RecordingFacts&)>;
+    const Find find_odd = [&](const RecordingFacts& one) {
+      return find_in_odd_pictures(one, facts.families);
+    };
+    for (const Find& find : std::initializer_list<Find>{find_odd, find_in_camera, find_in_response,
+                                                        find_in_lens, find_in_images, find_in_blur}) {
       for (Finding& finding : find(recording)) {
         if (facts.recordings.size() > 1) finding.text = recording.input + ": " + finding.text;
         all.push_back(std::move(finding));

@@ -57,7 +57,9 @@ std::vector<Finding> find_in_lens(const RecordingFacts& recording);
 /// Whether tags are seen together from more places than one.
 std::vector<Finding> find_in_places(const Facts& facts);
 /// Whether pictures are mirrored, or light and dark exchanged; and what was read and left out.
-std::vector<Finding> find_in_odd_pictures(const RecordingFacts& recording);
+/// families: asked for.
+std::vector<Finding> find_in_odd_pictures(const RecordingFacts& recording,
+                                          std::span<const std::string> families);
 /// Of the families that no one asked for, and of none that was.
 std::vector<Finding> find_in_families(const Facts& facts);
 std::vector<Finding> find_in_tags(std::span<const TagSummary> tags,

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -13,7 +14,6 @@
 #include "blank_images.h"
 #include "doctor_families.h"
 #include "doctor_places.h"
-#include "doctor_sample.h"
 #include "frame_loop.h"
 #include "inputs.h"
 #include "odd_picture_watch.h"
@@ -119,37 +119,53 @@ ResponseCamera camera_to_ask(const RecordingFacts& facts) {
   return asked;
 }
 
-/// Fills in what is seen with the detector's response; returns the tags, with pictures.
-std::vector<FrameDetections> look_with(const SampledInput& input, const DetectorOptions& detector,
-                                       const LookOptions& options, const Console& console,
-                                       bool& is_interrupted, RecordingFacts& facts) {
+/// What is kept of the frames beside the facts.
+struct KeptPictures {
+  std::vector<FrameDetections> tags;  ///< With pictures.
+  OddPictureWatch watch;
+  FamilySample for_families;
+};
+
+/// Fills in what is seen with the detector's response.
+KeptPictures look_with(const SampledInput& input, const DetectorOptions& detector, const LookOptions& options,
+                       const Console& console, bool& is_interrupted, RecordingFacts& facts) {
   facts.frames.clear();
   facts.left_out = {};
   const auto source = open_source(input.input, input.source);
-  OddPictureWatch watch;
+  KeptPictures kept;
   PatchKeeper keeper;
-  std::vector<FrameDetections> tags;
-  constexpr std::size_t kSampledFrames = 20;
-  EvenSample sample(kSampledFrames);
   const FrameCounts counts = detect_frames(
       *source, {detector, nullptr, options.num_threads, "look at " + input.input}, console,
       [&](DetectedFrame frame) {
         if (!frame.source.is_readable()) return;
-        sample.offer(frame.source.pixels.view());
-        watch.add(frame.source.pixels.view(), frame.detections);
+        kept.for_families.offer(frame.source.pixels.view(), frame.detections);
+        kept.watch.add(frame.source.pixels.view(), frame.detections);
         facts.left_out.add(frame.left_out);
         facts.frames.push_back(facts_of(frame, detector.response));
-        tags.push_back({frame.source.timestamp, facts.camera_name, std::move(frame.detections)});
-        keeper.keep(frame.source.pixels.view(), tags.back());
+        kept.tags.push_back({frame.source.timestamp, facts.camera_name, std::move(frame.detections)});
+        keeper.keep(frame.source.pixels.view(), kept.tags.back());
       });
   facts.unreadable = counts.unreadable;
+  facts.value_range = counts.value_range;
   is_interrupted = counts.is_interrupted;
-  if (!is_interrupted) facts.odd_pictures = watch.look(detector);
-  if (!is_interrupted && options.tries_other_families) {
-    facts.other_families = read_other_families(sample.images(), detector, options.num_threads, console);
-    facts.sampled = sample.images().size();
+  return kept;
+}
+
+/// Once, whatever response the pictures turn out to have: neither search depends on it.
+void look_for_what_was_not_asked(const KeptPictures& kept, const DetectorOptions& detector,
+                                 const LookOptions& options, const Console& console, RecordingFacts& facts) {
+  facts.odd_pictures = kept.watch.look(detector);
+  if (!facts.odd_pictures) {
+    facts.odd_pictures = kept.watch.look_among_good(detector);
+    facts.are_some_good = facts.odd_pictures.has_value();
   }
-  return tags;
+  if (!options.tries_other_families) return;
+  const std::vector<GrayImage> images = kept.for_families.images();
+  facts.other_families = read_other_families(images, detector, options.num_threads, console);
+  facts.sampled = images.size();
+  const bool has_tags = std::ranges::any_of(facts.frames, [](const auto& one) { return !one.tags.empty(); });
+  if (has_tags || facts.odd_pictures || !facts.other_families.empty()) return;
+  facts.odd_pictures = find_odd_pictures_of_any(images, detector);
 }
 
 RecordingFacts look_at_one(const std::string& input, const LookOptions& options, const Console& console,
@@ -165,14 +181,17 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
   DetectorOptions detector = options.detector;
   if (facts.camera) detector.camera_model = facts.camera->model;
   const SampledInput sampled{named.input, source_options};
-  std::vector<FrameDetections> tags;
+  std::optional<KeptPictures> kept;
   facts.response = run_with_response(
       camera_to_ask(facts), facts.camera ? facts.camera->response_origin : ResponseOrigin::kAssumed, sampled,
-      detector, options.num_threads, [&](const ResponseCurve& response) {
+      detector, options.num_threads, [&](const ResponseCurve& response, const std::optional<ResponseCurve>&) {
+        // A rival would change covariances alone, which nobody asks for.
+        const bool is_seen = kept && detector.response.name() == response.name();
         detector.response = response;
-        tags = look_with(sampled, detector, options, console, is_interrupted, facts);
-        return std::span<const FrameDetections>(tags);
+        if (!is_seen) kept = look_with(sampled, detector, options, console, is_interrupted, facts);
+        return std::span<const FrameDetections>(kept->tags);
       });
+  if (!is_interrupted) look_for_what_was_not_asked(*kept, detector, options, console, facts);
   return facts;
 }
 

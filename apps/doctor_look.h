@@ -21,8 +21,8 @@ struct LookOptions {
 };
 
 /// Reads every frame of every INPUT, finds the tags of the families asked for and measures their blur; looks
-/// for all other families in small copies of up to 20 frames of each, and, where hardly a tag is read, for
-/// tags in the mirror image and the negative of up to 4. Ctrl-C ends it, with the facts until then.
+/// for all other families in small copies of a few frames of each (FamilySample), and, where hardly a tag is
+/// read, for tags in the mirror image and the negative of up to 4. Ctrl-C ends it, with the facts until then.
 ///
 /// Images whose names are no times are taken at one a second where no rate is given. Throws as open_source,
 /// read_cameras and Takes do.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "frame_loop.h"
+
 namespace apriltrack::app {
 namespace {
 
@@ -145,6 +147,7 @@ nlohmann::json json_of(const RecordingFacts& recording) {
           {"frames_with_tags", frames_with_tags(recording)},
           {"unreadable", recording.unreadable},
           {"sizes", sizes},
+          {"value_range", value_range_json(recording.value_range)},
           {"rate_hz", recording.tells_times ? or_null(times.rate_hz) : nlohmann::json()},
           {"time_gaps", times.gaps},
           {"longest_gap_s", times.longest_gap_s},

@@ -18,8 +18,9 @@ class EvenSample {
   /// 1000 x 750.
   static constexpr std::int64_t kMostPixels = 1 << 21;
 
-  /// most: even, and at least 2.
-  explicit EvenSample(std::size_t most) : most_(most) {}
+  /// most: even, and at least 2. most_pixels: of a copy.
+  explicit EvenSample(std::size_t most, std::int64_t most_pixels = kMostPixels)
+      : most_(most), most_pixels_(most_pixels) {}
 
   void offer(const GrayView& image) {
     if (num_offered_++ % step_ != 0) return;
@@ -27,7 +28,7 @@ class EvenSample {
       halve();
       if ((num_offered_ - 1) % step_ != 0) return;
     }
-    images_.push_back(reduced_copy(image, kMostPixels));
+    images_.push_back(reduced_copy(image, most_pixels_));
   }
 
   const std::vector<GrayImage>& images() const { return images_; }
@@ -40,6 +41,7 @@ class EvenSample {
   }
 
   std::size_t most_;
+  std::int64_t most_pixels_;
   std::vector<GrayImage> images_;
   std::size_t num_offered_ = 0;
   std::size_t step_ = 1;

@@ -241,14 +241,15 @@ std::vector<Finding> find_in_families(const Facts& facts) {
                    asked, frames, tried ? ", nor of any other family" : " (is another --family printed?)")}};
 }
 
-std::vector<Finding> find_in_odd_pictures(const RecordingFacts& recording) {
+std::vector<Finding> find_in_odd_pictures(const RecordingFacts& recording,
+                                          std::span<const std::string> families) {
   std::vector<Finding> findings;
   if (const auto& odd = recording.odd_pictures)
-    findings.push_back({Severity::kStops,
+    findings.push_back({recording.are_some_good ? Severity::kWarning : Severity::kStops,
                         odd->are_mirrored && odd->are_inverted ? "mirrored_and_inverted"
                         : odd->are_mirrored                    ? "mirrored"
                                                                : "inverted",
-                        told(*odd)});
+                        told(*odd, families, !recording.are_some_good)});
   if (!recording.left_out.is_empty())
     findings.push_back({Severity::kNote, "readings_left_out", recording.left_out.told()});
   return findings;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <nlohmann/json.hpp>
 #include <thread>
 #include <utility>
 
@@ -166,6 +167,12 @@ void tell(const FrameSource& source, const FrameCounts& counts, const std::strin
 
 }  // namespace
 
+nlohmann::json value_range_json(const std::optional<ValueRange>& range) {
+  if (!range) return nullptr;
+  const std::optional<int> bits = range->bits();
+  return {{"black", range->black}, {"white", range->white}, {"bits", bits ? nlohmann::json(*bits) : nullptr}};
+}
+
 FrameCounts detect_frames(FrameSource& source, const FrameLoopOptions& options, const Console& console,
                           const std::function<void(DetectedFrame)>& sink) {
   BatchDetector detector(options);
@@ -185,6 +192,7 @@ FrameCounts detect_frames(FrameSource& source, const FrameLoopOptions& options, 
       }
     }
   }
+  counts.value_range = source.value_range();
   tell(source, counts, first_unreadable, console);
   return counts;
 }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,9 +36,13 @@ struct FrameCounts {
   std::size_t unreadable = 0;
   std::size_t blank = 0;  ///< Readable ones that show nothing, until the first that shows something.
   bool is_interrupted = false;
+  std::optional<ValueRange> value_range = std::nullopt;  ///< Of 16-bit image files.
 
   bool are_all_blank() const { return readable > 0 && blank == readable; }
 };
+
+/// Null, or {"black", "white", "bits"}; bits: null where the range is none of so many bits.
+nlohmann::json value_range_json(const std::optional<ValueRange>& range);
 
 /// Detects in every frame of `source`, several side by side, each thread with a detector of its own; `sink`
 /// gets all frames one by one, in order, so that the number of threads changes no result.

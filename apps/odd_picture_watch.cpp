@@ -1,8 +1,10 @@
 #include "odd_picture_watch.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <set>
 
 #include "console.h"
 
@@ -22,17 +24,32 @@ std::optional<OddPictures> OddPictureWatch::look(const DetectorOptions& detector
   return find_odd_pictures(tagless_.images(), detector);
 }
 
+std::optional<OddPictures> OddPictureWatch::look_among_good(const DetectorOptions& detector) const {
+  const std::size_t num_without = num_frames_ - num_with_tags_;
+  if (num_with_tags_ == 0 || 4 * num_without < num_frames_) return std::nullopt;
+  const auto odd = find_odd_pictures(tagless_.images(), detector);
+  if (!odd || 4 * odd->pictures < 3 * tagless_.images().size()) return std::nullopt;
+  return odd;
+}
+
 std::optional<std::string> OddPictureWatch::told(const DetectorOptions& detector) const {
   if (is_interrupted()) return std::nullopt;
   const auto odd = look(detector);
   if (!odd) return std::nullopt;
-  return app::told(*odd);
+  return app::told(*odd, detector.families);
 }
 
-std::string told(const OddPictures& odd) {
+std::string told(const OddPictures& odd, std::span<const std::string> families, bool are_all) {
   const std::string tags =
       odd.tags.size() == 1 ? to_string(*odd.tags.begin())
                            : fmt::format("{} and {} more", to_string(*odd.tags.begin()), odd.tags.size() - 1);
+  std::set<std::string> others;  // that are there, and were not asked for
+  for (const TagKey& tag : odd.tags)
+    if (std::ranges::find(families, tag.family) == families.end()) others.insert("--family " + tag.family);
+  const std::string give = others.empty() ? ""
+                                          : fmt::format(", and these are no {}: give {}",
+                                                        fmt::join(families, ", "), fmt::join(others, " "));
+  const std::string pictures = are_all ? "the pictures are" : "some pictures, though not all, are";
   const std::string mirrored =
       "turn mirroring (selfie view) off in the camera, or flip the pictures left to right (ffmpeg -i IN -vf "
       "hflip OUT), and use a camera file made of pictures that are not mirrored";
@@ -40,14 +57,14 @@ std::string told(const OddPictures& odd) {
       "print tags black on white; pictures that are negatives can be turned (ffmpeg -i IN -vf negate OUT)";
   if (odd.are_mirrored && odd.are_inverted)
     return fmt::format(
-        "the pictures are mirrored, and light on dark: tags are read in the negative of their "
-        "mirror image ({}); {}; {}",
-        tags, mirrored, inverted);
+        "{} mirrored, and light on dark: tags are read in the negative of their mirror image ({}){}; {}; {}",
+        pictures, tags, give, mirrored, inverted);
   if (odd.are_mirrored)
-    return fmt::format("the pictures are mirrored: tags are read in their mirror image ({}); {}", tags,
+    return fmt::format("{} mirrored: tags are read in their mirror image ({}){}; {}", pictures, tags, give,
                        mirrored);
-  return fmt::format("the tags are light on dark: they are read in the negative of the pictures ({}); {}",
-                     tags, inverted);
+  return fmt::format("{} light on dark: they are read in the negative of the pictures ({}){}; {}",
+                     are_all ? "the tags are" : "the tags of some pictures, though not of all, are", tags,
+                     give, inverted);
 }
 
 }  // namespace apriltrack::app

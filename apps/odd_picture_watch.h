@@ -18,6 +18,9 @@ class OddPictureWatch {
 
   /// nullopt, at once, where more than one frame in ten shows a tag that was read without a corrected bit.
   std::optional<OddPictures> look(const DetectorOptions& detector) const;
+  /// Where tags are read in some frames, and in a quarter or more none: what is wrong with these, if it is
+  /// the same with three in four of those that were kept. A mirror in the picture is seen more seldom.
+  std::optional<OddPictures> look_among_good(const DetectorOptions& detector) const;
   /// The same in words, with the way out; nullopt likewise.
   std::optional<std::string> told(const DetectorOptions& detector) const;
 
@@ -27,7 +30,7 @@ class OddPictureWatch {
   std::size_t num_with_tags_ = 0;
 };
 
-/// "the pictures are mirrored: ...", with what to do.
-std::string told(const OddPictures& odd);
+/// "the pictures are mirrored: ...", with what to do. families: asked for; are_all: else some alone are odd.
+std::string told(const OddPictures& odd, std::span<const std::string> families, bool are_all = true);
 
 }  // namespace apriltrack::app

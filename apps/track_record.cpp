@@ -11,6 +11,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/eval/statistics.h"
 #include "blank_images.h"
+#include "frame_loop.h"
 
 namespace apriltrack::app {
 namespace {
@@ -209,6 +210,7 @@ nlohmann::json TrackRecord::summary() const {
                             {"lost_reasons", lost_reasons_},
                             {"tags_seen", frames_by_tag_.size()},
                             {"readings_left_out", left_out_.json()},
+                            {"value_range", value_range_json(value_range_)},
                             {"mapped_tags_in_view_never_seen", never_seen_tags().size()},
                             {"latency_p50_ms", latency_ms(0.50)},
                             {"latency_p99_ms", latency_ms(0.99)}};

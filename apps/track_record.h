@@ -11,6 +11,7 @@
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/eval/frame_log.h"
 #include "apriltrack/eval/trajectory.h"
+#include "apriltrack/source/frame_source.h"
 #include "apriltrack/tags/tag_map.h"
 #include "apriltrack/tracker/track_result.h"
 #include "left_out_tags.h"
@@ -40,6 +41,8 @@ class TrackRecord {
 
   /// That no image shows anything.
   void found_all_blank() { are_all_blank_ = true; }
+  /// Of 16-bit image files.
+  void has_values(const std::optional<ValueRange>& range) { value_range_ = range; }
 
   bool has_pose() const { return !trajectory_.empty(); }
   /// Tags were read, but in so few frames that these may be false readings: what to ask then. Empty where
@@ -110,6 +113,7 @@ class TrackRecord {
   std::string odd_pictures_;
   bool searches_large_images_ = false;
   bool are_all_blank_ = false;
+  std::optional<ValueRange> value_range_;
 };
 
 }  // namespace apriltrack::app

@@ -178,6 +178,22 @@ TEST(EstimateResponse, AgreesWithACameraThatIsAsItsFileSays) {
   }
 }
 
+/// The smaller the tags, the more ink may have made the difference.
+TEST(EstimateResponse, ContradictsWhatIsOverFourSigmasAway) {
+  const std::vector<FrameDetections> frames = painted_frames({.exponent = 0.0});
+  int between_four_and_five = 0, below_four = 0;
+  for (double size_m = 0.16; size_m > 0.02; size_m *= 0.9) {
+    const ResponseEstimate found =
+        estimate_response(frames, square_camera(ResponseCurve::linear()), TagSizes(size_m));
+    const double sigmas = std::abs(found.exponent - 1.0) / found.sigma;
+    EXPECT_EQ(found.contradicts_assumed, sigmas > 4.0) << size_m << " m: " << sigmas << " sigmas";
+    between_four_and_five += sigmas > 4.0 && sigmas < 5.0;
+    below_four += sigmas < 4.0;
+  }
+  EXPECT_GT(between_four_and_five, 0);
+  EXPECT_GT(below_four, 0);
+}
+
 TEST(EstimateResponse, SigmaCoversInkThatRan) {
   const ResponseEstimate even = estimated({.exponent = 1.5}, ResponseCurve::srgb());
   const ResponseEstimate ran = estimated({.exponent = 1.5, .ink_m = 1e-4}, ResponseCurve::srgb());

@@ -83,25 +83,6 @@ TEST(PatternFit, IsUnbiasedWhereCellsAreAPixelWide) {
   EXPECT_LT(errors.rms_per_axis_px(), 0.06);
 }
 
-/// Tags of 20 to 60 px, seen at 0 to 65 degrees: the simulator's picture, exact to a thousandth of a pixel,
-/// which the test's own renderer is not.
-Scene scene_of_tags(std::uint64_t seed) {
-  RandomStream random(seed);
-  Scene scene = test::lit_scene(random);
-  Body boards{.name = "world", .T_world_body = {}, .panels = {}};
-  for (int i = 0; i < 12; ++i) {
-    const double axis = random.uniform(0.0, 2.0 * pi);
-    MapTag tag;
-    tag.key = {"tag36h11", 40 * i + static_cast<int>(seed)};
-    tag.size_m = 20.0 * std::pow(3.0, random.uniform()) / test::kBoardsFocal_px;
-    tag.T_map_tag = test::pose_of_board(i, axis, 45.0, random);
-    scene.map.tags.push_back(tag);
-  }
-  add_tags(boards, scene.map, {.margin_cells = 1.0});
-  scene.bodies.push_back(boards);
-  return scene;
-}
-
 /// How far errors exceed what is claimed of them: squares over their covariance, of several scenes.
 struct Claims {
   double nees = 0.0;  ///< Over 8 degrees of freedom, summed.
@@ -140,14 +121,14 @@ void expect_honest(const Claims& claims) {
 TEST(PatternFit, ClaimsTheErrorsThatItMakes) {
   Claims claims;
   for (std::uint64_t seed = 1; seed <= 5; ++seed)
-    ASSERT_NO_FATAL_FAILURE(claims.add(scene_of_tags(seed), seed, true));
+    ASSERT_NO_FATAL_FAILURE(claims.add(test::lit_boards(seed), seed, true));
   expect_honest(claims);
 }
 
 TEST(PatternFit, ClaimsTheErrorsThatItMakesBehindSharpLenses) {
   Claims claims;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    Scene scene = scene_of_tags(seed);
+    Scene scene = test::lit_boards(seed);
     scene.formation.lens_blur_sigma_px = seed % 4 == 0 ? 0.0 : 0.2 + 0.01 * static_cast<double>(seed);
     ASSERT_NO_FATAL_FAILURE(claims.add(scene, seed, true));
   }
@@ -158,7 +139,7 @@ TEST(PatternFit, ClaimsTheErrorsThatItMakesInOverexposedPictures) {
   // White is full: what counts are black cells, and edges where they are dark.
   Claims claims;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    Scene scene = scene_of_tags(seed);
+    Scene scene = test::lit_boards(seed);
     scene.lighting.ambient = 1.5;
     ASSERT_NO_FATAL_FAILURE(claims.add(scene, seed, true));
   }
@@ -169,7 +150,7 @@ TEST(PatternFit, ClaimsTheErrorsThatItMakesWhereNoCameraIsKnown) {
   // The bend's part of the corners' covariance counts: without it the mean is 2.1.
   Claims claims;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    Scene scene = scene_of_tags(seed);
+    Scene scene = test::lit_boards(seed);
     const double k1 = 0.04 * (static_cast<double>(seed) - 5.5);
     scene.camera.model = CameraModel(scene.camera.model.pinhole(), RadtanDistortion({k1, 0.0, 0.0, 0.0}));
     ASSERT_NO_FATAL_FAILURE(claims.add(scene, seed, false));
@@ -183,7 +164,7 @@ TEST(PatternFit, EndsAtTheSameCornersFromAnyStart) {
   const double max_difference_in_sigmas = std::sqrt(2.0);
   int num_compared = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    Scene scene = scene_of_tags(seed);
+    Scene scene = test::lit_boards(seed);
     scene.camera.model =
         CameraModel(Pinhole{700.0, 700.0, 319.5, 239.5}, RadtanDistortion({-1.5, 1.0, 0.0, 0.0}));
     scene.bodies[0].panels.clear();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "doctor_families.h"
 #include "doctor_sample.h"
 
 namespace apriltrack::app {
@@ -39,6 +40,24 @@ TEST(EvenSample, IsSpreadEvenly) {
   std::vector<int> kept;
   for (const GrayImage& image : sample.images()) kept.push_back(image(0, 0));
   EXPECT_EQ(kept, (std::vector<int>{0, 4, 8, 12}));
+}
+
+TEST(FamilySample, LooksMostlyAtFramesThatShowNoTagAskedFor) {
+  const std::vector<Detection> read = {{{"tag36h11", 3}, {}, 0, 90.0}};
+  const std::vector<Detection> corrected = {{{"tag36h11", 3}, {}, 1, 90.0}};  // may be another's tag
+  FamilySample explained, mixed;
+  for (int i = 0; i < 100; ++i) {
+    const GrayImage frame(1920, 1080);
+    explained.offer(frame.view(), read);
+    const bool is_tagless = i < 40;
+    mixed.offer(frame.view(), is_tagless ? std::span<const Detection>() : read);
+    if (i >= 90) mixed.offer(frame.view(), corrected);
+  }
+  EXPECT_LE(explained.images().size(), FamilySample::kMostExplained);
+  EXPECT_GE(explained.images().size(), 1U);
+  EXPECT_GE(mixed.images().size(), 5U);
+  EXPECT_LE(mixed.images().size(), FamilySample::kMostExplained + FamilySample::kMostUnexplained);
+  for (const GrayImage& image : mixed.images()) EXPECT_EQ(image.width(), 960);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
+#include "apriltrack/base/random.h"
 #include "apriltrack/source/image_file.h"
 #include "source_support.h"
 
@@ -64,6 +65,34 @@ TEST(ValueRange, PassesOverDeadPixels) {
   EXPECT_EQ(range_of(temperatures), (ValueRange{6490, 8530}));
 }
 
+TEST(ValueRange, PassesOverAThousandthOfHotAndDeadPixels) {
+  constexpr int kSensorSide = 640;
+  RandomStream random(7);
+  const auto with_odd = [&](int low, int high, double hot, double dead) {
+    cv::Mat picture(kSensorSide, kSensorSide, CV_16UC1);
+    for (int y = 0; y < kSensorSide; ++y) {
+      for (int x = 0; x < kSensorSide; ++x) {
+        const double drawn = random.uniform();
+        const int light = low + (high - low) * x / (kSensorSide - 1);
+        picture.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(drawn < hot          ? 65535
+                                                                     : drawn > 1.0 - dead ? 0
+                                                                                          : light);
+      }
+    }
+    return range_of(picture);
+  };
+  EXPECT_EQ(with_odd(0, 1000, 1e-3, 0.0), (ValueRange{0, 1023}));
+  EXPECT_EQ(with_odd(0, 4000, 1e-3, 1e-3), (ValueRange{0, 4095}));
+  EXPECT_EQ(with_odd(7000, 8020, 1e-3, 1e-3), (ValueRange{6490, 8530}));
+}
+
+TEST(ValueRange, KeepsASmallLamp) {
+  cv::Mat picture = ramp(0, 900);
+  for (int y = 20; y < 25; ++y)
+    for (int x = 40; x < 45; ++x) picture.at<std::uint16_t>(y, x) = 4000;
+  EXPECT_EQ(range_of(picture).white, 4095);
+}
+
 void write_deep(const fs::path& path, const cv::Mat& picture) {
   fs::create_directories(path.parent_path());
   ASSERT_TRUE(cv::imwrite(path.string(), picture));
@@ -103,6 +132,26 @@ TEST(ImageFolder, ScalesAllPicturesAlike) {
   ASSERT_EQ(heard.infos.size(), 1U);
   EXPECT_THAT(heard.infos[0], HasSubstr("12 bits (0 to 4095)"));
   EXPECT_TRUE(heard.warnings.empty());
+}
+
+TEST(ImageFolder, TellsTheRangeToPrograms) {
+  const fs::path folder = temporary_folder() / "typed";
+  write_deep(folder / "deep" / "1000000000.png", ramp(0, 900));
+  write_deep(folder / "warm" / "1000000000.png", ramp(7000, 8020));
+  fs::create_directories(folder / "plain");
+  ASSERT_TRUE(
+      cv::imwrite((folder / "plain" / "1000000000.png").string(), cv::Mat(8, 8, CV_8UC1, cv::Scalar(9))));
+  const auto range_in = [&](const char* name, const SourceOptions& options) {
+    const auto source = open_source((folder / name).string(), options);
+    EXPECT_FALSE(source->value_range()) << "nothing was read yet";
+    source->next();
+    return source->value_range();
+  };
+  EXPECT_EQ(range_in("deep", {}), (ValueRange{0, 1023}));
+  EXPECT_EQ(range_in("deep", {})->bits(), 10);
+  EXPECT_EQ(range_in("deep", {.bits = 12})->bits(), 12);
+  EXPECT_EQ(range_in("warm", {})->bits(), std::nullopt);
+  EXPECT_EQ(range_in("plain", {}), std::nullopt);
 }
 
 TEST(ImageFolder, TakesTheBitsThatItIsTold) {

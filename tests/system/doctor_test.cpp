@@ -165,6 +165,13 @@ TEST_F(Doctor, KnowsTagsOfKalibrsGrids) {
   EXPECT_THAT(run.out + run.err, HasSubstr("--family tag36h11b2"));
 }
 
+TEST_F(Doctor, NamesTheFamilyThatHangsBeside) {
+  film(8, paint({{"tag36h11", 1, 0}, {"tag36h11", 2, 1}, {"tag25h9", 1, 2}}));
+  const ProgramRun run = run_program({"doctor", folder_.string()});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("besides tag36h11 there are 2 readings of tag25h9 in 2 frames looked at"));
+}
+
 TEST_F(Doctor, TakesNoFamilyForAnother) {
   film(8, paint(kThreeTags));
   const ProgramRun run = run_program({"doctor", folder_.string(), "--json"});
@@ -197,6 +204,33 @@ TEST_F(Doctor, AndAllThatDetectSayThatPicturesAreMirrored) {
               EndsWith(1, says));
   EXPECT_THAT(run_program({"track", input, "--output", path("o.tum")}), EndsWith(1, says));
   EXPECT_THAT(run_program({"track", input, "--method", "pnp", "--output", path("o.tum")}), EndsWith(1, says));
+}
+
+TEST_F(Doctor, NamesTheFamilyOfMirroredPictures) {
+  film(4, mirrored(paint({{"tag25h9", 1, 0}, {"tag25h9", 2, 1}})));
+  const ProgramRun doctor = run_program({"doctor", folder_.string()});
+  EXPECT_EQ(doctor.status, 1);
+  EXPECT_THAT(doctor.out,
+              HasSubstr("the pictures are mirrored: tags are read in their mirror image (tag25h9/1 and "
+                        "1 more), and these are no tag36h11: give --family tag25h9; turn mirroring"));
+  EXPECT_EQ(doctor.out.find("no tag of"), std::string::npos) << doctor.out;
+}
+
+TEST_F(Doctor, TellsThatSomePicturesAreMirrored) {
+  film(6, paint(kThreeTags));
+  film(6, mirrored(paint(kThreeTags)));
+  const ProgramRun doctor = look();
+  EXPECT_EQ(doctor.status, 0);
+  EXPECT_THAT(doctor.err,
+              HasSubstr("some pictures, though not all, are mirrored: tags are read in their mirror "
+                        "image (tag36h11/1 and 2 more)"));
+}
+
+TEST_F(Doctor, TakesFramesWithoutTagsForNoMirrorImages) {
+  film(6, paint(kThreeTags));
+  film(6, paint({}));
+  const ProgramRun doctor = look();
+  EXPECT_EQ(doctor.err.find("mirror"), std::string::npos) << doctor.err;
 }
 
 TEST_F(Doctor, SaysThatTagsAreLightOnDark) {

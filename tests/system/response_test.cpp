@@ -292,6 +292,7 @@ TEST(ResponseOfMachineVision, IsToldByOnePicture) {
       run_for_json({"detect", image, "--rate", "1", "--family", "tag36h11b2", "--output", output});
   EXPECT_EQ(summary.at("detections"), 36);
   EXPECT_EQ(summary.at("response").at("used"), "linear");
+  EXPECT_EQ(summary.at("value_range"), (nlohmann::json{{"black", 0}, {"white", 65535}, {"bits", 16}}));
   const ProgramRun doctor = run_program({"doctor", image, "--rate", "1", "--family", "tag36h11b2",
                                          "--no-other-families", "--json"});  // one picture makes no map
   const nlohmann::json looked = nlohmann::json::parse(doctor.out);

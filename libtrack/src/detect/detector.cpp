@@ -222,6 +222,28 @@ class Detector::Implementation {
                                corners_px, kLeastPatternCorrelation) >= kLeastPatternCorrelation;
   }
 
+  /// Of the fit, and of its response, where that is in doubt: half of the chance is the rival's, and then all
+  /// corners err by what the two fits differ. What the wrong response leaves of the picture is no noise, so
+  /// that of noise the better fit tells. nullopt where the rival's does not tell.
+  std::optional<CornerCovariance> covariance_of(const GrayView& image, const TagPattern& shown,
+                                                const FittedPattern& fitted,
+                                                const CameraModel* camera) const {
+    if (!options_.rival_response) return fitted.covariance_px2;
+    constexpr double kPixel_px2 = 1.0 / 12.0;  // variance of a pixel's own area
+    const auto rival =
+        fit_pattern(LightSampler(image, *options_.rival_response), shown,
+                    {fitted.corners_px, std::sqrt(0.5 * fitted.blur_px2.trace() + kPixel_px2), camera});
+    if (!rival) return std::nullopt;
+    Eigen::Matrix<double, 8, 1> difference_px;
+    for (std::size_t k = 0; k < kNumCorners; ++k)
+      difference_px.segment<2>(2 * static_cast<Eigen::Index>(k)) =
+          rival->corners_px[k] - fitted.corners_px[k];
+    constexpr double kProbabilityOfRival = 0.5;
+    const bool is_rival_better = rival->covariance_px2.trace() < fitted.covariance_px2.trace();
+    return (is_rival_better ? *rival : fitted).covariance_px2 +
+           kProbabilityOfRival * difference_px * difference_px.transpose();
+  }
+
   /// Quads found in linear light are nearer to the truth, so they are tried first. nullopt when no start
   /// leads to a picture of this tag: something hides too much of it, or the code was read by chance. Below 1
   /// % of what is found (bench/detector_accuracy.cpp).
@@ -238,7 +260,8 @@ class Detector::Implementation {
     const CameraModel* camera = options_.camera_model ? &*options_.camera_model : nullptr;
     const auto fit = [&](const TagPattern& shown, const Quad& quad, double blur_sigma_px) {
       const auto fitted = fit_pattern(light, shown, {quad, blur_sigma_px, camera});
-      return fitted ? std::optional(Corners{fitted->corners_px, fitted->covariance_px2}) : std::nullopt;
+      if (!fitted) return std::optional<Corners>();
+      return std::optional(Corners{fitted->corners_px, covariance_of(image, shown, *fitted, camera)});
     };
     for (const Candidate& start : starts) {
       const Quad& quad = start.detection.corners_px;

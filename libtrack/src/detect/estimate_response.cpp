@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kFirstExponent = 1.8;
 constexpr std::size_t kLeastTagPictures = 6;
-constexpr double kWrong = 5.0;         // sigmas of the exponent
+constexpr double kWrong = 4.0;         // sigmas of the exponent
 constexpr double kBeyondChance = 3.0;  // standard errors
 constexpr double kSameInSigmas = 3.0;  // of a curve that has a name
 /// From sensors as they are to PAL's 2.8, the steepest that a standard has.
@@ -94,6 +94,11 @@ ResponseEstimate estimate_response(std::span<const FrameDetections> frames, cons
   result.contradicts_assumed =
       sigmas_off(*fit, result.assumed_exponent) > kWrong && result.assumed_worse_sigmas > kBeyondChance;
   return result;
+}
+
+std::optional<ResponseCurve> rival_response(const ResponseCurve& used, ResponseOrigin origin) {
+  if (origin != ResponseOrigin::kAssumed) return std::nullopt;
+  return used.is_linear() ? ResponseCurve::srgb() : ResponseCurve::linear();
 }
 
 std::string words_of(const ResponseEstimate& estimate) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "apriltrack/detect/chance_readings.h"
 #include "apriltrack/tags/tag_family.h"
@@ -44,6 +45,7 @@ std::optional<OddPictures> find_odd_pictures(std::span<const GrayImage> images,
   DetectorOptions options = detector;
   // One search in the picture as it is will do, and corrected bits prove little.
   options.response = ResponseCurve::linear();
+  options.rival_response.reset();
   options.search_raw_image_only = true;
   options.max_hamming = 0;
   options.decimate = 1.0;
@@ -51,9 +53,11 @@ std::optional<OddPictures> find_odd_pictures(std::span<const GrayImage> images,
   std::optional<OddPictures> found;
   for (OddPictures way : {OddPictures{.are_mirrored = true}, OddPictures{.are_inverted = true},
                           OddPictures{.are_mirrored = true, .are_inverted = true}}) {
-    for (const GrayImage& image : images)
-      for (const Detection& detection : finder.detect(put_right(image, way).view()))
-        way.tags.insert(detection.tag);
+    for (const GrayImage& image : images) {
+      const std::vector<Detection> detections = finder.detect(put_right(image, way).view());
+      for (const Detection& detection : detections) way.tags.insert(detection.tag);
+      way.pictures += !detections.empty();
+    }
     const bool is_better = !found || way.tags.size() > found->tags.size();
     if (is_better && are_beyond_chance(way.tags, options, images.size())) found = std::move(way);
   }

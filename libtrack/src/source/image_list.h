@@ -31,6 +31,7 @@ class ImageListSource : public SkippableSource {
   std::optional<SourceFrame> next() override;
   bool pass_over() override;
   std::optional<std::size_t> num_frames() const override { return entries_.size(); }
+  std::optional<ValueRange> value_range() const override { return range_; }
   std::string name() const override { return name_; }
 
  private:

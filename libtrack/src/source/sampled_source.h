@@ -21,6 +21,7 @@ class SampledSource : public FrameSource {
 
   std::optional<SourceFrame> next() override;
   std::optional<std::size_t> num_frames() const override;
+  std::optional<ValueRange> value_range() const override { return source_->value_range(); }
   std::string name() const override { return source_->name(); }
 
  private:

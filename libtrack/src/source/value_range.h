@@ -4,18 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/source/frame_source.h"
+
 namespace cv {
 class Mat;
 }
 
 namespace apriltrack {
-
-/// Which numbers of a 16-bit picture stand for black and for white.
-struct ValueRange {
-  int black = 0;
-  int white = 65535;
-  bool operator==(const ValueRange&) const = default;
-};
 
 /// How often each number occurs in 16-bit pictures of one source.
 class ValueCounts {
@@ -35,10 +30,15 @@ class ValueCounts {
   int highest() const;
 
  private:
-  /// Pixels that may be dead or hot: 1 in 100,000, and eight of a small picture.
+  using Histogram = std::vector<std::int64_t>;
+
+  /// Values that may be odd all the same: 1 in 100,000, and eight of a small picture.
   std::int64_t num_odd() const;
 
-  std::vector<std::int64_t> counts_ = std::vector<std::int64_t>(65536);
+  /// Of pixels, where one that stands out from all its four neighbours counts as the nearest of them: light
+  /// falls on several pixels, for every lens blurs, but pixels are dead or hot by themselves. Of hot ones, a
+  /// share p of all, 4 p have another such neighbour: 4 in a million pixels at p = 1/1000.
+  Histogram dark_ = Histogram(65536), bright_ = Histogram(65536);
   std::int64_t num_pixels_ = 0;
 };
 

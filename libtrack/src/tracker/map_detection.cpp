@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "apriltrack/detect/estimate_response.h"
+
 namespace apriltrack {
 namespace {
 
@@ -22,6 +24,7 @@ DetectorOptions detector_options_for(const Camera& camera, const TagMap& map, De
   check_tag_map(map);
   options.families = families_of(map);
   options.response = camera.response;
+  options.rival_response = rival_response(camera.response, camera.response_origin);
   options.camera_model = camera.model;
   return options;
 }

@@ -18,6 +18,10 @@ struct DetectorOptions {
   /// Undone before corners are localised. Tags are searched for in linear light and in grey levels as sRGB or
   /// the camera has them, so that neither's tags are lost: two searches, whatever the response.
   ResponseCurve response = ResponseCurve::srgb();
+  /// As likely as `response`, where nothing tells which of the two it is (rival_response()). Corners are
+  /// those of `response`, and their covariances count how far they would lie elsewhere under this one: one
+  /// more fit for each tag.
+  std::optional<ResponseCurve> rival_response = std::nullopt;
   /// Of the camera that takes the images: its lens bends a tag's edges, by half a pixel and more where it is
   /// wide. None: a bend that ordinary lenses have is estimated with the corners.
   std::optional<CameraModel> camera_model = std::nullopt;

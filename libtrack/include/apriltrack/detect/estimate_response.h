@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "apriltrack/camera/camera_model.h"
+#include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/image/response.h"
 #include "apriltrack/tags/tag_sizes.h"
@@ -41,7 +41,7 @@ struct ResponseEstimate {
   /// How much worse the response as assumed explains the pictures than the exponent does, in standard errors
   /// of the mean over frames.
   double assumed_worse_sigmas = 0.0;
-  /// The response as assumed is wrong: over 5 sigma away, and explains the pictures worse.
+  /// The response as assumed is wrong: over 4 sigma away, and explains the pictures worse.
   bool contradicts_assumed = false;
   int views_used = 0, frames_used = 0;
 
@@ -61,6 +61,10 @@ inline constexpr std::size_t kPicturesToEstimate = 48, kPicturesToCheck = 32;
 ResponseEstimate estimate_response(std::span<const FrameDetections> frames, const ResponseCamera& camera,
                                    const TagSizes& sizes, int num_threads = 1,
                                    std::size_t most_pictures = kPicturesToEstimate);
+
+/// What the response may be as well: linear in place of what is assumed, or sRGB in place of linear. nullopt
+/// where it is stated, or estimated.
+std::optional<ResponseCurve> rival_response(const ResponseCurve& used, ResponseOrigin origin);
 
 /// "gamma 1.05 (sigma 0.04)".
 std::string words_of(const ResponseEstimate& estimate);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <set>
 #include <span>
@@ -15,6 +16,7 @@ struct OddPictures {
   bool are_mirrored = false;   ///< Left and right are exchanged, as selfie cameras do.
   bool are_inverted = false;   ///< Light and dark are exchanged: light prints on dark, or negatives.
   std::set<TagKey> tags = {};  ///< Read without a corrected bit once the pictures are put right.
+  std::size_t pictures = 0;    ///< In which.
 };
 
 /// Looks for tags in the mirror image and the negative of `images`, in which few or none were read as they

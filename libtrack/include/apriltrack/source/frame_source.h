@@ -43,6 +43,15 @@ struct SourceOptions {
   LogSink log = silent_log();
 };
 
+/// Which numbers of a 16-bit picture stand for black and for white.
+struct ValueRange {
+  int black = 0;
+  int white = 65535;
+  bool operator==(const ValueRange&) const = default;
+  /// N where it is 0 to 2^N - 1; nullopt of temperatures and the like.
+  std::optional<int> bits() const;
+};
+
 /// Frames in the order of time. A frame that cannot be decoded is handed out as unreadable, never passed
 /// over.
 class FrameSource {
@@ -54,6 +63,9 @@ class FrameSource {
   /// How many frames there are, where that is known beforehand (not for live cameras; an estimate for
   /// videos).
   virtual std::optional<std::size_t> num_frames() const = 0;
+  /// By which 16-bit image files are scaled, as found or as SourceOptions::bits says; nullopt until one has
+  /// been read, and for all else.
+  virtual std::optional<ValueRange> value_range() const { return std::nullopt; }
   /// What this source is, for messages.
   virtual std::string name() const = 0;
 };
