@@ -29,6 +29,7 @@
 #include "commands.h"
 #include "config_file.h"
 #include "constraint_table.h"
+#include "corner_claims.h"
 #include "failure.h"
 #include "inputs.h"
 
@@ -180,6 +181,10 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
     throw no_result("calibrate", told_of_blank_images(sightings.counts.readable));
   tell_of_odd_pictures(a, sightings);
 
+  if (!a.detections.empty()) {
+    const CornerClaims claims = corner_claims_of_calibrate(sightings.frames, a.calibration.corner_bias_px);
+    if (const std::string told = in_words(claims, "the map"); !told.empty()) a.console.info(told);
+  }
   warn_of_unseen_sizes(a, sightings);
   complete_resolutions(a, camera, recordings, rig);  // not before: images are held against the file's own
   a.calibration.num_threads = a.num_threads;

@@ -6,6 +6,7 @@
 
 #include "calibrate_report_tables.h"
 #include "constraint_table.h"
+#include "corner_claims.h"
 #include "frame_loop.h"
 
 namespace apriltrack::app {
@@ -103,6 +104,9 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
                             {"interrupted", was_interrupted},
                             {"output", a.output}};
   if (files.observations) summary["observations"] = files.observations->string();
+  if (!a.detections.empty())
+    summary["corner_claims"] =
+        json_of(corner_claims_of_calibrate(sightings.frames, a.calibration.corner_bias_px));
   if (!a.constraints.empty()) summary["constraints"] = told_constraints(result.constraint_audits);
   tell_machines(findings, result, summary);
   if (!a.report.empty()) summary["report"] = a.report;

@@ -15,6 +15,7 @@
 #include "command_help.h"
 #include "command_line.h"
 #include "commands.h"
+#include "corner_claims.h"
 #include "exposure_check.h"
 #include "frame_loop.h"
 #include "inputs.h"
@@ -209,10 +210,13 @@ void warn_of_exposure(const TrackRecord& record, const Console& console) {
 }
 
 void finish(const TrackArguments& arguments, const TrackRecord& record, const ResponseFinding& response,
-            bool was_interrupted) {
+            const CornerClaims& claims, bool was_interrupted) {
   nlohmann::json summary = record.summary();
   summary["mode"] = arguments.mode;
-  if (arguments.detections.empty()) summary["response"] = json_of(response);
+  if (arguments.detections.empty())
+    summary["response"] = json_of(response);
+  else
+    summary["corner_claims"] = json_of(claims);
   summary["method"] = arguments.method();
   summary["interrupted"] = was_interrupted;
   summary["output"] = arguments.output;
@@ -290,6 +294,9 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   const bool has_images = arguments.detections.empty();
   std::vector<FrameDetections> detections;
   if (!has_images) detections = load_detections(arguments.detections, rig, camera.name, arguments.console);
+  const CornerClaims claims =
+      corner_claims_of_track(detections, arguments.method_options().localizer.corner_sigma_px);
+  if (const std::string told = in_words(claims, "the poses"); !told.empty()) arguments.console.info(told);
   std::optional<TrackVideo> video;
   if (!arguments.video.empty())
     video.emplace(arguments.video, camera, map, arguments.method_options().localizer.mode);
@@ -309,7 +316,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   if (!record.has_pose())
     throw no_result(has_images ? arguments.input : arguments.detections,
                     record.why_no_pose(map) + told_of_frame_log(arguments, with_frame_log));
-  finish(arguments, record, response, was_interrupted);
+  finish(arguments, record, response, claims, was_interrupted);
 }
 
 }  // namespace

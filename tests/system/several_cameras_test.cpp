@@ -1,9 +1,11 @@
 // Several cameras, and several recordings of one: whose lens, and whose clock.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <set>
+#include <tuple>
 
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/eval/trajectory.h"
@@ -86,6 +88,31 @@ TEST_F(LensOfDetections, AnotherNameIsRefusedWhereTheCameraFileHasSeveral) {
 TEST_F(LensOfDetections, AnotherNameIsTakenWhereTheCameraFileHasOne) {
   EXPECT_EQ(run_program(track("single.yaml")).status, 0);
   expect_exact_path();
+}
+
+/// 30 detections, none with a covariance; then one with.
+TEST_F(LensOfDetections, AssumedCornerErrorsAreTold) {
+  const Words calibrate = {"calibrate",  "--detections", path("d.csv"), "--camera",      path("single.yaml"),
+                           "--tag-size", "0.16",         "--output",    path("map.yaml")};
+  for (const auto& [words, sigma_px, result] :
+       {std::tuple(track("single.yaml"), 0.1, "the poses"), std::tuple(calibrate, 0.05, "the map")}) {
+    const nlohmann::json claims = run_for_json(words).at("corner_claims");
+    EXPECT_EQ(claims.at("detections"), 30);
+    EXPECT_EQ(claims.at("without_covariance"), 30);
+    EXPECT_EQ(claims.at("assumed_sigma_px"), sigma_px);
+    EXPECT_THAT(
+        run_program(words).err,
+        testing::HasSubstr(fmt::format("the sigmas of {} rest on an assumed error of {}", result, sigma_px)));
+  }
+  std::vector<FrameDetections> frames = read_detections_csv(path("d.csv"));
+  for (FrameDetections& frame : frames)
+    for (Detection& detection : frame.detections)
+      detection.covariance_px2 = 0.01 * CornerCovariance::Identity();
+  write_detections_csv(path("d.csv"), frames);
+  for (const Words& words : {track("single.yaml"), calibrate}) {
+    EXPECT_TRUE(run_for_json(words).at("corner_claims").at("assumed_sigma_px").is_null());
+    EXPECT_THAT(run_program(words).err, testing::Not(testing::HasSubstr("assumed error")));
+  }
 }
 
 class OwnCameraFiles : public SeveralCameras {

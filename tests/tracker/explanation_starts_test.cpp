@@ -25,7 +25,8 @@ class StartsBeforeATag : public ::testing::Test {
       : picture_(moving(heading_rad, path_px)), world_(picture_.world()) {
     frame_.photometric = picture_.frame();
     frame_.detections = {detection()};
-    frame_.read = observe_mapped_tags(picture_.map, world_.index, picture_.camera.model, frame_.detections);
+    frame_.read = observe_mapped_tags(picture_.map, world_.index, picture_.camera.model, frame_.detections,
+                                      options_.corner_sigma_px);
     frame_.observations = frame_.read;
     candidate_.T_camera_map = picture_.truth.pose;
     for (const TagObservation& seen : frame_.observations) candidate_.inliers.push_back(&seen);

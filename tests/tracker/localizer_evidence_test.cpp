@@ -224,13 +224,12 @@ TEST(PoseCandidate, FitsToATagMoreOrLessAreOneExplanation) {
     const TagMap map = test::room();
     const auto observations =
         observe_mapped_tags(map, TagIndex(map), camera.model,
-                            test::with_noise(test::seen(camera, map, Pose()), random, 0.5).detections);
+                            test::with_noise(test::seen(camera, map, Pose()), random, 0.5).detections, 1.0);
     std::vector<const TagObservation*> all;
     for (const TagObservation& observation : observations) all.push_back(&observation);
     const RobustKernel kernel{RobustKernel::Shape::kHuber, 1.5};
-    const PoseCandidate winner{.T_camera_map = adjust_pose(camera.model, all, kernel, Pose()),
-                               .inliers = all,
-                               .squared_error_px2 = 0.0};
+    const PoseCandidate winner{
+        .T_camera_map = adjust_pose(camera.model, all, kernel, Pose()), .inliers = all, .squared_error = 0.0};
     const Matrix6d covariance = 0.25 * corner_information(camera.model, all, winner.T_camera_map).inverse();
     const std::vector<const TagObservation*> fewer(all.begin() + 1, all.end());
     same += is_same_explanation(winner.T_camera_map, covariance,

@@ -44,7 +44,8 @@ class LoneTag : public ::testing::Test {
     show(film.frames[0].frame().image);
     frame_.photometric.exposure_s = film.scene.camera.exposure_s.value();
     frame_.detections = film.detections[0];
-    frame_.read = observe_mapped_tags(map_, world_->index, world_->model, frame_.detections);
+    frame_.read =
+        observe_mapped_tags(map_, world_->index, world_->model, frame_.detections, options_.corner_sigma_px);
     frame_.observations = frame_.read;
   }
   void show(const GrayView& image) {
@@ -117,7 +118,8 @@ TEST(FarTag, IsLookedAtInBothTiltsThoughItsMotionGoesOnAsExpected) {
                      frame.photometric.light);
   frame.photometric.exposure_s = film.scene.camera.exposure_s.value();
   frame.detections = film.detections[0];
-  frame.read = observe_mapped_tags(film.scene.map, world.index, world.model, frame.detections);
+  frame.read = observe_mapped_tags(film.scene.map, world.index, world.model, frame.detections,
+                                   options.corner_sigma_px);
   frame.observations = frame.read;
   MotionState truth;
   truth.pose = film.frames[0].truth;

@@ -134,10 +134,10 @@ TEST(MapUncertainty, IsWhatMapsDrawnFromItDoToLeastSquares) {
   const FrameDetections frame = test::seen(camera, truth, T_camera_map);
   const RobustKernel least_squares{RobustKernel::Shape::kHuber, 1e6};
   RandomStream random(503);
-  double nees = 0.0, error_px2 = 0.0, expected_px2 = 0.0;
+  double nees = 0.0, error2 = 0.0, expected_px2 = 0.0;
   for (int i = 0; i < kMaps; ++i) {
     const TagMap map = drawn(truth, random);
-    const auto observations = observe_mapped_tags(map, TagIndex(map), camera.model, frame.detections);
+    const auto observations = observe_mapped_tags(map, TagIndex(map), camera.model, frame.detections, 1.0);
     std::vector<const TagObservation*> all;
     for (const TagObservation& observation : observations) all.push_back(&observation);
     const Pose estimate = adjust_pose(camera.model, all, least_squares, T_camera_map);
@@ -146,12 +146,12 @@ TEST(MapUncertainty, IsWhatMapsDrawnFromItDoToLeastSquares) {
     const Vector6d xi = (estimate.inverse() * T_camera_map).log();
     nees += xi.dot(uncertainty.covariance.llt().solve(xi)) / 6.0 / kMaps;
     for (const TagObservation* observation : all)
-      error_px2 += squared_error_px2(camera.model, *observation, estimate) / kMaps;
-    expected_px2 += uncertainty.squared_error_px2 / kMaps;
+      error2 += squared_error(camera.model, *observation, estimate) / kMaps;
+    expected_px2 += uncertainty.squared_error / kMaps;
   }
   EXPECT_NEAR(nees, 1.0, 3 * std::sqrt(2.0 / 6.0 / kMaps));
   // Some 20 independent squares in each of the views: the mean scatters by less than a hundredth.
-  EXPECT_NEAR(error_px2 / expected_px2, 1.0, 0.04);
+  EXPECT_NEAR(error2 / expected_px2, 1.0, 0.04);
 }
 
 /// The pose before a lone tag errs as its place in the map does, moved to the frame of the pose: closed form.

@@ -13,6 +13,9 @@ namespace {
 
 using test::PoseNear;
 
+/// Of corners, so that whitened errors are in pixels.
+constexpr double kPixel = 1.0;
+
 std::vector<const TagObservation*> pointers(const std::vector<TagObservation>& observations) {
   std::vector<const TagObservation*> result;
   for (const TagObservation& observation : observations) result.push_back(&observation);
@@ -26,7 +29,7 @@ TEST(PoseAdjustment, InformationIsThatOfTheNumericJacobian) {
   for (int i = 0; i < 10; ++i) {
     const Pose T_camera_map = test::random_T_map_camera(random).inverse();
     const auto observations = observe_mapped_tags(map, TagIndex(map), camera.model,
-                                                  test::seen(camera, map, T_camera_map).detections);
+                                                  test::seen(camera, map, T_camera_map).detections, kPixel);
     ASSERT_EQ(observations.size(), 7U);
     const Eigen::MatrixXd jacobian = test::numeric_jacobian(
         [&](const Eigen::VectorXd& xi) {
@@ -46,8 +49,8 @@ TEST(PoseAdjustment, InformationIsThatOfTheNumericJacobian) {
 TEST(PoseAdjustment, ConvergesFromFarOff) {
   const Camera camera = test::camera_with(RadtanDistortion({-0.28, 0.09, 5e-4, -3e-4}));
   const TagMap map = test::room();
-  const auto observations =
-      observe_mapped_tags(map, TagIndex(map), camera.model, test::seen(camera, map, Pose()).detections);
+  const auto observations = observe_mapped_tags(map, TagIndex(map), camera.model,
+                                                test::seen(camera, map, Pose()).detections, kPixel);
   const Pose start = Pose::exp((Vector6d() << 0.1, -0.1, 0.2, 0.05, 0.1, -0.1).finished());
   const Pose found =
       adjust_pose(camera.model, pointers(observations), {RobustKernel::Shape::kHuber, 1.0}, start);
@@ -67,21 +70,21 @@ TEST(PoseAdjustment, KernelsWeighAsTheirCostSlopes) {
 TEST(PoseAdjustment, ATagSeenFromBehindFitsNoPose) {
   const Camera camera = test::camera_with(NoDistortion{});
   const TagMap map = test::only(test::room(), {0});
-  const auto observations =
-      observe_mapped_tags(map, TagIndex(map), camera.model, test::seen(camera, map, Pose()).detections);
+  const auto observations = observe_mapped_tags(map, TagIndex(map), camera.model,
+                                                test::seen(camera, map, Pose()).detections, kPixel);
   ASSERT_EQ(observations.size(), 1U);
   const Pose T_front_back(rotation_exp({0.0, std::numbers::pi, 0.0}),
                           {0.0, 0.0, 4.4});  // half a turn about the tag
-  EXPECT_TRUE(std::isinf(squared_error_px2(camera.model, observations[0], T_front_back)));
-  EXPECT_NEAR(squared_error_px2(camera.model, observations[0], Pose()), 0.0, 1e-12);
+  EXPECT_TRUE(std::isinf(squared_error(camera.model, observations[0], T_front_back)));
+  EXPECT_NEAR(squared_error(camera.model, observations[0], Pose()), 0.0, 1e-12);
 }
 
 TEST(CornerNoise, BlurIsThePathDuringTheExposure) {
   // A frontal camera that slides sideways: every corner moves by f * shift / depth.
   const Camera camera = test::camera_with(NoDistortion{});
   const TagMap map = test::only(test::room(), {0});
-  const auto observations =
-      observe_mapped_tags(map, TagIndex(map), camera.model, test::seen(camera, map, Pose()).detections);
+  const auto observations = observe_mapped_tags(map, TagIndex(map), camera.model,
+                                                test::seen(camera, map, Pose()).detections, kPixel);
   PoseCandidate candidate;
   candidate.inliers = pointers(observations);
   const Pose before(Eigen::Quaterniond::Identity(), {0.1, 0.0, 0.0});
@@ -90,22 +93,59 @@ TEST(CornerNoise, BlurIsThePathDuringTheExposure) {
   EXPECT_NEAR(*blur_px, 520.6 * 0.1 / 2.2 * (0.01 / 0.04), 1e-9);
 }
 
-TEST(CornerNoise, GrowsWithBlurAndCorrectedBitsAndIsNeverBelowThatOfSharpCorners) {
+TEST(CornerNoise, GrowsWithBlurAndIsNeverBelowThatOfSharpCorners) {
   const Camera camera = test::camera_with(NoDistortion{});
   const TagMap map = test::only(test::room(), {0});
-  auto observations =
-      observe_mapped_tags(map, TagIndex(map), camera.model, test::seen(camera, map, Pose()).detections);
+  const auto observations =
+      observe_mapped_tags(map, TagIndex(map), camera.model, test::seen(camera, map, Pose()).detections, 0.1);
   PoseCandidate candidate;
   candidate.inliers = pointers(observations);
-  const double sharp_px = expected_corner_sigma_px(0.1, 0.0, candidate);
-  EXPECT_DOUBLE_EQ(sharp_px, 0.1);
-  EXPECT_GT(expected_corner_sigma_px(0.1, 20.0, candidate), 3.0 * sharp_px);
-  EXPECT_GT(expected_corner_sigma_px(0.1, std::nullopt, candidate), sharp_px);
-  EXPECT_DOUBLE_EQ(fitted_corner_sigma_px(0.1, 0.1, candidate), 0.1) << "a perfect fit is luck";
-  candidate.squared_error_px2 = 40.0;
-  EXPECT_GT(fitted_corner_sigma_px(0.1, 0.1, candidate), 2.0);
-  observations[0].corrected_bits = 1;
-  EXPECT_GT(expected_corner_sigma_px(0.1, 0.0, candidate), 2.0 * sharp_px);
+  EXPECT_DOUBLE_EQ(expected_noise_scale(0.1, 0.0, candidate), 1.0);
+  EXPECT_NEAR(0.1 * expected_noise_scale(0.1, 20.0, candidate), std::hypot(0.1, 0.025 * 20.0), 1e-9);
+  EXPECT_GT(expected_noise_scale(0.1, std::nullopt, candidate), 1.0);
+  EXPECT_DOUBLE_EQ(fitted_noise_scale(0.1, 1.0, candidate), 1.0) << "a perfect fit is luck";
+  candidate.squared_error = 40.0 / (0.1 * 0.1);
+  EXPECT_GT(0.1 * fitted_noise_scale(0.1, 1.0, candidate), 2.0);
+}
+
+/// The mean of a path with acceleration a over the exposure E is a E^2 / 24 beside its middle.
+TEST(CornerNoise, OfAccelerationIsWhereTheMeanOfTheExposureLies) {
+  const Vector6d acceleration = (Vector6d() << 5.0, 2.0, -1.0, 40.0, 80.0, -30.0).finished();
+  constexpr double kStep_s = 0.04, kExposure_s = 0.016;
+  const Pose start = Pose::exp((Vector6d() << 0.1, -0.2, 2.0, 0.3, 0.2, 0.1).finished());
+  Vector6d mean = Vector6d::Zero();
+  constexpr int kInstants = 1000;
+  for (int i = 0; i < kInstants; ++i) {
+    const double t = kExposure_s * ((i + 0.5) / kInstants - 0.5);
+    mean += 0.5 * t * t * acceleration / kInstants;
+  }
+  // At rest before: the next step shows all of the acceleration.
+  const Pose now = start * Pose::exp(kStep_s * kStep_s * acceleration);
+  EXPECT_TRUE(uneven_motion_covariance(now, now, start, kStep_s, kExposure_s)
+                  .isApprox(mean * mean.transpose(), 1e-4));
+  EXPECT_TRUE(uneven_motion_covariance(now, start, start, kStep_s, 0.0).isZero());
+}
+
+/// Of a sine of 2.5 Hz in 16 ms, a E^2 / 24 is 0.01 of the path v E.
+TEST(CornerNoise, OfShakeIsAHundredthOfThePathInItsDirection) {
+  const Vector6d velocity = (Vector6d() << 0.5, 0.2, -0.1, 0.4, 0.8, -0.3).finished();
+  const Pose before = Pose::exp((Vector6d() << 0.1, -0.2, 2.0, 0.3, 0.2, 0.1).finished());
+  const Pose now = before * Pose::exp(0.04 * velocity);
+  const Vector6d off = 0.01 * 0.016 * velocity;
+  EXPECT_TRUE(uneven_motion_covariance(now, before, now, 0.04, 0.016).isApprox(off * off.transpose(), 1e-9));
+}
+
+TEST(CornerNoise, OfCorrectedBitsIsFourTimesThatOfSharpCornersAndMayFitAsWell) {
+  const Camera camera = test::camera_with(NoDistortion{});
+  const TagMap map = test::only(test::room(), {0});
+  FrameDetections frame = test::seen(camera, map, Pose());
+  frame.detections.at(0).hamming = 1;
+  const auto observations = observe_mapped_tags(map, TagIndex(map), camera.model, frame.detections, 0.1);
+  EXPECT_TRUE(observations[0].covariance_px2.isApprox(0.4 * 0.4 * CornerCovariance::Identity()));
+  EXPECT_TRUE(observations[0].whitening_per_px.isApprox(CornerCovariance::Identity() / 0.4));
+  PoseCandidate candidate;
+  candidate.inliers = pointers(observations);
+  EXPECT_NEAR(0.4 * fitted_noise_scale(0.1, 0.0, candidate), 0.1, 1e-9);
 }
 
 TEST(PoseMemory, PredictsWithConstantVelocityWhileFresh) {

@@ -18,7 +18,7 @@ class SearchedFrame : public ::testing::Test {
  protected:
   SearchedFrame()
       : world_(film_.scene.camera, film_.scene.map, TrackMode::kEgo, 320, 240),
-        reader_(options(film_), film_.scene.map, world_),
+        reader_(options(film_), film_.scene.map, world_, 0.1),
         search_(reader_, world_) {
     EXPECT_EQ(film_.detections[0].size(), 3U);
   }

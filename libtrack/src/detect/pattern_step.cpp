@@ -32,13 +32,13 @@ Eigen::Matrix3d moved_plane(const Eigen::Matrix3d& tag_from_straight, const Vect
   return (moved * tag_from_straight).normalized();
 }
 
-Eigen::Matrix2d changed_blur(const Eigen::Matrix2d& blur_px2, const Eigen::Vector3d& change_px2, double min_blur_px,
-                             double max_blur_px) {
+Eigen::Matrix2d changed_blur(const Eigen::Matrix2d& blur_px2, const Eigen::Vector3d& change_px2,
+                             double min_blur_px, double max_blur_px) {
   Eigen::Matrix2d change;
   change << change_px2[0], change_px2[1], change_px2[1], change_px2[2];
   const double size = change.cwiseAbs().maxCoeff(), most = blur_px2.trace();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(blur_px2 +
-                                                            std::min(1.0, most / std::max(size, 1e-12)) * change);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
+      blur_px2 + std::min(1.0, most / std::max(size, 1e-12)) * change);
   const Eigen::Vector2d variances =
       axes.eigenvalues().cwiseMax(min_blur_px * min_blur_px).cwiseMin(max_blur_px * max_blur_px);
   return axes.eigenvectors() * variances.asDiagonal() * axes.eigenvectors().transpose();

@@ -65,7 +65,8 @@ class BlurTracker::Implementation {
         map_(checked(map)),
         // The tags' ids are checked now; without a size in the camera file, rays wait for the first image.
         world_(camera_, map_, options_.mode, camera_.width, camera_.height),
-        reader_(detector_options_for(camera_, map_, options_.detector), map_, world_),
+        reader_(detector_options_for(camera_, map_, options_.detector), map_, world_,
+                options_.corner_sigma_px),
         explainer_(world_, options_) {
     start_anew();
   }

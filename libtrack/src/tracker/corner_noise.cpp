@@ -18,37 +18,38 @@ constexpr double kPriorStrength = 3.0;
 /// views (docs/algorithms/detector.md, section 5); lens and paper add this much.
 constexpr double kBeyondClaim_px = 0.02;
 
-/// Of the blur: a motion that is not even puts the mean of the exposure beside its middle, by a E^2 / 24. Of
-/// a hand that shakes with w = 2 pi 2.5 Hz, that is w E / 24 of the path v E: 0.01 in exposures of 16 ms.
+/// Of the path: an acceleration a puts the mean of the exposure E beside its middle, by a E^2 / 24. Of a hand
+/// that shakes with w = 2 pi 2.5 Hz, that is w E / 24 of the path v E: 0.01 in exposures of 16 ms.
 constexpr double kUnevenMotion = 0.01;
 
-/// What detectors claim of the inliers' corners, mean square, and what these err by beyond it; nullopt where
-/// one of them does not claim anything.
-std::optional<double> claimed_variance_px2(const PoseCandidate& candidate) {
-  double sum_px2 = 0.0;
-  for (const TagObservation* observation : candidate.inliers) {
-    if (!observation->claimed_sigma_px) return std::nullopt;
-    sum_px2 += *observation->claimed_sigma_px * *observation->claimed_sigma_px;
-  }
-  if (candidate.inliers.empty()) return std::nullopt;
-  return 2.0 * sum_px2 / static_cast<double>(candidate.inliers.size()) + kBeyondClaim_px * kBeyondClaim_px;
+/// What detectors give, or that of sharp corners: no fit shows that corners are better.
+CornerCovariance least_covariance_px2(const TagObservation& observation, double sharp_sigma_px) {
+  return observation.claimed_covariance_px2.value_or(sharp_sigma_px * sharp_sigma_px *
+                                                     CornerCovariance::Identity());
+}
+
+/// Mean square of the whitened errors that corners of this covariance have.
+double whitened_variance(const TagObservation& observation, const CornerCovariance& covariance_px2) {
+  const CornerCovariance& W = observation.whitening_per_px;
+  return (W * covariance_px2 * W).trace() / (2.0 * kNumCorners);
 }
 
 }  // namespace
 
-double expected_corner_sigma_px(double sharp_sigma_px, std::optional<double> blur_px,
-                                const PoseCandidate& candidate) {
-  double mean_square_factor = 0.0;
-  for (const TagObservation* observation : candidate.inliers) {
-    const double factor = 1.0 + kSigmaPerCorrectedBit * observation->corrected_bits;
-    mean_square_factor += factor * factor / static_cast<double>(candidate.inliers.size());
-  }
-  if (const auto claimed_px2 = claimed_variance_px2(candidate)) {
-    const double of_motion_px = kUnevenMotion * blur_px.value_or(0.0);
-    return std::sqrt(mean_square_factor * (*claimed_px2 + of_motion_px * of_motion_px));
-  }
-  return std::sqrt(mean_square_factor) *
-         std::hypot(sharp_sigma_px, kDetectedSigmaPerBlur * blur_px.value_or(kUnknownBlur_px));
+CornerCovariance still_corner_covariance_px2(const Detection& detection, double sharp_sigma_px) {
+  if (detection.covariance_px2)
+    return 2.0 * *detection.covariance_px2 + kBeyondClaim_px * kBeyondClaim_px * CornerCovariance::Identity();
+  const double sigma_px = sharp_sigma_px * (1.0 + kSigmaPerCorrectedBit * detection.hamming.value_or(0));
+  return sigma_px * sigma_px * CornerCovariance::Identity();
+}
+
+double expected_noise_scale(double sharp_sigma_px, std::optional<double> blur_px,
+                            const PoseCandidate& candidate) {
+  const double blurred = kDetectedSigmaPerBlur * blur_px.value_or(kUnknownBlur_px) / sharp_sigma_px;
+  double sum = 0.0;
+  for (const TagObservation* observation : candidate.inliers)
+    sum += observation->claimed_covariance_px2 ? 1.0 : 1.0 + blurred * blurred;
+  return std::sqrt(sum / static_cast<double>(candidate.inliers.size()));
 }
 
 std::optional<double> corner_blur_px(const CameraModel& model, const PoseCandidate& candidate,
@@ -68,13 +69,28 @@ std::optional<double> corner_blur_px(const CameraModel& model, const PoseCandida
   return std::sqrt(sum_px2 / count) * exposure_s / age_s;
 }
 
-double fitted_corner_sigma_px(double sharp_sigma_px, double expected_sigma_px, const PoseCandidate& candidate,
-                              double explained_px2) {
+Matrix6d uneven_motion_covariance(const Pose& T_camera_map, const Pose& T_camera_map_before,
+                                  const Pose& T_camera_map_predicted, double age_s, double exposure_s) {
+  if (!(age_s > 0.0)) return Matrix6d::Zero();
+  const double exposed_share = exposure_s / age_s;
+  const Vector6d of_shake =
+      kUnevenMotion * exposed_share * (T_camera_map_before.inverse() * T_camera_map).log();
+  const Vector6d of_acceleration =
+      exposed_share * exposed_share / 24.0 * (T_camera_map_predicted.inverse() * T_camera_map).log();
+  return of_shake * of_shake.transpose() + of_acceleration * of_acceleration.transpose();
+}
+
+double fitted_noise_scale(double sharp_sigma_px, double expected_scale, const PoseCandidate& candidate,
+                          double explained_error2) {
+  double least_variance = 0.0;
+  for (const TagObservation* observation : candidate.inliers)
+    least_variance += whitened_variance(*observation, least_covariance_px2(*observation, sharp_sigma_px)) /
+                      static_cast<double>(candidate.inliers.size());
   const double degrees_of_freedom = 2.0 * candidate.num_corners() - 6.0;
-  const double variance_px2 = (kPriorStrength * expected_sigma_px * expected_sigma_px +
-                               std::max(0.0, candidate.squared_error_px2 - explained_px2)) /
-                              (kPriorStrength + degrees_of_freedom);
-  return std::max(std::min(sharp_sigma_px, expected_sigma_px), std::sqrt(variance_px2));
+  const double variance = (kPriorStrength * expected_scale * expected_scale +
+                           std::max(0.0, candidate.squared_error - explained_error2)) /
+                          (kPriorStrength + degrees_of_freedom);
+  return std::sqrt(std::max(least_variance, variance));
 }
 
 }  // namespace apriltrack

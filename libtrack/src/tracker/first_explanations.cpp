@@ -55,13 +55,11 @@ std::vector<PoseCandidate> candidates_near(const StartFit& start_fit, const Blur
   std::vector<Pose> predictions;
   for (const MotionHypothesis& hypothesis : hypotheses)
     predictions.push_back(camera_from_map(hypothesis.belief.mean.pose, world.mode));
-  const CandidateOptions options{.expected_sigma_px = start_fit.options().corner_sigma_px};
-  std::vector<PoseCandidate> found =
-      find_pose_candidates(world.model, frame.observations, predictions, options);
+  std::vector<PoseCandidate> found = find_pose_candidates(world.model, frame.observations, predictions, {});
   // Where no two tags agree, each brings its own, and its mirror's: no fit of pixels tells more of them.
   if (found.size() > kMaxCandidates) {
     std::ranges::stable_sort(found, {}, [&](const PoseCandidate& candidate) {
-      return misfit(world.model, frame.observations, options.expected_sigma_px, candidate.T_camera_map);
+      return misfit(world.model, frame.observations, 1.0, candidate.T_camera_map);
     });
     found.resize(kMaxCandidates);
   }

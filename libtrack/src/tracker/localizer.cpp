@@ -82,7 +82,8 @@ class Localizer::Implementation {
   TrackResult localize(Timestamp time, const std::vector<Detection>& detections,
                        std::optional<double> exposure_of_frame_s,
                        std::chrono::steady_clock::time_point start) {
-    const auto observations = observe_mapped_tags(map_, index_, camera_.model, detections);
+    const auto observations =
+        observe_mapped_tags(map_, index_, camera_.model, detections, options_.corner_sigma_px);
     const double exposure_s =
         known_exposure_s(exposure_of_frame_s, camera_.exposure_s).value_or(kUnknownExposure_s);
     TrackResult result = observations.empty()
@@ -132,7 +133,7 @@ class Localizer::Implementation {
     std::vector<Pose> predictions;
     for (const PoseMemory::Mode& mode : memory_.predict(time))
       predictions.push_back(T_camera_map_of(mode.pose));
-    const CandidateOptions options{options_.corner_sigma_px, options_.max_residual_rms_px};
+    const CandidateOptions options{options_.max_residual_rms_px};
     std::vector<PoseCandidate> candidates =
         find_pose_candidates(camera_.model, observations, predictions, options);
     std::erase_if(candidates, [&](const PoseCandidate& c) { return !is_supported(time, observations, c); });
@@ -148,23 +149,20 @@ class Localizer::Implementation {
   /// The candidate that corners and recent poses together make most likely. candidates: not empty.
   Choice choose(Timestamp time, const std::vector<TagObservation>& observations,
                 const std::vector<PoseCandidate>& candidates, double exposure_s) const {
-    // One sigma for all, or a bad fit would excuse itself.
+    // One scale of noise for all, or a bad fit would excuse itself.
     const auto best_fit =
         std::min_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-          return std::pair(-a.num_corners(), a.squared_error_px2) <
-                 std::pair(-b.num_corners(), b.squared_error_px2);
+          return std::pair(-a.num_corners(), a.squared_error) < std::pair(-b.num_corners(), b.squared_error);
         });
-    const double sigma_px = fitted_corner_sigma_px(options_.corner_sigma_px,
-                                                   expected_sigma_px(time, *best_fit, exposure_s), *best_fit);
+    const double noise_scale =
+        fitted_noise_scale(options_.corner_sigma_px, expected_scale(time, *best_fit, exposure_s), *best_fit);
     std::vector<double> cost;
     for (const PoseCandidate& candidate : candidates) {
-      cost.push_back(misfit(camera_.model, observations, sigma_px, candidate.T_camera_map) -
+      cost.push_back(misfit(camera_.model, observations, noise_scale, candidate.T_camera_map) -
                      memory_.log_prior(time, reported(candidate.T_camera_map)));
     }
     const auto best = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
-    Choice choice{candidates[best],
-                  covariance(candidates[best], expected_sigma_px(time, candidates[best], exposure_s)),
-                  std::nullopt};
+    Choice choice{candidates[best], covariance(time, candidates[best], exposure_s), std::nullopt};
     for (std::size_t i = 0; choice.cov_T_camera_map && i < candidates.size(); ++i) {
       const double odds = std::exp(cost[best] - cost[i]);
       if (i == best || odds < kMinOdds || (choice.second && odds <= choice.second->weight)) continue;
@@ -204,7 +202,7 @@ class Localizer::Implementation {
     return static_cast<std::size_t>(count_tags(voters));
   }
 
-  double expected_sigma_px(Timestamp time, const PoseCandidate& candidate, double exposure_s) const {
+  double expected_scale(Timestamp time, const PoseCandidate& candidate, double exposure_s) const {
     std::optional<double> blur_px;
     if (exposure_s == 0.0) {
       blur_px = 0.0;
@@ -212,7 +210,7 @@ class Localizer::Implementation {
       blur_px =
           corner_blur_px(camera_.model, candidate, T_camera_map_of(last->pose), last->age_s, exposure_s);
     }
-    return expected_corner_sigma_px(options_.corner_sigma_px, blur_px, candidate);
+    return expected_noise_scale(options_.corner_sigma_px, blur_px, candidate);
   }
 
   /// Its covariance is known.
@@ -231,17 +229,23 @@ class Localizer::Implementation {
     return result;
   }
 
-  /// Of T_camera_map, by the noise of the corners and the covariances of the map's tags; nullopt where the
-  /// corners do not determine it.
-  std::optional<Matrix6d> covariance(const PoseCandidate& candidate, double expected_sigma_px) const {
+  /// Of T_camera_map, by the noise of the corners, the covariances of the map's tags and the motion; nullopt
+  /// where the corners do not determine it.
+  std::optional<Matrix6d> covariance(Timestamp time, const PoseCandidate& candidate,
+                                     double exposure_s) const {
     const std::vector<const TagObservation*>& inliers = candidate.inliers;
     const Pose& T_camera_map = candidate.T_camera_map;
     const Eigen::LLT<Matrix6d> information(corner_information(camera_.model, inliers, T_camera_map));
     const Matrix6d inverse_information = information.solve(Matrix6d::Identity());
     const MapUncertainty map = map_uncertainty(camera_.model, inliers, T_camera_map, inverse_information);
-    const double sigma_px =
-        fitted_corner_sigma_px(options_.corner_sigma_px, expected_sigma_px, candidate, map.squared_error_px2);
-    const Matrix6d covariance = sigma_px * sigma_px * inverse_information + map.covariance;
+    const double scale = fitted_noise_scale(
+        options_.corner_sigma_px, expected_scale(time, candidate, exposure_s), candidate, map.squared_error);
+    Matrix6d covariance = scale * scale * inverse_information + map.covariance;
+    if (const auto last = memory_.last(time)) {
+      const Pose predicted = memory_.predict(time).front().pose;
+      covariance += uneven_motion_covariance(T_camera_map, T_camera_map_of(last->pose),
+                                             T_camera_map_of(predicted), last->age_s, exposure_s);
+    }
     if (information.info() != Eigen::Success || !covariance.allFinite()) return std::nullopt;
     return covariance;
   }

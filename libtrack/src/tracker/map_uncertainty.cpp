@@ -6,8 +6,8 @@
 namespace apriltrack {
 namespace {
 
-/// Sums over the corners of one tag, J = d pixel / d xi of T_camera_map * exp(xi) and K = d pixel / d eta of
-/// T_map_tag * exp(eta).
+/// Of one tag, J = d corners / d xi of T_camera_map * exp(xi) and K = d corners / d eta of T_map_tag *
+/// exp(eta), whitened.
 struct TagSums {
   Matrix6d tag_tag = Matrix6d::Zero();   ///< K' K
   Matrix6d pose_tag = Matrix6d::Zero();  ///< J' K
@@ -15,19 +15,21 @@ struct TagSums {
 
 TagSums sum_over_corners(const CameraModel& model, const TagObservation& observation,
                          const Pose& T_camera_map) {
+  using CornerJacobian = Eigen::Matrix<double, 2 * kNumCorners, 6>;
   const Pose T_camera_tag = T_camera_map * observation.tag->T_map_tag;
   const auto corners_tag = tag_corners(observation.tag->size_m);
-  TagSums sums;
+  CornerJacobian J = CornerJacobian::Zero(), K = CornerJacobian::Zero();
   for (std::size_t i = 0; i < kNumCorners; ++i) {
     Eigen::Matrix<double, 2, 3> d_pixel_d_point;
     if (!model.project(T_camera_map * observation.corners_map[i], &d_pixel_d_point)) continue;
-    const auto J =
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    J.middleRows<2>(row) =
         pixel_jacobian(d_pixel_d_point * T_camera_map.rotation_matrix(), observation.corners_map[i]);
-    const auto K = pixel_jacobian(d_pixel_d_point * T_camera_tag.rotation_matrix(), corners_tag[i]);
-    sums.tag_tag += K.transpose() * K;
-    sums.pose_tag += J.transpose() * K;
+    K.middleRows<2>(row) = pixel_jacobian(d_pixel_d_point * T_camera_tag.rotation_matrix(), corners_tag[i]);
   }
-  return sums;
+  J = (observation.whitening_per_px * J).eval();
+  K = (observation.whitening_per_px * K).eval();
+  return {K.transpose() * K, J.transpose() * K};
 }
 
 }  // namespace
@@ -44,7 +46,7 @@ MapUncertainty map_uncertainty(const CameraModel& model,
     uncertainty.covariance += d_pose_d_tag * covariance * d_pose_d_tag.transpose();
     // |(I - J (J'J)^-1 J') K eta|^2: what the pose cannot take up.
     const Matrix6d left = sums.tag_tag - sums.pose_tag.transpose() * d_pose_d_tag;
-    uncertainty.squared_error_px2 += (left * covariance).trace();
+    uncertainty.squared_error += (left * covariance).trace();
   }
   return uncertainty;
 }

@@ -12,11 +12,12 @@ namespace apriltrack {
 struct MapUncertainty {
   /// Of the right perturbation of T_camera_map; zero when no tag has a covariance.
   Matrix6d covariance = Matrix6d::Zero();
-  /// Share of the corners' squared error that tags at wrong places leave, to be expected after the fit.
-  double squared_error_px2 = 0.0;
+  /// Share of the corners' squared error, whitened, that tags at wrong places leave, to be expected after the
+  /// fit.
+  double squared_error = 0.0;
 };
 
-/// observations: the corners on which the pose rests, each with the same weight.  inverse_information: that
+/// observations: the corners on which the pose rests, weighed by their covariances. inverse_information: that
 /// of corner_information() over them. The tags' errors are taken as independent of each other: a map file
 /// keeps no more.
 MapUncertainty map_uncertainty(const CameraModel& model,

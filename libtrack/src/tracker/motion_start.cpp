@@ -17,10 +17,14 @@ constexpr double kColdAngular_rad_per_s = 6.0;
 }  // namespace
 
 std::optional<MotionBelief> cold_belief(const PhotometricWorld& world, const PoseCandidate& candidate) {
-  const Matrix6d information = corner_information(world.model, candidate.inliers, candidate.T_camera_map);
+  Matrix6d information = Matrix6d::Zero();
+  for (const TagObservation* seen : candidate.inliers) {
+    const TagObservation vague = with_further_noise(*seen, kColdCornerSigma_px);
+    information += corner_information(world.model, {&vague}, candidate.T_camera_map);
+  }
   const Eigen::LLT<Matrix6d> factor(information);
   if (factor.info() != Eigen::Success) return std::nullopt;
-  Matrix6d covariance = kColdCornerSigma_px * kColdCornerSigma_px * factor.solve(Matrix6d::Identity());
+  Matrix6d covariance = factor.solve(Matrix6d::Identity());
   if (!covariance.allFinite()) return std::nullopt;
   covariance = pose_covariance_from_camera(candidate.T_camera_map, covariance, world.mode);
   MotionBelief belief;

@@ -30,7 +30,9 @@ std::optional<Eigen::Matrix3d> rays_from_plane(const CameraModel& model, const T
 void PaperReferences::renew(const ImageView<const float>& grey, const std::vector<Detection>& detections) {
   is_detected_.assign(map_.tags.size(), false);
   std::vector<double> patch(grid_.num_samples());
-  for (const TagObservation& observation : observe_mapped_tags(map_, index_, model_, detections)) {
+  constexpr double kAnySigma_px = 1.0;  // patches do not depend on the noise of corners
+  for (const TagObservation& observation :
+       observe_mapped_tags(map_, index_, model_, detections, kAnySigma_px)) {
     const auto index = static_cast<std::size_t>(observation.tag_index);
     const auto H = rays_from_plane(model_, observation);
     if (observation.is_repeated || !H) continue;

@@ -11,7 +11,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr double kUnseen_px2 = 1e6;
+constexpr double kUnseen_px = 1e3;
 constexpr int kMaxIterations = 30;
 constexpr double kStepTolerance = 1e-10;  // of the scene's depth, and in radians: 1e-7 px
 constexpr double kMaxDamping = 1e6;
@@ -26,15 +26,24 @@ NormalEquations linearise(const CameraModel& model, const std::vector<const TagO
   NormalEquations equations;
   const Eigen::Matrix3d R = T_camera_map.rotation_matrix();
   for (const TagObservation* observation : observations) {
+    CornerErrors errors = CornerErrors::Zero();
+    Eigen::Matrix<double, 2 * kNumCorners, 6> J = Eigen::Matrix<double, 2 * kNumCorners, 6>::Zero();
     for (std::size_t i = 0; i < kNumCorners; ++i) {
       Eigen::Matrix<double, 2, 3> d_pixel_d_point;
       const auto pixel = model.project(T_camera_map * observation->corners_map[i], &d_pixel_d_point);
       if (!pixel) continue;
-      const Eigen::Vector2d error = *pixel - observation->corners_px[i];
+      const auto row = 2 * static_cast<Eigen::Index>(i);
+      errors.segment<2>(row) = *pixel - observation->corners_px[i];
+      J.middleRows<2>(row) = pixel_jacobian(d_pixel_d_point * R, observation->corners_map[i]);
+    }
+    errors = (observation->whitening_per_px * errors).eval();
+    J = (observation->whitening_per_px * J).eval();
+    for (Eigen::Index row = 0; row < errors.size(); row += 2) {
+      const auto error = errors.segment<2>(row);
+      const auto by_pose = J.middleRows<2>(row);
       const double weight = kernel != nullptr ? kernel->weight(error.squaredNorm()) : 1.0;
-      const auto jacobian = pixel_jacobian(d_pixel_d_point * R, observation->corners_map[i]);
-      equations.hessian += weight * jacobian.transpose() * jacobian;
-      equations.gradient += weight * jacobian.transpose() * error;
+      equations.hessian += weight * by_pose.transpose() * by_pose;
+      equations.gradient += weight * by_pose.transpose() * error;
     }
   }
   return equations;
@@ -51,41 +60,53 @@ double scene_depth(const std::vector<const TagObservation*>& observations, const
 
 }  // namespace
 
-double RobustKernel::cost(double squared_error_px2) const {
-  const double scale2 = scale_px * scale_px;
-  if (shape == Shape::kCauchy) return scale2 * std::log1p(squared_error_px2 / scale2);
-  return squared_error_px2 <= scale2 ? squared_error_px2
-                                     : 2.0 * scale_px * std::sqrt(squared_error_px2) - scale2;
+double RobustKernel::cost(double squared_error) const {
+  const double scale2 = scale * scale;
+  if (shape == Shape::kCauchy) return scale2 * std::log1p(squared_error / scale2);
+  return squared_error <= scale2 ? squared_error : 2.0 * scale * std::sqrt(squared_error) - scale2;
 }
 
-double RobustKernel::weight(double squared_error_px2) const {
-  const double scale2 = scale_px * scale_px;
-  if (shape == Shape::kCauchy) return scale2 / (scale2 + squared_error_px2);
-  return squared_error_px2 <= scale2 ? 1.0 : scale_px / std::sqrt(squared_error_px2);
+double RobustKernel::weight(double squared_error) const {
+  const double scale2 = scale * scale;
+  if (shape == Shape::kCauchy) return scale2 / (scale2 + squared_error);
+  return squared_error <= scale2 ? 1.0 : scale / std::sqrt(squared_error);
 }
 
-double squared_error_px2(const CameraModel& model, const TagObservation& observation,
-                         const Pose& T_camera_map) {
+std::optional<CornerErrors> corner_errors_px(const CameraModel& model, const TagObservation& observation,
+                                             const Pose& T_camera_map) {
   const Pose T_camera_tag = T_camera_map * observation.tag->T_map_tag;
-  if (!(tag_view_cosine(T_camera_tag) > 0.0)) return std::numeric_limits<double>::infinity();
-  double sum = 0.0;
+  if (!(tag_view_cosine(T_camera_tag) > 0.0)) return std::nullopt;
+  CornerErrors errors_px;
   for (std::size_t i = 0; i < kNumCorners; ++i) {
     const auto pixel = model.project(T_camera_map * observation.corners_map[i]);
-    if (!pixel) return std::numeric_limits<double>::infinity();
-    sum += (*pixel - observation.corners_px[i]).squaredNorm();
+    if (!pixel) return std::nullopt;
+    errors_px.segment<2>(2 * static_cast<Eigen::Index>(i)) = *pixel - observation.corners_px[i];
   }
-  return sum;
+  return errors_px;
+}
+
+double squared_error(const CameraModel& model, const TagObservation& observation, const Pose& T_camera_map) {
+  const auto errors_px = corner_errors_px(model, observation, T_camera_map);
+  if (!errors_px) return std::numeric_limits<double>::infinity();
+  return (observation.whitening_per_px * *errors_px).squaredNorm();
 }
 
 double robust_cost(const CameraModel& model, const std::vector<const TagObservation*>& observations,
                    const RobustKernel& kernel, const Pose& T_camera_map) {
   double sum = 0.0;
   for (const TagObservation* observation : observations) {
+    CornerErrors errors_px;
     for (std::size_t i = 0; i < kNumCorners; ++i) {
       const auto pixel = model.project(T_camera_map * observation->corners_map[i]);
-      const double error = pixel ? (*pixel - observation->corners_px[i]).squaredNorm() : kUnseen_px2;
-      sum += kernel.cost(std::min(error, kUnseen_px2));
+      auto error_px = errors_px.segment<2>(2 * static_cast<Eigen::Index>(i));
+      error_px = Eigen::Vector2d(kUnseen_px, 0.0);
+      if (!pixel) continue;
+      const Eigen::Vector2d seen_px = *pixel - observation->corners_px[i];
+      error_px = seen_px * std::min(1.0, kUnseen_px / seen_px.norm());
     }
+    const CornerErrors errors = observation->whitening_per_px * errors_px;
+    for (Eigen::Index row = 0; row < errors.size(); row += 2)
+      sum += kernel.cost(errors.segment<2>(row).squaredNorm());
   }
   return sum;
 }

@@ -4,19 +4,21 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "pose_adjustment.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr double kSearchScale_px = 2.0;  // of the Cauchy kernel: a blurred corner is a few pixels off
+constexpr double kSearchSlack_px = 2.0;  // a blurred corner is a few pixels off
 constexpr std::size_t kMaxRefined = 6;   // two poses for each of three tags, or less
 constexpr double kSameStart_rad = 0.02;  // starts this near slide into one minimum
 constexpr double kSamePose_rad = 1e-3;   // converged minima
 constexpr double kSameSigmas = 3.0;      // Mahalanobis: settled on one tag more or less
 constexpr double kOutlierSigmas = 3.0;
 constexpr double kMinGate_px = 1.0;  // a bent print or a map of a millimetre's accuracy is no outlier
+constexpr RobustKernel kSearchKernel{RobustKernel::Shape::kCauchy, 1.0};
 constexpr int kMaxRefits = 4;
 
 struct Start {
@@ -42,15 +44,23 @@ std::vector<Start> ranked_starts(const CameraModel& model,
       starts.push_back({pose.T_camera_tag * observation->tag->T_map_tag.inverse()});
     }
   }
-  const RobustKernel kernel{RobustKernel::Shape::kCauchy, kSearchScale_px};
-  for (Start& start : starts) start.cost = robust_cost(model, observations, kernel, start.T_camera_map);
+  for (Start& start : starts)
+    start.cost = robust_cost(model, observations, kSearchKernel, start.T_camera_map);
   std::stable_sort(starts.begin(), starts.end(),
                    [](const Start& a, const Start& b) { return a.cost < b.cost; });
   return starts;
 }
 
-double tag_rms_px(double squared_error_px2) {
-  return std::sqrt(squared_error_px2 / (2.0 * kNumCorners));
+/// A tag's mean squared error over what it may be: kOutlierSigmas of noise_scale times its expected noise,
+/// and gate_px beside. At most 1 where the tag agrees.
+double over_gate(const TagObservation& observation, const CornerErrors& errors_px, double noise_scale,
+                 double gate_px) {
+  const double in_pixels = errors_px.squaredNorm() / (2.0 * kNumCorners * gate_px * gate_px);
+  if (in_pixels <= 1.0) return in_pixels;  // an upper bound
+  const CornerCovariance covariance_px2 =
+      kOutlierSigmas * kOutlierSigmas * noise_scale * noise_scale * observation.covariance_px2 +
+      gate_px * gate_px * CornerCovariance::Identity();
+  return errors_px.dot(covariance_px2.llt().solve(errors_px)) / (2.0 * kNumCorners);
 }
 
 /// The tags that fit as well as the better half of them does, one copy of each.
@@ -59,74 +69,92 @@ std::vector<const TagObservation*> agreeing_tags(const CameraModel& model,
                                                  const CandidateOptions& options, const Pose& T_camera_map) {
   std::map<std::pair<const MapTag*, double>, const TagObservation*> by_tag_and_rms;
   for (const TagObservation* observation : observations) {
-    const double rms_px = tag_rms_px(squared_error_px2(model, *observation, T_camera_map));
-    by_tag_and_rms.emplace(std::pair(observation->tag, rms_px), observation);
+    const double rms = std::sqrt(squared_error(model, *observation, T_camera_map) / (2.0 * kNumCorners));
+    by_tag_and_rms.emplace(std::pair(observation->tag, rms), observation);
   }
-  std::vector<std::pair<double, const TagObservation*>> best_copies;
+  std::vector<double> rms;
+  std::set<const TagObservation*> best_copies;
   const MapTag* last_tag = nullptr;
   for (const auto& [key, observation] : by_tag_and_rms) {
-    if (key.first != last_tag) best_copies.emplace_back(key.second, observation);
+    if (key.first != last_tag) {
+      best_copies.insert(observation);
+      rms.push_back(key.second);
+    }
     last_tag = key.first;
   }
-  std::vector<double> rms_px;
-  for (const auto& copy : best_copies) rms_px.push_back(copy.first);
-  const auto middle = rms_px.begin() + static_cast<std::ptrdiff_t>((rms_px.size() - 1) / 2);
-  std::nth_element(rms_px.begin(), middle, rms_px.end());
-  const double gate_px =
-      std::min(std::max(kOutlierSigmas * std::max(*middle, options.expected_sigma_px), kMinGate_px),
-               options.max_residual_rms_px);
+  const auto middle = rms.begin() + static_cast<std::ptrdiff_t>((rms.size() - 1) / 2);
+  std::nth_element(rms.begin(), middle, rms.end());
+  const double noise_scale = std::max(1.0, *middle);
   std::vector<const TagObservation*> inliers;
   for (const TagObservation* observation : observations) {  // in the observations' order: pointers have none
-    const bool is_inlier = std::any_of(best_copies.begin(), best_copies.end(), [&](const auto& copy) {
-      return copy.second == observation && copy.first <= gate_px;
-    });
-    if (is_inlier) inliers.push_back(observation);
+    if (!best_copies.contains(observation)) continue;
+    const auto errors_px = corner_errors_px(model, *observation, T_camera_map);
+    if (!errors_px || !(over_gate(*observation, *errors_px, 1.0, options.max_residual_rms_px) <= 1.0))
+      continue;
+    if (!std::isfinite(noise_scale) || over_gate(*observation, *errors_px, noise_scale, kMinGate_px) <= 1.0)
+      inliers.push_back(observation);
   }
   return inliers;
 }
 
 /// Refines on all tags, drops those that disagree, refits to the rest until none changes sides.
+/// search: the observations with kSearchSlack_px.
 PoseCandidate settle(const CameraModel& model, const std::vector<const TagObservation*>& observations,
-                     const CandidateOptions& options, const Pose& start) {
-  const RobustKernel search{RobustKernel::Shape::kCauchy, kSearchScale_px};
+                     const std::vector<const TagObservation*>& search, const CandidateOptions& options,
+                     const Pose& start) {
   PoseCandidate candidate;
-  candidate.T_camera_map = adjust_pose(model, observations, search, start);
+  candidate.T_camera_map = adjust_pose(model, search, kSearchKernel, start);
+  const auto squared_error_of_inliers = [&] {
+    double sum = 0.0;
+    for (const auto* tag : candidate.inliers) sum += squared_error(model, *tag, candidate.T_camera_map);
+    return sum;
+  };
   for (int i = 0; i < kMaxRefits; ++i) {
     auto inliers = agreeing_tags(model, observations, options, candidate.T_camera_map);
     if (inliers == candidate.inliers) break;
     candidate.inliers = std::move(inliers);
     if (candidate.inliers.empty()) break;
-    double squared_error = 0.0;
-    for (const auto* tag : candidate.inliers)
-      squared_error += squared_error_px2(model, *tag, candidate.T_camera_map);
-    const double rms_px = std::sqrt(squared_error / (2.0 * candidate.num_corners()));
-    const double scale_px = kOutlierSigmas * std::max(rms_px, options.expected_sigma_px);
-    candidate.T_camera_map = adjust_pose(model, candidate.inliers, {RobustKernel::Shape::kHuber, scale_px},
-                                         candidate.T_camera_map);
+    const double rms = std::sqrt(squared_error_of_inliers() / (2.0 * candidate.num_corners()));
+    const double scale = kOutlierSigmas * std::max(rms, 1.0);
+    candidate.T_camera_map =
+        adjust_pose(model, candidate.inliers, {RobustKernel::Shape::kHuber, scale}, candidate.T_camera_map);
   }
-  candidate.squared_error_px2 = 0.0;
-  for (const auto* tag : candidate.inliers) {
-    candidate.squared_error_px2 += squared_error_px2(model, *tag, candidate.T_camera_map);
-  }
+  candidate.squared_error = squared_error_of_inliers();
   return candidate;
 }
 
-}  // namespace
-
-double PoseCandidate::rms_px() const {
-  return std::sqrt(squared_error_px2 / (2.0 * num_corners()));
+/// Of all inliers together.
+bool fits(const CameraModel& model, const PoseCandidate& candidate, const CandidateOptions& options) {
+  double sum = 0.0;
+  for (const auto* tag : candidate.inliers) {
+    const auto errors_px = corner_errors_px(model, *tag, candidate.T_camera_map);
+    if (!errors_px) return false;
+    sum += over_gate(*tag, *errors_px, 1.0, options.max_residual_rms_px);
+  }
+  return sum <= static_cast<double>(candidate.inliers.size());
 }
+
+std::vector<const TagObservation*> pointers_to(const std::vector<TagObservation>& observations) {
+  std::vector<const TagObservation*> pointers;
+  for (const TagObservation& observation : observations) pointers.push_back(&observation);
+  return pointers;
+}
+
+}  // namespace
 
 std::vector<PoseCandidate> find_pose_candidates(const CameraModel& model,
                                                 const std::vector<TagObservation>& observations,
                                                 const std::vector<Pose>& predictions,
                                                 const CandidateOptions& options) {
-  std::vector<const TagObservation*> all;
-  for (const TagObservation& observation : observations) all.push_back(&observation);
+  const std::vector<const TagObservation*> all = pointers_to(observations);
+  std::vector<TagObservation> with_slack;
+  for (const TagObservation& observation : observations)
+    with_slack.push_back(with_further_noise(observation, kSearchSlack_px));
+  const std::vector<const TagObservation*> search = pointers_to(with_slack);
 
   std::vector<Pose> refined_starts;
   std::vector<PoseCandidate> candidates;
-  for (const Start& start : ranked_starts(model, all, predictions)) {
+  for (const Start& start : ranked_starts(model, search, predictions)) {
     if (refined_starts.size() == kMaxRefined) break;
     const auto is_near_start = [&](const Pose& pose) {
       return are_near(pose, start.T_camera_map, kSameStart_rad);
@@ -134,9 +162,9 @@ std::vector<PoseCandidate> find_pose_candidates(const CameraModel& model,
     if (std::any_of(refined_starts.begin(), refined_starts.end(), is_near_start)) continue;
     refined_starts.push_back(start.T_camera_map);
 
-    PoseCandidate candidate = settle(model, all, options, start.T_camera_map);
+    PoseCandidate candidate = settle(model, all, search, options, start.T_camera_map);
     if (candidate.inliers.empty() || !candidate.T_camera_map.is_finite()) continue;
-    if (!(candidate.rms_px() <= options.max_residual_rms_px)) continue;
+    if (!fits(model, candidate, options)) continue;
     const auto is_same = [&](const PoseCandidate& other) {
       return are_near(other.T_camera_map, candidate.T_camera_map, kSamePose_rad);
     };
@@ -151,12 +179,12 @@ bool is_same_explanation(const Pose& winner, const Matrix6d& cov_winner, const P
   return xi.dot(cov_winner.llt().solve(xi)) < kSameSigmas * kSameSigmas;
 }
 
-double misfit(const CameraModel& model, const std::vector<TagObservation>& observations, double sigma_px,
+double misfit(const CameraModel& model, const std::vector<TagObservation>& observations, double noise_scale,
               const Pose& T_camera_map) {
   constexpr double kOutlierMisfit = 0.5 * 2.0 * kNumCorners * kOutlierSigmas * kOutlierSigmas;
   std::map<const MapTag*, double> best;
   for (const TagObservation& observation : observations) {
-    const double error = squared_error_px2(model, observation, T_camera_map) / (2.0 * sigma_px * sigma_px);
+    const double error = squared_error(model, observation, T_camera_map) / (2.0 * noise_scale * noise_scale);
     const auto [entry, is_new] = best.emplace(observation.tag, std::min(error, kOutlierMisfit));
     if (!is_new) entry->second = std::min(entry->second, error);
   }

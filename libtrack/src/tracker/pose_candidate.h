@@ -12,16 +12,15 @@ namespace apriltrack {
 struct PoseCandidate {
   Pose T_camera_map;
   std::vector<const TagObservation*> inliers;  ///< At most one copy of each tag.
-  double squared_error_px2 = 0.0;              ///< Of the inliers' corners.
+  double squared_error = 0.0;                  ///< Of the inliers' corners, whitened.
 
   int num_corners() const { return kNumCorners * static_cast<int>(inliers.size()); }
-  /// Per axis.
-  double rms_px() const;
 };
 
 struct CandidateOptions {
-  double expected_sigma_px = 0.1;    ///< Of a corner, per axis.
-  double max_residual_rms_px = 4.0;  ///< A tag that fits worse agrees with no pose.
+  /// Root mean square of a tag's corners, per axis: one that fits worse agrees with no pose, unless so much
+  /// is expected of its corners.
+  double max_residual_rms_px = 4.0;
 };
 
 /// All distinct minima worth comparing, in no order: started from both planar poses of every tag and from
@@ -38,9 +37,10 @@ std::vector<PoseCandidate> find_pose_candidates(const CameraModel& model,
 /// off. The minima of a planar ambiguity are tens of sigma apart, or they could not be told apart from one.
 bool is_same_explanation(const Pose& winner, const Matrix6d& cov_winner, const Pose& other);
 
-/// -log likelihood of ALL observations under the pose, corners of sigma_px; what no pose explains counts as
-/// much as a tag three sigma off, wherever it lies. Copies of one tag count once, by the best.
-double misfit(const CameraModel& model, const std::vector<TagObservation>& observations, double sigma_px,
+/// -log likelihood of ALL observations under the pose, with noise_scale times the noise of their covariances;
+/// what no pose explains counts as much as a tag three sigma off, wherever it lies. Copies of one tag count
+/// once, by the best.
+double misfit(const CameraModel& model, const std::vector<TagObservation>& observations, double noise_scale,
               const Pose& T_camera_map);
 
 }  // namespace apriltrack

@@ -1,22 +1,33 @@
 #include "tag_observation.h"
 
-#include <cmath>
+#include <Eigen/Eigenvalues>
 #include <set>
+
+#include "corner_noise.h"
 
 namespace apriltrack {
 
 namespace {
 
-std::optional<double> claimed_sigma_px(const Detection& detection) {
-  if (!detection.covariance_px2) return std::nullopt;
-  return std::sqrt(detection.covariance_px2->trace() / (2.0 * kNumCorners));
+/// Symmetric, so that no corner comes before another.
+CornerCovariance whitening_of(const CornerCovariance& covariance_px2) {
+  if (covariance_px2.isDiagonal(0.0))
+    return covariance_px2.diagonal().cwiseSqrt().cwiseInverse().asDiagonal().toDenseMatrix();
+  return Eigen::SelfAdjointEigenSolver<CornerCovariance>(covariance_px2).operatorInverseSqrt();
 }
 
 }  // namespace
 
+TagObservation with_further_noise(TagObservation observation, double sigma_px) {
+  observation.covariance_px2.diagonal().array() += sigma_px * sigma_px;
+  observation.whitening_per_px = whitening_of(observation.covariance_px2);
+  return observation;
+}
+
 std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const TagIndex& index,
                                                 const CameraModel& model,
-                                                const std::vector<Detection>& detections) {
+                                                const std::vector<Detection>& detections,
+                                                double sharp_sigma_px) {
   std::vector<TagObservation> observations;
   for (const Detection& detection : detections) {
     const auto position = index.find(detection.tag);
@@ -30,8 +41,11 @@ std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const TagInde
                                .corners_px = detection.corners_px,
                                .planar_poses = solve_planar_pnp(*rays, tag->size_m),
                                .corrected_bits = detection.hamming.value_or(0),
-                               .claimed_sigma_px = claimed_sigma_px(detection),
+                               .claimed_covariance_px2 = detection.covariance_px2,
+                               .covariance_px2 = still_corner_covariance_px2(detection, sharp_sigma_px),
+                               .whitening_per_px = CornerCovariance::Identity(),
                                .is_repeated = false};
+    observation.whitening_per_px = whitening_of(observation.covariance_px2);
     for (TagObservation& other : observations) {
       if (other.tag == tag) other.is_repeated = observation.is_repeated = true;
     }

@@ -26,7 +26,7 @@ void TagReader::read_in(const GrayView& image, std::span<const TagRegion> region
 
 void TagReader::take(std::vector<Detection> detections, BlurFrame& frame) const {
   frame.detections = std::move(detections);
-  frame.read = observe_mapped_tags(map_, world_.index, world_.model, frame.detections);
+  frame.read = observe_mapped_tags(map_, world_.index, world_.model, frame.detections, corner_sigma_px_);
 }
 
 template <class Detect>

@@ -11,11 +11,13 @@
 
 namespace apriltrack {
 
-/// Reads tags in images, and tells which of them the map has. map, world: must outlive it.
+/// Reads tags in images, and tells which of them the map has. map, world: must outlive it. corner_sigma_px:
+/// of corners without a covariance.
 class TagReader {
  public:
-  TagReader(const DetectorOptions& options, const TagMap& map, const PhotometricWorld& world)
-      : options_(options), map_(map), world_(world) {}
+  TagReader(const DetectorOptions& options, const TagMap& map, const PhotometricWorld& world,
+            double corner_sigma_px)
+      : options_(options), map_(map), world_(world), corner_sigma_px_(corner_sigma_px) {}
 
   const DetectorOptions& options() const { return options_; }
   /// Makes the detector, where there is none yet: up to seconds.
@@ -35,6 +37,7 @@ class TagReader {
   DetectorOptions options_;
   const TagMap& map_;
   const PhotometricWorld& world_;
+  const double corner_sigma_px_;
   std::optional<Detector> detector_;  ///< Made when it is needed: who brings detections needs none.
 };
 

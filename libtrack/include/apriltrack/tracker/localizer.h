@@ -15,9 +15,10 @@ struct LocalizerOptions {
   TrackMode mode = TrackMode::kEgo;
   /// families and response are taken from the map and the camera.
   DetectorOptions detector;
-  /// Expected corner error per axis, from the detector's own tests: sharp frames, linear light.
+  /// Of corners without a covariance, per axis, from the detector's own tests: sharp frames, linear light.
   double corner_sigma_px = 0.1;
-  /// A frame whose corners fit worse than this (root mean square per axis, after outliers) gives no pose.
+  /// Tags whose corners fit worse (root mean square per axis) are left out, unless so much is expected of
+  /// them.
   double max_residual_rms_px = 4.0;
 
   void check() const;
@@ -34,10 +35,10 @@ struct LocalizerOptions {
 /// sure and accuses none of having moved: hang tags of few bits so that two are in view, or use tag36h11. The
 /// only tag of a map needs no second, where no bit was corrected.
 ///
-/// The covariance rests on the residuals and, for few tags, on what corners are known to suffer from motion
-/// (0.025 of the blur, taken from the last two poses and the exposure) and from corrected bits; and on the
-/// covariances of the map's tags, where it has them, with errors independent from tag to tag. The pose itself
-/// weighs all corners alike.
+/// Corners are weighed by Detection::covariance_px2, or corner_sigma_px without it; what is far off is judged
+/// in the same unit. The pose's covariance follows from these, the residuals, the covariances of the map's
+/// tags (their errors taken as independent) and the acceleration during the exposure
+/// (docs/algorithms/localizer.md).
 ///
 /// One image at a time; give each thread its own. No frame throws, whatever it shows (once prepare() has been
 /// called: before, the first image may run out of memory for the tables): a pose is finite, or there is none
