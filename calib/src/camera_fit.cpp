@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "apriltrack/base/error.h"
 #include "block_scatter.h"
@@ -59,13 +60,18 @@ Eigen::MatrixXd CameraFit::covariance() const {
   return units.asDiagonal() * covariance_ * units.asDiagonal();
 }
 
-double CameraFit::log_odds_of_change() const {
-  std::vector<Eigen::Index> of_files;
-  for (std::size_t i = 0; i < parameters_.size(); ++i)
-    if (parameters_[i].is_of_lens() || parameters_[i].is_of_place())
-      of_files.push_back(static_cast<Eigen::Index>(i));
-  const Eigen::VectorXd estimate = total_(of_files);  // the prior: mean 0, covariance 1
-  const Eigen::LLT<Eigen::MatrixXd> factor(covariance_(of_files, of_files));
+double CameraFit::log_odds_of_change(const MapState& before) const {
+  const Eigen::VectorXd moved_before = already_moved(before);
+  std::vector<Eigen::Index> as_given;
+  for (std::size_t i = 0; i < parameters_.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const bool is_in_file = parameters_[i].is_of_lens() || parameters_[i].is_of_place();
+    if (is_in_file && moved_before[k] == 0.0) as_given.push_back(k);
+  }
+  if (as_given.empty()) return std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd estimate = total_(as_given);  // the prior: mean 0, covariance 1
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance_(as_given, as_given));
+  if (factor.info() != Eigen::Success) return -std::numeric_limits<double>::infinity();
   const double log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
   return 0.5 * (estimate.dot(factor.solve(estimate)) + log_determinant);
 }

@@ -33,10 +33,12 @@ class CameraFit {
   std::vector<EstimatedParameter> estimates() const;
   /// Of the estimates, in their units.
   Eigen::MatrixXd covariance() const;
-  /// Log odds, by the views alone, that lenses and places are not as given but off by what their sigmas
-  /// expect: the density that prior and posterior have where nothing is off (Dickey, Ann. Math. Statist. 42,
-  /// 1971, equation 1.1). What detectors' edges are off by is in no file and does not count.
-  double log_odds_of_change() const;
+  /// Log odds, by the views alone, that what `before` has of lenses and places as given is not so, but off by
+  /// what the sigmas expect: the density that prior and posterior have where nothing is off (Dickey, Ann.
+  /// Math. Statist. 42, 1971, equation 1.1). What `before` has corrected already does not count, nor do
+  /// detectors' edges, which are in no file. -infinity where that cannot be told; infinity where nothing is
+  /// as given.
+  double log_odds_of_change(const MapState& before) const;
 
  private:
   Eigen::VectorXd already_moved(const MapState& state) const;

@@ -95,10 +95,11 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part, const Ca
     result.reason = "the views do not determine them";
     return result;
   }
-  const double odds = std::exp(fit.log_odds_of_change());
-  if (least_gain > 0.0 && odds < kLeastOdds) {
-    result.reason = fmt::format(
-        "odds of {:.2g} to 1 that the camera file is off, and it stays up to {:.0f} to 1", odds, kLeastOdds);
+  const double log_odds = least_gain > 0.0 ? fit.log_odds_of_change(solved.state) : 0.0;
+  if (least_gain > 0.0 && !(log_odds >= std::log(kLeastOdds))) {
+    result.reason =
+        fmt::format("odds of {:.2g} to 1 that the camera file is off, and it stays up to {:.0f} to 1",
+                    std::exp(log_odds), kLeastOdds);
     return result;
   }
   try {

@@ -122,7 +122,7 @@ TEST(CameraRefinement, LeavesARightCameraAloneThatFilmsFromOnePlace) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Filmed filmed = film(test::perspective_camera(), 0.0, 60);
     RandomStream random(60, seed);
-    const std::size_t place = 5 * seed;
+    const std::size_t place = 5 * (seed - 1);
     for (std::size_t i = 0; i < filmed.truth.T_world_rig.size(); ++i)
       filmed.truth.T_world_rig[i] =
           filmed.truth.T_world_rig[place] *
