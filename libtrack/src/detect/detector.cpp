@@ -224,7 +224,7 @@ class Detector::Implementation {
 
   /// Of the fit, and of its response, where that is in doubt: half of the chance is the rival's, and then all
   /// corners err by what the two fits differ. What the wrong response leaves of the picture is no noise, so
-  /// that of noise the better fit tells. nullopt where the rival's does not tell.
+  /// that of noise the better fit tells. Of the fit alone where the rival fits nothing.
   std::optional<CornerCovariance> covariance_of(const GrayView& image, const TagPattern& shown,
                                                 const FittedPattern& fitted,
                                                 const CameraModel* camera) const {
@@ -233,7 +233,7 @@ class Detector::Implementation {
     const auto rival =
         fit_pattern(LightSampler(image, *options_.rival_response), shown,
                     {fitted.corners_px, std::sqrt(0.5 * fitted.blur_px2.trace() + kPixel_px2), camera});
-    if (!rival) return std::nullopt;
+    if (!rival) return fitted.covariance_px2;
     Eigen::Matrix<double, 8, 1> difference_px;
     for (std::size_t k = 0; k < kNumCorners; ++k)
       difference_px.segment<2>(2 * static_cast<Eigen::Index>(k)) =

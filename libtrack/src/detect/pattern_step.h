@@ -19,11 +19,11 @@ const Matrix8d& corner_moves();
 /// How far a step moves the corner's coordinate that it moves most, in half tag sizes.
 double largest_corner_move(const Vector8d& step);
 
-/// The map after a step, to first order what the generators do.
+/// The map after a step, to first order what the generators do, scaled to a norm of one.
 Eigen::Matrix3d moved_plane(const Eigen::Matrix3d& tag_from_straight, const Vector8d& step);
 
 /// A blur after a change (xx, xy, yy) no larger than itself, its axes' standard deviations between the two.
-/// All in px.
+/// px^2 and px.
 Eigen::Matrix2d changed_blur(const Eigen::Matrix2d& blur_px2, const Eigen::Vector3d& change_px2,
                              double min_blur_px, double max_blur_px);
 
