@@ -2,11 +2,13 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "apriltrack/tracker/localizer.h"
 #include "pose_adjustment.h"
+#include "pose_candidate.h"
 #include "support/numeric_jacobian.h"
 #include "synthetic_world.h"
 
@@ -161,6 +163,43 @@ TEST(PoseAdjustment, WhitenedErrorsHaveTheCovarianceOfTheDetection) {
   const Eigen::MatrixXd expected = J.transpose() * observations[0].covariance_px2.inverse() * J;
   EXPECT_TRUE(
       test::jacobians_agree(corner_information(camera.model, {&observations[0]}, Pose()), expected, 1e-6));
+}
+
+/// Moves all corners to the right.
+Detection moved(Detection detection, double right_px) {
+  for (Eigen::Vector2d& corner : detection.corners_px) corner.x() += right_px;
+  return detection;
+}
+
+TEST(Localizer, TakesTheLikelierCopyNotTheOneThatClaimsLess) {
+  // Half a pixel off at .1 px is 25 sigma^2 a number; three at .7 px are 18, but such a copy is likely
+  // anywhere.
+  const Camera camera = test::camera_with(NoDistortion{});
+  const TagMap map = test::room();
+  FrameDetections frame = test::seen(camera, map, Pose());
+  Detection misread = moved(frame.detections.front(), 3.0);
+  misread.hamming = 2;
+  frame.detections.front() = moved(frame.detections.front(), 0.5);
+  frame.detections.push_back(misread);
+  const auto observations = observe_mapped_tags(map, TagIndex(map), camera.model, frame.detections, 0.1);
+  const auto found = find_pose_candidates(camera.model, observations, {Pose()}, {});
+  ASSERT_FALSE(found.empty());
+  for (const PoseCandidate& candidate : found)
+    EXPECT_EQ(std::ranges::count(candidate.inliers, &observations.back()), 0);
+}
+
+TEST(Localizer, LeavesOutCornersWhoseCovarianceIsNotPositive) {
+  const Camera camera = test::camera_with(NoDistortion{});
+  const TagMap map = test::room();
+  FrameDetections frame = with_covariances(test::seen(camera, map, Pose()));
+  const std::size_t all = frame.detections.size();
+  frame.detections[0].covariance_px2 = -CornerCovariance::Identity();
+  (*frame.detections[1].covariance_px2)(2, 2) = std::nan("");
+  EXPECT_EQ(observe_mapped_tags(map, TagIndex(map), camera.model, frame.detections, 0.1).size(), all - 2);
+  Localizer localizer(camera, map);
+  const TrackResult result = localizer.localize(frame);
+  ASSERT_TRUE(result.pose);
+  EXPECT_TRUE(result.pose->is_finite());
 }
 
 }  // namespace

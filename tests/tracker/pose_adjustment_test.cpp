@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <numbers>
+
 #include "corner_noise.h"
 #include "pose_memory.h"
 #include "support/numeric_jacobian.h"
@@ -126,13 +128,16 @@ TEST(CornerNoise, OfAccelerationIsWhereTheMeanOfTheExposureLies) {
   EXPECT_TRUE(uneven_motion_covariance(now, start, start, kStep_s, 0.0).isZero());
 }
 
-/// Of a sine of 2.5 Hz in 16 ms, a E^2 / 24 is 0.01 of the path v E.
-TEST(CornerNoise, OfShakeIsAHundredthOfThePathInItsDirection) {
+/// Of a sine of angular frequency w, a E^2 / 24 is w E / 24 of the path v E.
+TEST(CornerNoise, OfShakeGoesByTheSquareOfTheExposure) {
   const Vector6d velocity = (Vector6d() << 0.5, 0.2, -0.1, 0.4, 0.8, -0.3).finished();
   const Pose before = Pose::exp((Vector6d() << 0.1, -0.2, 2.0, 0.3, 0.2, 0.1).finished());
   const Pose now = before * Pose::exp(0.04 * velocity);
-  const Vector6d off = 0.01 * 0.016 * velocity;
-  EXPECT_TRUE(uneven_motion_covariance(now, before, now, 0.04, 0.016).isApprox(off * off.transpose(), 1e-9));
+  for (const double exposure_s : {0.002, 0.016, 0.033}) {
+    const Vector6d off = 2.0 * std::numbers::pi * 2.5 * exposure_s * exposure_s / 24.0 * velocity;
+    EXPECT_TRUE(
+        uneven_motion_covariance(now, before, now, 0.04, exposure_s).isApprox(off * off.transpose(), 1e-9));
+  }
 }
 
 TEST(CornerNoise, OfCorrectedBitsIsFourTimesThatOfSharpCornersAndMayFitAsWell) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace apriltrack {
 namespace {
@@ -18,9 +19,9 @@ constexpr double kPriorStrength = 3.0;
 /// views (docs/algorithms/detector.md, section 5); lens and paper add this much.
 constexpr double kBeyondClaim_px = 0.02;
 
-/// Of the path: an acceleration a puts the mean of the exposure E beside its middle, by a E^2 / 24. Of a hand
-/// that shakes with w = 2 pi 2.5 Hz, that is w E / 24 of the path v E: 0.01 in exposures of 16 ms.
-constexpr double kUnevenMotion = 0.01;
+/// An acceleration a puts the mean of the exposure E beside its middle, by a E^2 / 24. Of a hand that shakes
+/// with the angular frequency w, that is w E / 24 of the path v E. w: of 2.5 Hz, an assumption.
+constexpr double kShake_rad_s = 2.0 * std::numbers::pi * 2.5;
 
 /// What detectors give, or that of sharp corners: no fit shows that corners are better.
 CornerCovariance least_covariance_px2(const TagObservation& observation, double sharp_sigma_px) {
@@ -74,7 +75,7 @@ Matrix6d uneven_motion_covariance(const Pose& T_camera_map, const Pose& T_camera
   if (!(age_s > 0.0)) return Matrix6d::Zero();
   const double exposed_share = exposure_s / age_s;
   const Vector6d of_shake =
-      kUnevenMotion * exposed_share * (T_camera_map_before.inverse() * T_camera_map).log();
+      kShake_rad_s * exposure_s / 24.0 * exposed_share * (T_camera_map_before.inverse() * T_camera_map).log();
   const Vector6d of_acceleration =
       exposed_share * exposed_share / 24.0 * (T_camera_map_predicted.inverse() * T_camera_map).log();
   return of_shake * of_shake.transpose() + of_acceleration * of_acceleration.transpose();

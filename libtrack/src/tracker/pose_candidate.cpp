@@ -63,24 +63,38 @@ double over_gate(const TagObservation& observation, const CornerErrors& errors_p
   return errors_px.dot(covariance_px2.llt().solve(errors_px)) / (2.0 * kNumCorners);
 }
 
+struct Copy {
+  const TagObservation* observation = nullptr;
+  double squared_error = 0.0, minus_twice_log_likelihood = 0.0;
+};
+
+/// Of each tag, the copy that is likeliest: one that claims little must fit as much better.
+template <class Error>
+std::map<const MapTag*, Copy> likeliest_copies(const std::vector<const TagObservation*>& observations,
+                                               const Error& squared_error_of) {
+  std::map<const MapTag*, Copy> copies;
+  for (const TagObservation* observation : observations) {
+    const double error = squared_error_of(*observation);
+    const Copy copy{observation, error, error + observation->log_determinant};
+    const auto [entry, is_new] = copies.emplace(observation->tag, copy);
+    if (!is_new && copy.minus_twice_log_likelihood < entry->second.minus_twice_log_likelihood)
+      entry->second = copy;
+  }
+  return copies;
+}
+
 /// The tags that fit as well as the better half of them does, one copy of each.
 std::vector<const TagObservation*> agreeing_tags(const CameraModel& model,
                                                  const std::vector<const TagObservation*>& observations,
                                                  const CandidateOptions& options, const Pose& T_camera_map) {
-  std::map<std::pair<const MapTag*, double>, const TagObservation*> by_tag_and_rms;
-  for (const TagObservation* observation : observations) {
-    const double rms = std::sqrt(squared_error(model, *observation, T_camera_map) / (2.0 * kNumCorners));
-    by_tag_and_rms.emplace(std::pair(observation->tag, rms), observation);
-  }
+  const auto error_of = [&](const TagObservation& observation) {
+    return squared_error(model, observation, T_camera_map);
+  };
   std::vector<double> rms;
   std::set<const TagObservation*> best_copies;
-  const MapTag* last_tag = nullptr;
-  for (const auto& [key, observation] : by_tag_and_rms) {
-    if (key.first != last_tag) {
-      best_copies.insert(observation);
-      rms.push_back(key.second);
-    }
-    last_tag = key.first;
+  for (const auto& [tag, copy] : likeliest_copies(observations, error_of)) {
+    best_copies.insert(copy.observation);
+    rms.push_back(std::sqrt(copy.squared_error / (2.0 * kNumCorners)));
   }
   const auto middle = rms.begin() + static_cast<std::ptrdiff_t>((rms.size() - 1) / 2);
   std::nth_element(rms.begin(), middle, rms.end());
@@ -182,14 +196,12 @@ bool is_same_explanation(const Pose& winner, const Matrix6d& cov_winner, const P
 double misfit(const CameraModel& model, const std::vector<TagObservation>& observations, double noise_scale,
               const Pose& T_camera_map) {
   constexpr double kOutlierMisfit = 0.5 * 2.0 * kNumCorners * kOutlierSigmas * kOutlierSigmas;
-  std::map<const MapTag*, double> best;
-  for (const TagObservation& observation : observations) {
-    const double error = squared_error(model, observation, T_camera_map) / (2.0 * noise_scale * noise_scale);
-    const auto [entry, is_new] = best.emplace(observation.tag, std::min(error, kOutlierMisfit));
-    if (!is_new) entry->second = std::min(entry->second, error);
-  }
+  const auto error_of = [&](const TagObservation& observation) {
+    return squared_error(model, observation, T_camera_map) / (noise_scale * noise_scale);
+  };
   double sum = 0.0;
-  for (const auto& [tag, error] : best) sum += error;
+  for (const auto& [tag, copy] : likeliest_copies(pointers_to(observations), error_of))
+    sum += std::min(0.5 * copy.squared_error, kOutlierMisfit);
   return sum;
 }
 

@@ -1,5 +1,6 @@
 #include "tag_observation.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <set>
 
@@ -16,11 +17,20 @@ CornerCovariance whitening_of(const CornerCovariance& covariance_px2) {
   return Eigen::SelfAdjointEigenSolver<CornerCovariance>(covariance_px2).operatorInverseSqrt();
 }
 
+void set_whitening(TagObservation& observation) {
+  observation.whitening_per_px = whitening_of(observation.covariance_px2);
+  observation.log_determinant = observation.covariance_px2.ldlt().vectorD().array().log().sum();
+}
+
+bool is_positive(const CornerCovariance& covariance_px2) {
+  return covariance_px2.allFinite() && covariance_px2.llt().info() == Eigen::Success;
+}
+
 }  // namespace
 
 TagObservation with_further_noise(TagObservation observation, double sigma_px) {
   observation.covariance_px2.diagonal().array() += sigma_px * sigma_px;
-  observation.whitening_per_px = whitening_of(observation.covariance_px2);
+  set_whitening(observation);
   return observation;
 }
 
@@ -44,8 +54,10 @@ std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const TagInde
                                .claimed_covariance_px2 = detection.covariance_px2,
                                .covariance_px2 = still_corner_covariance_px2(detection, sharp_sigma_px),
                                .whitening_per_px = CornerCovariance::Identity(),
+                               .log_determinant = 0.0,
                                .is_repeated = false};
-    observation.whitening_per_px = whitening_of(observation.covariance_px2);
+    if (!is_positive(observation.covariance_px2)) continue;
+    set_whitening(observation);
     for (TagObservation& other : observations) {
       if (other.tag == tag) other.is_repeated = observation.is_repeated = true;
     }

@@ -26,13 +26,15 @@ struct TagObservation {
   CornerCovariance covariance_px2 = CornerCovariance::Identity();
   /// Its inverse's symmetric square root: whitened errors W (x0 y0 x1 y1 ...) have the identity's covariance.
   CornerCovariance whitening_per_px = CornerCovariance::Identity();
-  bool is_repeated = false;  ///< The frame shows this tag more than once: at most one of them can be it.
+  double log_determinant = 0.0;  ///< Of covariance_px2.
+  bool is_repeated = false;      ///< The frame shows this tag more than once: at most one of them can be it.
 };
 
 /// The same, with further errors that are independent in each coordinate.
 TagObservation with_further_noise(TagObservation observation, double sigma_px);
 
-/// Leaves out tags that the map does not have, and corners that no ray of the lens model reaches. The
+/// Leaves out tags that the map does not have, corners that no ray of the lens model reaches, and those whose
+/// covariance is not finite or not positive. The
 /// observations point into `map`, which must outlive them. index: the map's. sharp_sigma_px: of corners
 /// without a covariance, per axis.
 std::vector<TagObservation> observe_mapped_tags(const TagMap& map, const TagIndex& index,
