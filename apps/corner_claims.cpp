@@ -27,7 +27,8 @@ CornerClaims corner_claims_of_track(std::span<const FrameDetections> frames, dou
 
 CornerClaims corner_claims_of_calibrate(std::span<const FrameDetections> frames, double bias_px) {
   CornerClaims claims = counted(frames);
-  if (claims.without_covariance == claims.detections) claims.assumed_sigma_px = bias_px;
+  if (claims.without_covariance == claims.detections && claims.detections > 0)
+    claims.assumed_sigma_px = bias_px;
   return claims;
 }
 
@@ -40,11 +41,14 @@ nlohmann::json json_of(const CornerClaims& claims) {
 }
 
 std::string in_words(const CornerClaims& claims, const std::string& result) {
-  if (!claims.assumed_sigma_px) return "";
+  if (claims.without_covariance == 0) return "";
+  const std::string assumed = claims.assumed_sigma_px ? fmt::format("an assumed error of {:.2g} px per axis",
+                                                                    *claims.assumed_sigma_px)
+                                                      : "the assumption that these err like the others";
   return fmt::format(
-      "{} of {} detections have no covariance of their corners: the sigmas of {} rest on an assumed error of "
-      "{:.2g} px per axis; give the columns cov_00 to cov_77, as `apriltrack detect` writes them",
-      claims.without_covariance, claims.detections, result, *claims.assumed_sigma_px);
+      "{} of {} detections have no covariance of their corners: the sigmas of {} rest on {}; give the "
+      "columns cov_00 to cov_77, as `apriltrack detect` writes them",
+      claims.without_covariance, claims.detections, result, assumed);
 }
 
 }  // namespace apriltrack::app

@@ -14,14 +14,15 @@ namespace apriltrack::app {
 struct CornerClaims {
   std::size_t detections = 0;
   std::size_t without_covariance = 0;
-  std::optional<double> assumed_sigma_px;  ///< Per axis; nullopt where nothing is assumed.
+  /// Per axis; nullopt where nothing is assumed, or what the others have.
+  std::optional<double> assumed_sigma_px;
 };
 
 /// Of `track`, which takes corners without a covariance to err by sigma_px.
 CornerClaims corner_claims_of_track(std::span<const FrameDetections> frames, double sigma_px);
 
-/// Of `calibrate`, which measures noise, and takes what a tag keeps in all of its views from the covariances,
-/// or for bias_px where there are none.
+/// Of `calibrate`, which measures noise, and takes what a tag keeps in all of its views from the covariances
+/// that there are, or for bias_px where there are none.
 CornerClaims corner_claims_of_calibrate(std::span<const FrameDetections> frames, double bias_px);
 
 /// {detections, without_covariance, assumed_sigma_px} (docs/file_formats.md).

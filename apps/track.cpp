@@ -137,7 +137,7 @@ bool track_images(const TrackArguments& arguments, const Camera& camera, const M
   };
   const FrameCounts counts = detect_frames(*source, options, arguments.console, track);
   if (counts.are_all_blank()) record.found_all_blank();
-  record.has_values(counts.value_range);
+  record.set_value_range(counts.value_range);
   if (const auto odd = watch.told(method.looks_for)) record.are_odd(*odd);
   return counts.is_interrupted;
 }

@@ -42,7 +42,7 @@ class TrackRecord {
   /// That no image shows anything.
   void found_all_blank() { are_all_blank_ = true; }
   /// Of 16-bit image files.
-  void has_values(const std::optional<ValueRange>& range) { value_range_ = range; }
+  void set_value_range(const std::optional<ValueRange>& range) { value_range_ = range; }
 
   bool has_pose() const { return !trajectory_.empty(); }
   /// Tags were read, but in so few frames that these may be false readings: what to ask then. Empty where

@@ -52,7 +52,8 @@ TEST(ResponseSample, LeavesCamerasAndPipesToTheRun) {
   for (const std::string& input : {std::string("camera:250"), pipe.string()}) {
     const SampledInput sampled{input, {}};
     ResponseFinding finding;
-    // Whoever opens these hears that there is no such camera, or that the pipe is empty.
+    // Whoever opens these hears that there is no such camera, or waits for a writer until the test's time is
+    // over.
     EXPECT_NO_THROW(finding = response_of_sample({&sampled, 1}, {}, {}, TagSizes(), 1)) << input;
     EXPECT_EQ(finding.origin, ResponseOrigin::kAssumed);
   }
