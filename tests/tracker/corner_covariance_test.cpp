@@ -172,14 +172,13 @@ Detection moved(Detection detection, double right_px) {
 }
 
 TEST(Localizer, TakesTheLikelierCopyNotTheOneThatClaimsLess) {
-  // Half a pixel off at .1 px is 25 sigma^2 a number; three at .7 px are 18, but such a copy is likely
-  // anywhere.
+  // Squares of .38 px at .1 px are 58; of 2 px at .7 px they are 33, but so wide a claim costs 31 (ln det).
   const Camera camera = test::camera_with(NoDistortion{});
   const TagMap map = test::room();
   FrameDetections frame = test::seen(camera, map, Pose());
-  Detection misread = moved(frame.detections.front(), 3.0);
+  Detection misread = moved(frame.detections.front(), 2.0);
   misread.hamming = 2;
-  frame.detections.front() = moved(frame.detections.front(), 0.5);
+  frame.detections.front() = moved(frame.detections.front(), 0.38);
   frame.detections.push_back(misread);
   const auto observations = observe_mapped_tags(map, TagIndex(map), camera.model, frame.detections, 0.1);
   const auto found = find_pose_candidates(camera.model, observations, {Pose()}, {});

@@ -100,7 +100,7 @@ TEST_P(PaperTracking, FollowsAGentleTagWithoutDetections) {
   int num_tracked = 0;
   for (const TrackMode mode : {TrackMode::kJoint, TrackMode::kEgo}) {
     PaperTrackerOptions options = small_options(GetParam(), mode);
-    options.filter.num_particles = 3000;  // of 1500, one seed in eight loses it for a frame
+    options.filter.num_particles = 3000;  // of 1500, 4 seeds of 16 lose it for a frame
     PaperTracker tracker(film_.scene.camera, film_.scene.map, options);
     for (std::size_t i = 0; i < num_frames; ++i) {
       const auto seen = i == 0 ? film_.detections[i] : std::vector<Detection>();
