@@ -65,7 +65,9 @@ std::vector<std::string> words_of_lost_links(const Observations& observations, c
     if (fitting.contains(link) || words.size() == kMostLinksTold) continue;
     const std::vector<int> joints = tags_of_joints(paths, link);
     if (joints.empty()) continue;
-    auto boards = std::minmax(paths.board_of(link.first), paths.board_of(link.second));
+    // As copies: minmax() returns references, here to temporaries.
+    const std::pair<std::set<int>, std::set<int>> boards =
+        std::minmax(paths.board_of(link.first), paths.board_of(link.second));
     if (!told.insert(boards).second) continue;
     words.push_back(words_of_link(observations, link, frames, joints));
   }
