@@ -43,8 +43,7 @@ class Container {
 
   void begin(int turn_clockwise_deg) {
     if (turn_clockwise_deg != 0) {
-      auto* matrix = av_stream_new_side_data(stream_, AV_PKT_DATA_DISPLAYMATRIX, 9 * sizeof(std::int32_t));
-      av_display_rotation_set(reinterpret_cast<std::int32_t*>(matrix), turn_clockwise_deg);
+      av_display_rotation_set(reinterpret_cast<std::int32_t*>(new_display_matrix()), turn_clockwise_deg);
     }
     require(avformat_write_header(file_, nullptr) >= 0, "header");
   }
@@ -56,6 +55,18 @@ class Container {
   void end() { require(av_write_trailer(file_) >= 0, "trailer"); }
 
  private:
+  std::uint8_t* new_display_matrix() {
+    constexpr std::size_t kSize = 9 * sizeof(std::int32_t);
+#if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(60, 31, 100)  // FFmpeg 6.1
+    AVCodecParameters& codec = *stream_->codecpar;
+    return av_packet_side_data_new(&codec.coded_side_data, &codec.nb_coded_side_data, AV_PKT_DATA_DISPLAYMATRIX, kSize,
+                                   0)
+        ->data;
+#else
+    return av_stream_new_side_data(stream_, AV_PKT_DATA_DISPLAYMATRIX, kSize);
+#endif
+  }
+
   AVFormatContext* file_ = nullptr;
   AVStream* stream_ = nullptr;
 };

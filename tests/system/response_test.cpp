@@ -207,7 +207,7 @@ TEST_P(UnstatedResponse, LeavesTheMapItsScale) {
   EXPECT_EQ(fs::exists(path("map.camera.yaml")), !is_srgb);
   if (!is_srgb) {
     const Camera written = read_cameras(path("map.camera.yaml")).cameras.front();
-    EXPECT_EQ(written.response.name(), summary.at("responses").at(0).at("used"));
+    EXPECT_EQ(written.response.name(), summary.at("responses").at(0).at("used").get<std::string>());
   }
   const TagMap map = read_tag_map(path("map.yaml"));
   double found_m = 0.0, true_m = 0.0;

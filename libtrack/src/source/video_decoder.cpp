@@ -33,9 +33,21 @@ std::string reason(int code) {
   return text.data();
 }
 
+/// The stream's display matrix, nullptr where it has none. FFmpeg 6.1 moved it from the stream to the codec's parameters.
+const std::uint8_t* display_matrix(const AVStream& stream) {
+#if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(60, 31, 100)
+  const AVCodecParameters& codec = *stream.codecpar;
+  const AVPacketSideData* found =
+      av_packet_side_data_get(codec.coded_side_data, codec.nb_coded_side_data, AV_PKT_DATA_DISPLAYMATRIX);
+  return found ? found->data : nullptr;
+#else
+  return av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, nullptr);
+#endif
+}
+
 /// Phones store the sensor's picture and say how to turn it.
 int quarter_turns_anticlockwise(const AVStream& stream) {
-  const std::uint8_t* data = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, nullptr);
+  const std::uint8_t* data = display_matrix(stream);
   if (!data) return 0;
   const double angle_deg = av_display_rotation_get(reinterpret_cast<const std::int32_t*>(data));
   if (!std::isfinite(angle_deg)) return 0;
