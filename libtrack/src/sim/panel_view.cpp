@@ -236,8 +236,9 @@ bool PanelView::trace_row(const Tile& tile, const float* ray_x, const float* ray
     row.b[i] = area.b;
     row.c[i] = area.c;
     row.d[i] = area.d;
-    const bool is_near = (std::abs(u) - area.reach_u() < half_u) & (std::abs(v) - area.reach_v() < half_v);
-    row.is_touched[i] = is_ahead & is_near ? 1 : 0;
+    const int is_near_u = std::abs(u) - area.reach_u() < half_u ? 1 : 0;
+    const int is_near_v = std::abs(v) - area.reach_v() < half_v ? 1 : 0;
+    row.is_touched[i] = is_ahead & is_near_u & is_near_v;
     num_touched += row.is_touched[i];
   }
   return num_touched > 0;
