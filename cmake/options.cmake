@@ -1,8 +1,10 @@
 # What a user may switch, and the flags that hold for our own code only.
 
-option(APRILTRACK_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
+string(COMPARE EQUAL "${CMAKE_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}" is_top_level)
+option(APRILTRACK_BUILD_TESTS "Build the tests" ${is_top_level})
 option(APRILTRACK_BUILD_BENCHMARKS "Build the benchmarks" OFF)
-option(APRILTRACK_WERROR "Treat warnings in our own code as errors" ${PROJECT_IS_TOP_LEVEL})
+# For developers and CI alone: a user's compiler may warn of what ours does not know.
+option(APRILTRACK_WERROR "Treat warnings in our own code as errors" OFF)
 set(APRILTRACK_SANITIZE "" CACHE STRING "Sanitizers for our own code, as -fsanitize= takes them (address,undefined or thread)")
 option(APRILTRACK_COVERAGE "Instrument our own code for gcov" OFF)
 
