@@ -10,6 +10,7 @@
 #include "apriltrack/eval/trajectory.h"
 #include "apriltrack/report/detection_timeline.h"
 #include "apriltrack/source/image_file.h"
+#include "apriltrack/source/sequence_writer.h"
 #include "apriltrack/tags/tag_map.h"
 
 namespace apriltrack::app {
@@ -89,7 +90,7 @@ BlindnessFigures draw_blindness_picture(const fs::path& sequence, const fs::path
   std::vector<ExampleFrame> examples;
   images.reserve(chosen.size());  // the examples hold views
   for (const FrameScore& frame : chosen) {
-    images.push_back(read_image(sequence / "frames" / fmt::format("{}.png", frame.timestamp.ns)));
+    images.push_back(read_image(sequence / "frames" / sequence_frame_name(frame.timestamp)));
     examples.push_back(example(frame, true_pose(truth, frame.timestamp).inverse(), scene, images.back(),
                                seconds_between(frames.front().timestamp, frame.timestamp)));
   }

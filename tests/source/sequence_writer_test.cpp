@@ -12,6 +12,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+TEST(SequenceWriter, NamesThatAreSortedAsTextAreSortedByTime) {
+  EXPECT_EQ(sequence_frame_name({95}), "0000000000000000095.png");
+  EXPECT_EQ(sequence_frame_name({9'223'372'036'854'775'807}), "9223372036854775807.png");
+}
+
 TEST(SequenceWriter, WritesWhatOpenSourceReads) {
   const auto folder = temporary_folder() / "deep" / "new";
   const SequenceWriter writer(folder, false);

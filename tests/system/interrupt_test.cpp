@@ -15,6 +15,7 @@
 #include "apriltrack/eval/frame_log.h"
 #include "apriltrack/eval/trajectory.h"
 #include "apriltrack/source/image_file.h"
+#include "apriltrack/source/sequence_writer.h"
 #include "apriltrack/tags/tag_map.h"
 #include "program.h"
 #include "read_report.h"
@@ -217,7 +218,7 @@ TEST(InterruptedSimulation, IsARecordingOfTheFramesUntilThen) {
   const Trajectory truth = read_tum(recording / "truth.tum");
   ASSERT_EQ(truth.size(), images.size());
   for (std::size_t i = 0; i < images.size(); ++i) {
-    EXPECT_EQ(images[i].filename().string(), std::to_string(truth[i].timestamp.ns) + ".png");
+    EXPECT_EQ(images[i].filename().string(), sequence_frame_name(truth[i].timestamp));
     EXPECT_FALSE(read_image(images[i]).view().is_empty());  // throws on one cut short
   }
 }

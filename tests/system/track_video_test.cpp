@@ -12,6 +12,7 @@
 
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/eval/trajectory.h"
+#include "apriltrack/source/sequence_writer.h"
 #include "apriltrack/tags/tag_map.h"
 #include "decoded_video.h"
 #include "program.h"
@@ -169,7 +170,7 @@ TEST_F(TrackVideoFiles, ThatAreCutOrDamagedAreToldOfInOurWords) {
 
 TEST_F(TrackVideoFiles, KeepThePlaceOfAnUnreadableFrame) {
   const Trajectory truth = read_tum(film_ + "/truth.tum");
-  const fs::path second = fs::path(film_) / "frames" / (std::to_string(truth[1].timestamp.ns) + ".png");
+  const fs::path second = fs::path(film_) / "frames" / sequence_frame_name(truth[1].timestamp);
   ASSERT_TRUE(fs::exists(second));
   std::ofstream(second, std::ios::trunc) << "no picture";
   EXPECT_EQ(track(folder_ / "gap.mp4").status, 0);

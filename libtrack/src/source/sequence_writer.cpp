@@ -36,6 +36,11 @@ void make_sequence_folder(const fs::path& folder, bool overwrite) {
 
 }  // namespace
 
+std::string sequence_frame_name(Timestamp time) {
+  APRILTRACK_CHECK(time.ns >= 0, "a sequence's file names are times of 0 ns or more");
+  return fmt::format("{:019}.png", time.ns);
+}
+
 SequenceWriter::SequenceWriter(const fs::path& folder, bool overwrite) : folder_(folder) {
   try {
     make_sequence_folder(folder, overwrite);
@@ -54,8 +59,7 @@ void SequenceWriter::write_map(const TagMap& map) const {
 }
 
 void SequenceWriter::write_frame(const Frame& frame) const {
-  APRILTRACK_CHECK(frame.timestamp.ns >= 0, "a sequence's file names are times of 0 ns or more");
-  write_image(folder_ / "frames" / fmt::format("{}.png", frame.timestamp.ns), frame.image);
+  write_image(folder_ / "frames" / sequence_frame_name(frame.timestamp), frame.image);
 }
 
 void SequenceWriter::write_frames_csv(const std::vector<Frame>& frames) const {

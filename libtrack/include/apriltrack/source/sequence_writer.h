@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "apriltrack/camera/camera.h"
@@ -8,6 +9,10 @@
 #include "apriltrack/tags/tag_map.h"
 
 namespace apriltrack {
+
+/// "0000000000050000000.png": nanoseconds as 19 digits, so that names sorted as text are sorted by time.
+/// Requires a time of 0 or more.
+std::string sequence_frame_name(Timestamp time);
 
 /// Writes a sequence folder: frames/<timestamp_ns>.png, camera.yaml, map.yaml, frames.csv
 /// (docs/file_formats.md). write_frame may be called from several threads at once.
