@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -86,6 +88,19 @@ struct BlurFigures {
   double max_px = 0.0;
 };
 
+/// Tags that no frame shows, as far as directions tell: what stands before a tag is not regarded.
+std::vector<std::string> tags_never_in_view(const WrittenFrames& written, const Scene& scene) {
+  std::set<TagKey> unseen;
+  for (const MapTag& tag : scene.map.tags) unseen.insert(tag.key);
+  for (const auto& frame : written) {
+    if (!frame) continue;
+    for (const TagView& view : tag_views(scene, frame->timestamp)) unseen.erase(view.key);
+  }
+  std::vector<std::string> names;
+  for (const TagKey& key : unseen) names.push_back(to_string(key));
+  return names;
+}
+
 BlurFigures blur_figures(const WrittenFrames& written, const Scene& scene) {
   BlurFigures figures;
   for (std::size_t i = 0; i < written.size(); ++i) {
@@ -101,7 +116,8 @@ BlurFigures blur_figures(const WrittenFrames& written, const Scene& scene) {
   return figures;
 }
 
-void report(const Scene& scene, const BlurFigures& figures, const SimulateOptions& options) {
+void report(const Scene& scene, const BlurFigures& figures, const std::vector<std::string>& unseen,
+            const SimulateOptions& options) {
   const double share = figures.num_with_tags == 0 ? 0.0
                                                   : static_cast<double>(figures.num_over_10_px) /
                                                         static_cast<double>(figures.num_with_tags);
@@ -111,6 +127,8 @@ void report(const Scene& scene, const BlurFigures& figures, const SimulateOption
                                   {"frames", figures.num_frames},
                                   {"frames_asked", scene.num_frames},
                                   {"frames_with_tags", figures.num_with_tags},
+                                  {"tags", scene.map.tags.size()},
+                                  {"tags_never_in_view", unseen},
                                   {"share_over_10_px", share},
                                   {"max_blur_px", figures.max_px},
                                   {"rate_hz", scene.rate_hz},
@@ -118,9 +136,15 @@ void report(const Scene& scene, const BlurFigures& figures, const SimulateOption
                                   {"black_frames", figures.num_black},
                                   {"seed", options.seed},
                                   {"interrupted", figures.num_frames < scene.num_frames}};
-  options.console.finish(
-      summary, fmt::format("{}: {} frames of scene '{}', {:.0f} % over 10 px of blur, at most {:.1f} px",
-                           options.output, figures.num_frames, scene.name, 100.0 * share, figures.max_px));
+  std::string text = fmt::format(
+      "{}: {} frames of {}, {} of them with tags in view, {:.0f} % over 10 px of blur, at most {:.1f} px",
+      options.output, figures.num_frames,
+      options.map.empty() ? fmt::format("scene '{}'", scene.name) : options.map, figures.num_with_tags,
+      100.0 * share, figures.max_px);
+  if (!unseen.empty())
+    text += fmt::format("\n{} of {} tags are never in view: {}", unseen.size(), scene.map.tags.size(),
+                        fmt::join(unseen, ", "));
+  options.console.finish(summary, text);
 }
 
 constexpr const char* kMark = "made_by_apriltrack_simulate.txt";
@@ -171,7 +195,7 @@ void simulate(const SimulateOptions& options) {
                                         figures.num_frames, scene.num_frames, options.output));
   }
   if (figures.num_frames == 0) throw no_result("simulate", "interrupted before the first frame was rendered");
-  report(scene, figures, options);
+  report(scene, figures, tags_never_in_view(written, scene), options);
 }
 
 CommandHelp help() {
@@ -179,6 +203,8 @@ CommandHelp help() {
   for (const SceneName& scene : named_scenes())
     details += fmt::format("  {:<12} {}\n", scene.name, scene.summary);
   details +=
+      "\nOne's own tags and lens, along a path such as track writes:\n"
+      "  apriltrack simulate --map map.yaml --camera camera.yaml --trajectory path.tum --output film\n"
       "\nThe folder gets frames/, camera.yaml, map.yaml and truth.tum (the pose at the middle of each "
       "exposure).\n\nHarder film, with every scene and together:\n"
       "  --light 0.05                            few photons\n"

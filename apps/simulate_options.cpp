@@ -6,9 +6,12 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/image/exposure.h"
+#include "apriltrack/sim/map_scene.h"
 #include "apriltrack/sim/named_scenes.h"
 #include "apriltrack/sim/stress.h"
+#include "choice_option.h"
 #include "option_checks.h"
+#include "simulate_map.h"
 
 namespace apriltrack::app {
 namespace {
@@ -55,11 +58,42 @@ CLI::Option* add_number(CLI::App& command, const char* name, Number& value, cons
       ->check(number_between(range.low, range.high));
 }
 
+/// A named scene or one's own tags, camera and path: wholly the one or the other.
+void check_what_is_filmed(const SimulateOptions& options) {
+  const bool has_own = !options.map.empty() || !options.camera.empty() || !options.trajectory.empty();
+  if (!options.scene.empty() && has_own)
+    throw invalid_input(
+        "--scene", "films its own tags by its own camera: leave it out, or --map, --camera and --trajectory");
+  if (options.scene.empty() && !has_own)
+    throw invalid_input("--scene", "is missing: name a scene, or give --map, --camera and --trajectory");
+  if (!has_own) return;
+  for (const auto& [option, value] :
+       {std::pair{"--map", &options.map}, std::pair{"--camera", &options.camera},
+        std::pair{"--trajectory", &options.trajectory}}) {
+    if (value->empty())
+      throw invalid_input(
+          option, "is missing: one's own tags are filmed by --map, --camera and --trajectory together");
+  }
+  if (options.take)
+    throw invalid_input("--take", "shakes the path of a named scene; a --trajectory is taken as it is");
+}
+
+/// A scene goes on for ever, a trajectory ends.
+void set_num_frames(const SimulateOptions& options, Scene& scene) {
+  const auto asked = static_cast<std::size_t>(*options.frames);
+  if (!options.map.empty() && asked > scene.num_frames)
+    throw invalid_input("--frames",
+                        fmt::format("must be at most {}, as the trajectory holds at {:g} Hz (is {})",
+                                    scene.num_frames, scene.rate_hz, asked));
+  scene.num_frames = asked;
+}
+
 }  // namespace
 
 Scene configured_scene(const SimulateOptions& options) {
-  Scene scene = make_scene(options.scene, {.speed = options.speed});
-  if (options.frames) scene.num_frames = static_cast<std::size_t>(*options.frames);
+  check_what_is_filmed(options);
+  Scene scene =
+      options.map.empty() ? make_scene(options.scene, {.speed = options.speed}) : scene_of_map(options);
   if (options.rate_hz) scene.rate_hz = *options.rate_hz;
   if (options.exposure_s) scene.exposure_s = *options.exposure_s;
   const double interval_s = 1.0 / scene.rate_hz;
@@ -69,25 +103,39 @@ Scene configured_scene(const SimulateOptions& options) {
                         fmt::format("must be at most {:.6g} s, the frame interval at {:g} Hz (is {:g})",
                                     interval_s, scene.rate_hz, scene.exposure_s));
   }
+  if (!options.map.empty()) fit_to_path(scene);
+  if (options.frames) set_num_frames(options, scene);
   add_stress(options, scene);
   scene.camera.exposure_s = scene.exposure_s;
   return scene;
 }
 
 void add_simulate_options(CLI::App& command, SimulateOptions& options) {
-  command.add_option("--scene", options.scene, "What to film: see the list above")->required();
+  command.add_option("--scene", options.scene, "What to film: see the list above");
+  command.add_option("--map", options.map, "Film these tags instead, by --camera along --trajectory");
+  command.add_option("--camera", options.camera,
+                     "Of --map: the camera file; its exposure_time and response hold, too");
+  command.add_option("--camera-name", options.camera_name,
+                     "Which camera of a file with several; default: the first");
+  command.add_option("--trajectory", options.trajectory,
+                     "Of --map: TUM file of T_world_camera, or of T_camera_body with --mode joint; a smooth "
+                     "curve leads through its poses");
+  add_choice<TruthKind>(
+      command, "--mode", options.mode, {{"ego", TruthKind::kEgo}, {"joint", TruthKind::kJoint}},
+      "Of --map: ego, a camera moves through a world of tags; joint, a body of tags moves before it");
   command.add_option("--output", options.output, "Folder to write; must be new or empty, unless --force")
       ->required();
   constexpr int kMaxFrames = 1'000'000;
   command
       .add_option("--frames", options.frames,
-                  fmt::format("How many frames, 1 to {} (default: the scene's own)", kMaxFrames))
+                  fmt::format("How many frames, 1 to {} (default: the scene's own, or the whole trajectory)",
+                              kMaxFrames))
       ->check(whole_number(1, kMaxFrames));
   add_number(command, "--rate", options.rate_hz, {0.01, 10000.0},
-             "Frames per second, {} (default: the scene's own)");
+             "Frames per second, {} (default: the scene's own, or the trajectory's)");
   command.add_option("--exposure", options.exposure_s,
                      fmt::format("Seconds, from {:g} to the frame interval, {:g} at most (default: the "
-                                 "scene's own)",
+                                 "scene's or the camera file's own)",
                                  kMinExposure_s, kMaxExposure_s));
   add_number(command, "--speed", options.speed, {0.0, 100.0},
              "Moves so many times faster along the same path, {}; 0 = stands still")

@@ -13,6 +13,11 @@ namespace apriltrack::app {
 
 struct SimulateOptions {
   std::string scene;
+  std::string map;  ///< With camera and trajectory instead of a scene.
+  std::string camera;
+  std::string camera_name;
+  std::string trajectory;
+  TruthKind mode = TruthKind::kEgo;
   std::string output;
   std::optional<long long> frames;
   std::optional<double> rate_hz;
@@ -33,8 +38,8 @@ struct SimulateOptions {
 
 void add_simulate_options(CLI::App& command, SimulateOptions& options);
 
-/// The named scene as the options change it. Throws Error(kInvalidInput) that names the option, its value and
-/// its range.
+/// The named scene, or the user's own, as the options change it. Throws Error(kInvalidInput) that names the
+/// option, its value and its range.
 Scene configured_scene(const SimulateOptions& options);
 
 }  // namespace apriltrack::app

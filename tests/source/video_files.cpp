@@ -59,8 +59,8 @@ class Container {
     constexpr std::size_t kSize = 9 * sizeof(std::int32_t);
 #if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(60, 31, 100)  // FFmpeg 6.1
     AVCodecParameters& codec = *stream_->codecpar;
-    return av_packet_side_data_new(&codec.coded_side_data, &codec.nb_coded_side_data, AV_PKT_DATA_DISPLAYMATRIX, kSize,
-                                   0)
+    return av_packet_side_data_new(&codec.coded_side_data, &codec.nb_coded_side_data,
+                                   AV_PKT_DATA_DISPLAYMATRIX, kSize, 0)
         ->data;
 #else
     return av_stream_new_side_data(stream_, AV_PKT_DATA_DISPLAYMATRIX, kSize);

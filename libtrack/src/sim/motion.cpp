@@ -44,6 +44,7 @@ Motion Motion::fixed(const Pose& pose) {
 
 Pose Motion::at(double time_s) const {
   const double t = speed * time_s;
+  if (path) return path->at(t) * T_end;
   const Eigen::Vector3d position(position_m[0].at(t), position_m[1].at(t), position_m[2].at(t));
   const Eigen::Quaterniond rotation = about(Eigen::Vector3d::UnitZ(), yaw_rad.at(t)) *
                                       about(Eigen::Vector3d::UnitY(), pitch_rad.at(t)) *
@@ -55,7 +56,7 @@ bool Motion::is_fixed() const {
   const bool is_constant =
       std::all_of(position_m.begin(), position_m.end(), [](const Channel& c) { return c.is_constant(); }) &&
       yaw_rad.is_constant() && pitch_rad.is_constant() && roll_rad.is_constant();
-  return is_constant || speed == 0.0;
+  return (is_constant && !path) || speed == 0.0;
 }
 
 Pose camera_looking_along_x() {

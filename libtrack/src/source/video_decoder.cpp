@@ -33,7 +33,8 @@ std::string reason(int code) {
   return text.data();
 }
 
-/// The stream's display matrix, nullptr where it has none. FFmpeg 6.1 moved it from the stream to the codec's parameters.
+/// The stream's display matrix, nullptr where it has none. FFmpeg 6.1 moved it from the stream to the codec's
+/// parameters.
 const std::uint8_t* display_matrix(const AVStream& stream) {
 #if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(60, 31, 100)
   const AVCodecParameters& codec = *stream.codecpar;

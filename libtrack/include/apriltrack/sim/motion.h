@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "apriltrack/geometry/pose.h"
+#include "apriltrack/sim/sampled_path.h"
 
 namespace apriltrack {
 
@@ -54,6 +56,8 @@ struct Motion {
   Channel pitch_rad;
   Channel roll_rad;
   Pose T_end;
+  /// Instead of the channels: T_parent_moving = path * T_end; null: none.
+  std::shared_ptr<const SampledPath> path = nullptr;
   double speed = 1.0;  ///< Time runs so many times faster along the same path.
 
   static Motion fixed(const Pose& pose);
