@@ -109,6 +109,8 @@ void write_mjpeg_video(const std::filesystem::path& path, const VideoPlan& plan)
     std::ranges::copy(bytes, packet->data);
     packet->pts = packet->dts = plan.times_ticks[i];
     packet->flags |= AV_PKT_FLAG_KEY;
+    // No step tells a lone picture's duration, and FFmpeg 7 reads no picture that lasts for none.
+    if (plan.pictures.size() == 1) packet->duration = kTicksPerSecond / 30;
     container.write(*packet);
     av_packet_free(&packet);
   }
