@@ -39,9 +39,7 @@ std::size_t ViewIndex::views_per_frame() const {
 }
 
 std::span<const std::size_t> ViewIndex::of_frame(std::size_t frame) const {
-  const auto range = std::ranges::equal_range(part_->views, static_cast<int>(frame), {},
-                                              [&](std::size_t v) { return observations_->views[v].frame; });
-  return {range.begin(), range.end()};
+  return views_of_frame(*observations_, *part_, static_cast<int>(frame));
 }
 
 std::vector<std::size_t> ViewIndex::joint_frames(const std::vector<int>& group) const {

@@ -78,6 +78,13 @@ std::vector<Part> split_by_connection(const Observations& observations,
 
 }  // namespace
 
+std::span<const std::size_t> views_of_frame(const Observations& observations, const Part& part, int frame) {
+  // Not equal_range(): its subrange is none to Clang 14 and 15.
+  const auto frame_of = [&](std::size_t v) { return observations.views[v].frame; };
+  return {std::ranges::lower_bound(part.views, frame, {}, frame_of),
+          std::ranges::upper_bound(part.views, frame, {}, frame_of)};
+}
+
 std::map<int, int> count_views(const Observations& observations, const Part& part) {
   std::map<int, int> count;
   for (const std::size_t v : part.views) ++count[observations.views[v].tag];

@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <vector>
 
 #include "observations.h"
@@ -15,6 +16,9 @@ struct Part {
   std::vector<std::size_t>
       views;  ///< Into Observations::views; only of frames that show two tags of the part or more.
 };
+
+/// Those of the part's views that are of the frame, as its views are sorted by frame.
+std::span<const std::size_t> views_of_frame(const Observations& observations, const Part& part, int frame);
 
 /// How many of the part's views show each of its tags, by tag.
 std::map<int, int> count_views(const Observations& observations, const Part& part);

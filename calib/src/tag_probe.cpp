@@ -36,12 +36,6 @@ std::vector<int> frames_of_views(const Observations& observations, const std::ve
   return frames;
 }
 
-std::span<const std::size_t> views_of_frame(const Observations& observations, const Part& part, int frame) {
-  const auto range = std::ranges::equal_range(part.views, frame, {},
-                                              [&](std::size_t v) { return observations.views[v].frame; });
-  return {range.begin(), range.end()};
-}
-
 /// One tag that several cameras see is no witness beside itself.
 bool has_two_tags(const Observations& observations, const std::vector<std::size_t>& views) {
   return std::ranges::any_of(views, [&](std::size_t v) {
