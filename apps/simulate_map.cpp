@@ -18,10 +18,11 @@ Camera camera_to_render(const SimulateOptions& options) {
   if (camera.width == 0)
     throw invalid_input(options.camera, "does not tell the resolution, and there are no images that would");
   if (camera.line_delay_s != 0.0) {
-    options.console.warning(fmt::format(
-        "{}: line_delay is {:g} s, but rolling shutters are not rendered: all rows are exposed at once, and the "
-        "recording's camera.yaml has no line_delay",
-        options.camera, camera.line_delay_s));
+    options.console.warning(
+        fmt::format("{}: line_delay is {:g} s, but rolling shutters are not rendered: all rows are exposed "
+                    "at once, and the "
+                    "recording's camera.yaml has no line_delay",
+                    options.camera, camera.line_delay_s));
     camera.line_delay_s = 0.0;
   }
   camera.T_this_previous.reset();
@@ -32,7 +33,8 @@ Camera camera_to_render(const SimulateOptions& options) {
 SampledPath read_path(const SimulateOptions& options) {
   const Trajectory trajectory = read_tum(options.trajectory);
   if (trajectory.size() < 2)
-    throw invalid_input(options.trajectory, fmt::format("a path needs two poses or more (has {})", trajectory.size()));
+    throw invalid_input(options.trajectory,
+                        fmt::format("a path needs two poses or more (has {})", trajectory.size()));
   std::vector<SampledPath::Sample> samples;
   for (const TimedPose& pose : trajectory)
     samples.push_back({seconds_between(trajectory.front().timestamp, pose.timestamp), pose.pose});
@@ -44,9 +46,10 @@ void warn_of_gaps(const SimulateOptions& options, const SampledPath& path) {
   constexpr double kGap = 5.0;  // steps
   const double longest_s = path.longest_step_s();
   if (longest_s <= kGap * path.median_step_s()) return;
-  options.console.warning(fmt::format(
-      "{}: the longest step from pose to pose is {:.3g} s, the median {:.3g} s; a smooth curve leads over the gap",
-      options.trajectory, longest_s, path.median_step_s()));
+  options.console.warning(
+      fmt::format("{}: the longest step from pose to pose is {:.3g} s, the median {:.3g} s; a smooth curve "
+                  "leads over the gap",
+                  options.trajectory, longest_s, path.median_step_s()));
 }
 
 }  // namespace

@@ -30,9 +30,11 @@ MapTag tag_at(int id, const Vector3d& position, double size_m) {
 MapSceneOptions two_tags_in_line() {
   std::vector<SampledPath::Sample> samples;
   for (int i = 0; i < 9; ++i)
-    samples.push_back({kStep_s * i, Pose(rotation_exp({0.0, 0.01 * i, 0.0}), Vector3d(0.01 * i, 0.002 * i, 0.0))});
-  MapSceneOptions options{
-      .map = {}, .camera = {.model = CameraModel(Pinhole{400, 405, 161, 118}, NoDistortion{})}, .path = SampledPath(samples)};
+    samples.push_back(
+        {kStep_s * i, Pose(rotation_exp({0.0, 0.01 * i, 0.0}), Vector3d(0.01 * i, 0.002 * i, 0.0))});
+  MapSceneOptions options{.map = {},
+                          .camera = {.model = CameraModel(Pinhole{400, 405, 161, 118}, NoDistortion{})},
+                          .path = SampledPath(samples)};
   options.camera.width = 320;
   options.camera.height = 240;
   options.map.tags = {tag_at(1, {0.0, 0.0, 1.0}, 0.1), tag_at(2, {0.0, 0.0, 2.0}, 0.1)};
@@ -105,7 +107,8 @@ TEST(MapScene, RefusesAPathShorterThanAnExposure) {
   MapSceneOptions options = two_tags_in_line();
   Scene scene = make_map_scene(options);
   scene.exposure_s = 0.5;
-  EXPECT_THAT(message_of([&] { fit_to_path(scene); }), HasSubstr("takes 0.4 s at this speed, less than one exposure"));
+  EXPECT_THAT(message_of([&] { fit_to_path(scene); }),
+              HasSubstr("takes 0.4 s at this speed, less than one exposure"));
 }
 
 }  // namespace

@@ -14,7 +14,8 @@ namespace {
 using Eigen::Vector3d;
 using testing::HasSubstr;
 
-/// A turn at constant spin along a parabola: what the path must follow exactly, whatever the samples' times are.
+/// A turn at constant spin along a parabola: what the path must follow exactly, whatever the samples' times
+/// are.
 Pose smooth(double time_s) {
   const Vector3d position(0.3 - 0.2 * time_s, 1.0 + 0.5 * time_s * time_s, -0.7 * time_s);
   return {rotation_exp({0.2, -0.1, 0.4}) * rotation_exp(time_s * Vector3d(0.9, -0.4, 0.6)), position};
@@ -40,7 +41,8 @@ TEST(SampledPath, FollowsAParabolaWithConstantSpin) {
 
 TEST(SampledPath, PassesThroughItsSamplesWithOneVelocity) {
   const std::vector<double> times_s = {0.0, 0.1, 0.2, 0.3, 0.4};
-  const std::vector<Vector3d> turns = {{0, 0, 0}, {0.3, 0.2, 0}, {-0.4, 0.5, 1.1}, {0.1, 2.0, -0.3}, {0, 0, 0.2}};
+  const std::vector<Vector3d> turns = {
+      {0, 0, 0}, {0.3, 0.2, 0}, {-0.4, 0.5, 1.1}, {0.1, 2.0, -0.3}, {0, 0, 0.2}};
   std::vector<SampledPath::Sample> samples;
   for (std::size_t i = 0; i < times_s.size(); ++i)
     samples.push_back({times_s[i], Pose(rotation_exp(turns[i]), turns[i].cwiseAbs2())});

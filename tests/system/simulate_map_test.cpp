@@ -18,7 +18,8 @@ using nlohmann::json;
 using testing::Contains;
 using testing::HasSubstr;
 
-/// Files as users bring them: a map, a camera and a path. The path's poses are far apart, the frames between them.
+/// Files as users bring them: a map, a camera and a path. The path's poses are far apart, the frames between
+/// them.
 class SimulateMap : public testing::Test {
  protected:
   void SetUp() override {
@@ -37,8 +38,9 @@ class SimulateMap : public testing::Test {
 
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
   std::vector<std::string> words(std::vector<std::string> further) const {
-    std::vector<std::string> all = {"simulate", "--map", file("map.yaml"), "--camera", file("camera.yaml"),
-                                    "--trajectory", file("path.tum"), "--output", file("film")};
+    std::vector<std::string> all = {"simulate",          "--map",        file("map.yaml"), "--camera",
+                                    file("camera.yaml"), "--trajectory", file("path.tum"), "--output",
+                                    file("film")};
     all.insert(all.end(), further.begin(), further.end());
     return all;
   }
@@ -63,7 +65,8 @@ TEST_F(SimulateMap, FilmsTheUsersTagsByTheUsersLensAlongTheUsersPath) {
   ASSERT_EQ(found.size(), 10u);
   int num_compared = 0;
   for (const TimedPose& pose : found) {
-    // The user's pose k is at 0.2 k s of the film; frames are at 2 ms + 0.1 s i, 2 ms after it: far below the limits.
+    // The user's pose k is at 0.2 k s of the film; frames are at 2 ms + 0.1 s i, 2 ms after it: far below the
+    // limits.
     const double at_s = seconds_between({2'000'000}, pose.timestamp) / 0.2;
     const auto k = static_cast<std::size_t>(std::lround(at_s));
     if (std::abs(at_s - static_cast<double>(k)) > 0.01 || k >= path_.size()) continue;
@@ -76,12 +79,17 @@ TEST_F(SimulateMap, FilmsTheUsersTagsByTheUsersLensAlongTheUsersPath) {
 }
 
 TEST_F(SimulateMap, SaysWhatIsMissingAndWhatDoesNotGoTogether) {
-  EXPECT_THAT(run_program({"simulate", "--map", file("map.yaml"), "--output", file("film")}),
-              EndsWith(2, "--camera: is missing: one's own tags are filmed by --map, --camera and --trajectory together"));
-  EXPECT_THAT(run_program({"simulate", "--output", file("film")}), EndsWith(2, "--scene: is missing: name a scene"));
-  EXPECT_THAT(run_program(words({"--scene", "room"})), EndsWith(2, "--scene: films its own tags by its own camera"));
+  EXPECT_THAT(
+      run_program({"simulate", "--map", file("map.yaml"), "--output", file("film")}),
+      EndsWith(
+          2, "--camera: is missing: one's own tags are filmed by --map, --camera and --trajectory together"));
+  EXPECT_THAT(run_program({"simulate", "--output", file("film")}),
+              EndsWith(2, "--scene: is missing: name a scene"));
+  EXPECT_THAT(run_program(words({"--scene", "room"})),
+              EndsWith(2, "--scene: films its own tags by its own camera"));
   EXPECT_THAT(run_program(words({"--take", "3"})), EndsWith(2, "--take: shakes the path of a named scene"));
-  EXPECT_THAT(run_program(words({"--frames", "90"})), EndsWith(2, "--frames: must be at most 5, as the trajectory holds"));
+  EXPECT_THAT(run_program(words({"--frames", "90"})),
+              EndsWith(2, "--frames: must be at most 5, as the trajectory holds"));
   EXPECT_FALSE(fs::exists(file("film")));
 }
 
@@ -98,9 +106,11 @@ TEST_F(SimulateMap, TellsOfGapsAndOfARollingShutter) {
 }
 
 TEST_F(SimulateMap, RefusesACameraWithoutResolutionAndALonePose) {
-  write_text(file("wpilib.json"), R"({"camera_matrix": [500, 0, 320, 0, 500, 240, 0, 0, 1], "distortion_coefficients": [0, 0, 0, 0]})");
-  EXPECT_THAT(run_program({"simulate", "--map", file("map.yaml"), "--camera", file("wpilib.json"), "--trajectory",
-                           file("path.tum"), "--output", file("film")}),
+  write_text(
+      file("wpilib.json"),
+      R"({"camera_matrix": [500, 0, 320, 0, 500, 240, 0, 0, 1], "distortion_coefficients": [0, 0, 0, 0]})");
+  EXPECT_THAT(run_program({"simulate", "--map", file("map.yaml"), "--camera", file("wpilib.json"),
+                           "--trajectory", file("path.tum"), "--output", file("film")}),
               EndsWith(2, "does not tell the resolution"));
   path_.resize(1);
   write_tum(file("path.tum"), path_);

@@ -82,10 +82,11 @@ Surroundings surroundings(const MapSceneOptions& options) {
       found.box.extend(pose.translation());
     else
       add_tags_at(pose);
-    found.up -= is_ego ? Eigen::Vector3d(pose.rotation() * Eigen::Vector3d::UnitY()) : Eigen::Vector3d::UnitY();
+    found.up -=
+        is_ego ? Eigen::Vector3d(pose.rotation() * Eigen::Vector3d::UnitY()) : Eigen::Vector3d::UnitY();
   }
-  const Eigen::Vector3d wall = Eigen::Vector3d::Constant(
-      std::max(kWallDistance_m, 0.1 * found.box.sizes().maxCoeff()));
+  const Eigen::Vector3d wall =
+      Eigen::Vector3d::Constant(std::max(kWallDistance_m, 0.1 * found.box.sizes().maxCoeff()));
   found.box.min() -= wall;
   found.box.max() += wall;
   return found;
@@ -129,7 +130,8 @@ Scene make_map_scene(const MapSceneOptions& options) {
   const bool is_ego = options.truth == TruthKind::kEgo;
   scene.T_world_camera = is_ego ? motion : Motion::fixed(Pose());
 
-  Body frame{.name = options.map.frame, .T_world_body = {}, .panels = {}};  // carries the map, and shows nothing
+  Body frame{
+      .name = options.map.frame, .T_world_body = {}, .panels = {}};  // carries the map, and shows nothing
   if (!is_ego) frame.T_world_body = motion;
   scene.bodies = {frame};
   const TagPrint print = print_of(options.map);
@@ -150,14 +152,17 @@ void fit_to_path(Scene& scene) {
   const Motion& motion =
       scene.truth == TruthKind::kEgo ? scene.T_world_camera : scene.bodies[scene.truth_body].T_world_body;
   constexpr double kRounding = 1e-6;  // of a frame; times in text have nanoseconds
-  const double speed = motion.speed > 0.0 ? motion.speed : 1.0;  // at rest, the film takes as long as the path
+  const double speed =
+      motion.speed > 0.0 ? motion.speed : 1.0;  // at rest, the film takes as long as the path
   const double start_s = motion.path->start_s() / speed;
   const double end_s = motion.path->end_s() / speed;
   const double first_s = start_s + 0.5 * scene.exposure_s;
-  const double num_intervals = std::floor((end_s - 0.5 * scene.exposure_s - first_s) * scene.rate_hz + kRounding);
+  const double num_intervals =
+      std::floor((end_s - 0.5 * scene.exposure_s - first_s) * scene.rate_hz + kRounding);
   if (num_intervals < 0.0)
-    throw invalid_input("trajectory", fmt::format("takes {:g} s at this speed, less than one exposure of {:g} s",
-                                                  end_s - start_s, scene.exposure_s));
+    throw invalid_input("trajectory",
+                        fmt::format("takes {:g} s at this speed, less than one exposure of {:g} s",
+                                    end_s - start_s, scene.exposure_s));
   scene.start_ns = std::llround(first_s * 1e9);
   scene.num_frames = static_cast<std::size_t>(num_intervals) + 1;
 }

@@ -17,8 +17,8 @@ Vector3d turn(const Pose& from, const Pose& to) {
   return rotation_log(from.rotation().conjugate() * to.rotation());
 }
 
-/// The velocity at a sample, by the mean velocities of the intervals before and after it: that of the parabola through
-/// the three samples.
+/// The velocity at a sample, by the mean velocities of the intervals before and after it: that of the
+/// parabola through the three samples.
 Vector3d velocity_between(const Vector3d& before, double before_s, const Vector3d& after, double after_s) {
   return (after_s * before + before_s * after) / (before_s + after_s);
 }
@@ -33,8 +33,8 @@ void check_samples(const std::vector<SampledPath::Sample>& samples) {
     throw invalid_input("trajectory", fmt::format("needs two poses or more (has {})", samples.size()));
   for (std::size_t i = 1; i < samples.size(); ++i) {
     if (!(samples[i].time_s > samples[i - 1].time_s))
-      throw invalid_input("trajectory", fmt::format("pose {} is not later than the one before ({} s, {} s)", i + 1,
-                                                    samples[i].time_s, samples[i - 1].time_s));
+      throw invalid_input("trajectory", fmt::format("pose {} is not later than the one before ({} s, {} s)",
+                                                    i + 1, samples[i].time_s, samples[i - 1].time_s));
   }
 }
 
@@ -48,11 +48,14 @@ SampledPath::SampledPath(std::vector<Sample> samples) {
   const auto velocity = [&](std::size_t i) -> Vector3d {
     return (knots_[i + 1].pose.translation() - knots_[i].pose.translation()) / interval_s(i);
   };
-  const auto spin = [&](std::size_t i) -> Vector3d { return turn(knots_[i].pose, knots_[i + 1].pose) / interval_s(i); };
+  const auto spin = [&](std::size_t i) -> Vector3d {
+    return turn(knots_[i].pose, knots_[i + 1].pose) / interval_s(i);
+  };
   for (std::size_t i = 0; i <= last; ++i) {
     const std::size_t before = i > 0 ? i - 1 : 0;
     const std::size_t after = std::min(i, last - 1);
-    knots_[i].velocity = velocity_between(velocity(before), interval_s(before), velocity(after), interval_s(after));
+    knots_[i].velocity =
+        velocity_between(velocity(before), interval_s(before), velocity(after), interval_s(after));
     knots_[i].spin = velocity_between(spin(before), interval_s(before), spin(after), interval_s(after));
   }
 }
@@ -82,8 +85,8 @@ Pose SampledPath::at(double time_s) const {
   const Knot& a = *(later - 1);
   const double interval_s = b.time_s - a.time_s;
   const double u = (time_s - a.time_s) / interval_s;
-  const Vector3d moved = cubic(u, b.pose.translation() - a.pose.translation(), interval_s * a.velocity,
-                               interval_s * b.velocity);
+  const Vector3d moved =
+      cubic(u, b.pose.translation() - a.pose.translation(), interval_s * a.velocity, interval_s * b.velocity);
   // At the end, spin = J_r(phi) dphi/dt, and the right Jacobian of phi is the left one of -phi.
   const Vector3d whole_turn = turn(a.pose, b.pose);
   const Vector3d slope_1 = rotation_left_jacobian_inverse(-whole_turn) * (interval_s * b.spin);

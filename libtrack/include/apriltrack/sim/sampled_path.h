@@ -9,10 +9,10 @@ namespace apriltrack {
 
 /// A smooth path through given poses, with a continuous velocity.
 ///
-/// Between two samples a cubic runs with the velocities of the samples; these are those of the parabola through a
-/// sample and its two neighbours. Of rotations the cubic is one of rotation vectors, from the sample before:
-/// R(t) = R_i exp(phi(t)), phi(t_i) = 0 (Kim, Kim and Shin, SIGGRAPH 1995, section 4, builds curves in this way).
-/// Before the first sample and after the last, the path stands still.
+/// Between two samples a cubic runs with the velocities of the samples; these are those of the parabola
+/// through a sample and its two neighbours. Of rotations the cubic is one of rotation vectors, from the
+/// sample before: R(t) = R_i exp(phi(t)), phi(t_i) = 0 (Kim, Kim and Shin, SIGGRAPH 1995, section 4, builds
+/// curves in this way). Before the first sample and after the last, the path stands still.
 class SampledPath {
  public:
   struct Sample {
@@ -20,8 +20,8 @@ class SampledPath {
     Pose pose;
   };
 
-  /// Two samples or more, times strictly increasing; throws Error(kInvalidInput) that names the sample. Of neighbours,
-  /// rotations must differ by less than 180 degrees: what lies between is the shorter way.
+  /// Two samples or more, times strictly increasing; throws Error(kInvalidInput) that names the sample. Of
+  /// neighbours, rotations must differ by less than 180 degrees: what lies between is the shorter way.
   explicit SampledPath(std::vector<Sample> samples);
 
   Pose at(double time_s) const;
