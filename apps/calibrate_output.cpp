@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/version.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/io/staged_files.h"
@@ -26,7 +27,7 @@ std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptio
   std::tm utc{};
   gmtime_r(&now, &utc);
   const auto& inputs = a.detections.empty() ? a.inputs : a.detections;
-  return {{"tool", "apriltrack " APRILTRACK_VERSION},
+  return {{"tool", std::string("apriltrack ") + version()},
           {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc)},
           {"inputs", fmt::format("{}", fmt::join(inputs, ", "))},
           {"camera", camera.string() + (a.camera_name.empty() ? "" : " " + a.camera_name)},

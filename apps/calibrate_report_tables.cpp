@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "apriltrack/base/degrees.h"
+#include "apriltrack/base/version.h"
 #include "apriltrack/eval/statistics.h"
 
 namespace apriltrack::app {
@@ -225,7 +226,7 @@ HtmlTable calibrate_settings_table(const CalibrateRun& run) {
   const auto add = [&](std::string what, std::string value) {
     table.rows.push_back({std::move(what), std::move(value)});
   };
-  add("program", "apriltrack " APRILTRACK_VERSION);
+  add("program", std::string("apriltrack ") + version());
   add("input", fmt::format("{}", fmt::join(a.detections.empty() ? a.inputs : a.detections, ", ")));
   add("camera", run.camera_file.string());
   add("map", a.output);

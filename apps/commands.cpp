@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "apriltrack/base/version.h"
 #include "option_checks.h"
 
 namespace apriltrack::app {
@@ -25,7 +26,7 @@ void add_all_commands(CLI::App& app) {
       "Fiducial tracking that keeps the pose through motion blur.\n"
       "Start with: apriltrack demo --output demo-output");
   app.require_subcommand(1);
-  app.set_version_flag("--version", "apriltrack " APRILTRACK_VERSION);
+  app.set_version_flag("--version", std::string("apriltrack ") + version());
   add_simulate_command(app);
   add_doctor_command(app);
   add_detect_command(app);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "apriltrack/base/version.h"
 #include "apriltrack/tracker/blur_tracker.h"
 #include "apriltrack/tracker/paper_tracker.h"
 #include "track_report_tables.h"
@@ -38,7 +39,7 @@ HtmlTable settings_table(const TrackRun& run) {
   const auto add = [&](std::string what, std::string value) {
     table.rows.push_back({std::move(what), std::move(value)});
   };
-  add("program", "apriltrack " APRILTRACK_VERSION);
+  add("program", std::string("apriltrack ") + version());
   add("input", input_name(arguments));
   add("camera", fmt::format("{} ({})", run.camera_file, describe_camera(run.camera)));
   add("map", fmt::format("{} ({} tags in frame '{}')", run.map_file, run.map.tags.size(), run.map.frame));

@@ -1,5 +1,5 @@
 # `cmake --install` gives headers <apriltrack/...>, one static library per module, find_package(apriltrack COMPONENTS
-# ...) and a pkg-config file per component. tests/install builds an outside project against the installed tree.
+# ...) and a pkg-config file per component, and one of all of them. tests/install builds an outside project against the installed tree.
 #
 # A component is what a user asks for; each brings the outside libraries of its own and no others:
 #   track   localise and track: no OpenCV, no Ceres         calib   build tag maps (Ceres)
@@ -62,6 +62,11 @@ foreach(component IN LISTS components)
   configure_file(${PROJECT_SOURCE_DIR}/cmake/apriltrack.pc.in ${generated_folder}/apriltrack-${component}.pc @ONLY)
   install(FILES ${generated_folder}/apriltrack-${component}.pc DESTINATION ${pkgconfig_folder})
 endforeach()
+set(pc_all_components calib report eval sim source track)  # users of others before those
+list(TRANSFORM pc_all_components PREPEND apriltrack-)
+list(JOIN pc_all_components " " pc_all_components)
+configure_file(${PROJECT_SOURCE_DIR}/cmake/apriltrack-all.pc.in ${generated_folder}/apriltrack.pc @ONLY)
+install(FILES ${generated_folder}/apriltrack.pc DESTINATION ${pkgconfig_folder})
 if(unassigned)
   message(FATAL_ERROR "cmake/install.cmake: no component installs ${unassigned}")
 endif()

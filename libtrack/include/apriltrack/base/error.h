@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "apriltrack/base/version.h"
+
 namespace apriltrack {
 
 /// Why the world is not as asked. The values are the exit statuses of the command line

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "apriltrack/base/version.h"
+
 namespace apriltrack {
 
 /// A moment in int64 nanoseconds since the epoch of the recording's clock. A frame's time is the MIDDLE of

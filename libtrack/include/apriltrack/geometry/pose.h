@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "apriltrack/base/version.h"
+
 namespace apriltrack {
 
 /// [translation; rotation], metres and radians: the tangent order of the whole project.
