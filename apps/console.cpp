@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/version.h"
 
 namespace apriltrack::app {
 namespace {
@@ -80,13 +81,22 @@ LogSink Console::log() const {
   };
 }
 
+void print_json(std::ostream& stream, nlohmann::json answer) {
+  // Raised where a key changes its meaning or goes away; further keys may come.
+  constexpr int kSchemaVersion = 1;
+  answer["program"] = "apriltrack";
+  answer["program_version"] = version();
+  answer["schema_version"] = kSchemaVersion;
+  // A file's name may be any bytes; JSON is UTF-8, and what is not becomes U+FFFD.
+  stream << answer.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << std::endl;
+}
+
 void Console::finish(nlohmann::json summary, std::string_view text) const {
   std::ostream& stream = g_is_stdout_an_output ? std::cerr : std::cout;
   if (json_) {
     g_has_answered_machines = true;
     summary["warnings"] = warnings();
-    // A file's name may be any bytes; JSON is UTF-8, and what is not becomes U+FFFD.
-    stream << summary.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    print_json(stream, std::move(summary));
   } else {
     stream << text << '\n';
   }

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <iosfwd>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -44,6 +45,9 @@ class Console {
   bool quiet_ = false;
   std::shared_ptr<std::vector<std::string>> warnings_ = std::make_shared<std::vector<std::string>>();
 };
+
+/// An answer for machines: `answer`, an object, with the version of the program and of the answers' schema.
+void print_json(std::ostream& stream, nlohmann::json answer);
 
 /// From now on answers go to stderr: stdout is a command's --output, or the file that it is sent to, and
 /// takes what is written there alone.

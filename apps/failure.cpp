@@ -28,8 +28,7 @@ void tell_machines_of_failure(std::string_view kind, int status, const std::stri
   if (has_answered_machines()) return;
   nlohmann::json error = {{"kind", kind}, {"status", status}, {"message", message}};
   error.update(details);
-  std::cout << nlohmann::json{{"error", error}}.dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
-            << std::endl;
+  print_json(std::cout, {{"error", error}});
 }
 
 std::string_view name_of(ErrorKind kind) {

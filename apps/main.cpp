@@ -114,6 +114,10 @@ int run(int argc, char** argv) {
     return 0;
   } catch (const CLI::ParseError& error) {
     const bool is_answer = error.get_exit_code() == 0;  // --help and --version; CLI11's failures start at 100
+    if (is_answer && error.get_name() == "CallForVersion" && is_for_machines()) {
+      print_json(std::cout, nlohmann::json::object());
+      return 0;
+    }
     if (is_answer) return app.exit(error);
     const int status = tell_usage_error(app, error);
     if (is_for_machines())

@@ -63,6 +63,18 @@ TEST(CommandLine, VersionIsTold) {
   EXPECT_THAT(run.out, HasSubstr("apriltrack 0."));
 }
 
+TEST(CommandLine, EveryAnswerForMachinesTellsProgramAndSchema) {
+  const std::string version = run_program({"--version"}).out;
+  for (const auto& words : {std::vector<std::string>{"--version", "--json"},
+                            {"map", "show", "no_such_file", "--json"},
+                            {"teleport", "--json"}}) {
+    const auto answer = nlohmann::json::parse(run_program(words).out);
+    EXPECT_EQ("apriltrack " + answer.at("program_version").get<std::string>() + "\n", version);
+    EXPECT_EQ(answer.at("program").get<std::string>(), "apriltrack");
+    EXPECT_EQ(answer.at("schema_version").get<int>(), 1);
+  }
+}
+
 TEST(CommandLine, AMissingOrUnknownCommandIs2AndListsThoseThereAre) {
   for (const auto& words : {std::vector<std::string>{}, {"teleport"}, {"--quick"}}) {
     const ProgramRun run = run_program(words);
