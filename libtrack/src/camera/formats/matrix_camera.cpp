@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <span>
 
-#include "camera_fields.h"
+#include "../camera_fields.h"
+#include "readers.h"
 
 namespace apriltrack {
 namespace {
@@ -69,32 +72,64 @@ Resolution read_size(const YamlNode& root) {
   return width ? read_resolution(*width, *height) : Resolution{};
 }
 
+/// The picture that a message of ROS comes with is a part of the sensor's, or was made smaller, where it says
+/// so; the matrix is of the whole (REP 104).
+void check_whole_picture(const YamlNode& root) {
+  for (const char* key : {"binning_x", "binning_y"}) {
+    const auto binning = root.find(key);
+    if (binning && binning->as_int() > 1) {
+      binning->fail(
+          fmt::format("pictures that are binned (by {}) are smaller than the calibration's; write a camera "
+                      "file of the binned pictures, without this key",
+                      binning->as_int()));
+    }
+  }
+  const auto roi = root.find("roi");
+  if (!roi || !roi->is_map()) return;
+  for (const char* key : {"x_offset", "y_offset"}) {
+    const auto offset = roi->find(key);
+    if (offset && offset->as_int() != 0) {
+      offset->fail(
+          fmt::format("the pictures are a part of the sensor's, {} pixels in; write a camera file of "
+                      "the part (principal point less the offset, the part's size), without roi",
+                      offset->as_int()));
+    }
+  }
+}
+
+bool has_any(const YamlNode& root, std::initializer_list<std::string_view> keys) {
+  return std::ranges::any_of(keys, [&](std::string_view key) { return root.find(key).has_value(); });
+}
+
 }  // namespace
+
+CameraFormat format_of_matrix_camera(const YamlNode& root, const CameraText& file) {
+  if (root.find("cameraIntrinsics")) return CameraFormat::kPhotonVision;
+  if (has_any(root,
+              {"rectification_matrix", "projection_matrix", "distortion_model", "binning_x", "header"}) &&
+      !file.text.starts_with("%YAML:"))
+    return CameraFormat::kRosCameraInfo;
+  const auto matrix = root.find("camera_matrix");
+  const bool is_of_opencv = !matrix || (matrix->is_map() && matrix->find("type_id"));
+  const std::size_t first = file.text.find_first_not_of(" \t\r\n");
+  const bool is_json = first != std::string::npos && file.text[first] == '{';
+  return is_json && !is_of_opencv ? CameraFormat::kWpilib : CameraFormat::kOpenCv;
+}
 
 bool has_camera_matrix(const YamlNode& root) {
   return find_any(root, kMatrixNames).has_value();
 }
 
-CameraRig read_matrix_camera(const YamlNode& root) {
-  const Pinhole pinhole = read_pinhole_matrix(*find_any(root, kMatrixNames));
-  Camera camera{.model = CameraModel(pinhole, read_lens(root)), .response_origin = ResponseOrigin::kAssumed};
+CameraRig read_matrix_camera(const YamlNode& root, std::vector<LostCameraFact>& lost) {
+  check_whole_picture(root);
+  const YamlNode matrix = *find_any(root, kMatrixNames);
+  const SkewedPinhole lens = read_pinhole_matrix(matrix);
+  Camera camera{.model = CameraModel(lens.pinhole, read_lens(root)),
+                .response_origin = ResponseOrigin::kAssumed};
   const Resolution resolution = read_size(root);
   camera.width = resolution.width;
   camera.height = resolution.height;
-  return {{camera}};
-}
-
-CameraRig read_euroc_sensor(const YamlNode& root) {
-  const Pinhole pinhole = read_pinhole_list(root.at("intrinsics"));
-  const YamlNode model = root.at("distortion_model");
-  const auto coefficients = root.find("distortion_coefficients");
-  Camera camera{
-      .model = CameraModel(
-          pinhole, read_distortion(model.as_string(), coefficients ? &*coefficients : nullptr, model)),
-      .response_origin = ResponseOrigin::kAssumed};
-  const Resolution resolution = read_resolution_list(root.at("resolution"));
-  camera.width = resolution.width;
-  camera.height = resolution.height;
+  pass_over_skew(lens.skew_px, camera, matrix, lost);
   return {{camera}};
 }
 
