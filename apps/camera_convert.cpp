@@ -28,6 +28,7 @@ struct ConvertOptions {
   std::string to;
   std::string camera_name;
   std::string resolution;
+  bool may_fit = false;
   Console console;
 };
 
@@ -103,8 +104,9 @@ std::vector<LostCameraFact> all_losses(const CameraFile& file, std::vector<LostC
 
 void warn_of(const std::vector<LostCameraFact>& losses, const Console& console) {
   for (const LostCameraFact& loss : losses) {
-    if (loss.kind != CameraLoss::kSkew)
-      console.warning("not kept: " + loss.message);  // reading told of a skew
+    const bool was_told =
+        loss.kind == CameraLoss::kSkew || loss.kind == CameraLoss::kLensTerms;  // by reading
+    if (!was_told) console.warning("not kept: " + loss.message);
   }
 }
 
@@ -116,7 +118,8 @@ json losses_json(const std::vector<LostCameraFact>& losses) {
 }
 
 void run_convert(const ConvertOptions& options) {
-  CameraFile file = read_camera_file(options.input, options.console.log());
+  CameraFile file = read_camera_file(options.input, options.console.log(),
+                                     options.may_fit ? BeyondOurLenses::kFit : BeyondOurLenses::kRefuse);
   const CameraFormat to = format_to_write(options);
   std::vector<std::string> inputs = {options.input};
   for (const auto& table : response_tables(options.input)) inputs.push_back(table.string());
@@ -157,6 +160,10 @@ void add_camera_convert(CLI::App& camera_command) {
       "--camera-name", options->camera_name,
       "Camera of a rig to write alone; by default all, or the first where the format is of one camera");
   verb.add_option("--resolution", options->resolution, "WIDTHxHEIGHT in pixels, where IN does not tell it");
+  verb.add_flag("--fit", options->may_fit,
+                "Takes the nearest lens of 8 coefficients where IN has OpenCV's thin prism or tilted sensor, "
+                "if it is off "
+                "by no more than 0.5 px, and tells by how much");
   options->console.add_options(verb);
   verb.callback([options] { run_convert(*options); });
 }

@@ -83,7 +83,7 @@ std::vector<WrongForeignFile> wrong_foreign_files() {
        "c.cameramodel",
        "{'lensmodel': 'LENSMODEL_OPENCV12', 'imagersize': [6, 4],\n"
        "'intrinsics': [1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0.1, 0, 0]}\n",
-       {"c.cameramodel:2: intrinsics: has 12 coefficients", "mrcal-convert-lensmodel LENSMODEL_OPENCV8"}},
+       {"c.cameramodel:2: intrinsics: has 12 coefficients", "apriltrack camera convert --fit"}},
       // ROS .ini
       {"ini_two_cameras",
        "c.ini",

@@ -7,6 +7,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 
+#include "apriltrack/base/error.h"
 #include "apriltrack/camera/camera_formats.h"
 #include "apriltrack/io/numbers.h"
 #include "format_cameras.h"
@@ -82,6 +83,54 @@ TEST(OpenCvJudges, FilesThatItWrites) {
                           opencv_projects(points, matrix, coefficients, fisheye));
       }
     }
+  }
+}
+
+TEST(OpenCvJudges, FitsOfFourteenTermsAreOffByWhatTheySay) {
+  const cv::Mat matrix = (cv::Mat_<double>(3, 3) << 606.9, 0, 317.1, 0, 608.7, 255.8, 0, 0, 1);
+  const cv::Mat coefficients = (cv::Mat_<double>(1, 14) << 5.1, -30.2, 0.0004, -0.0007, 60.1, 4.9, -29.5,
+                                58.9, 0.001, -0.002, 0.0005, 0.0001, 0.002, -0.003);
+  const fs::path path = test::temporary_folder() / "camera.yml";
+  {
+    cv::FileStorage file(path.string(), cv::FileStorage::WRITE);
+    file << "image_width" << 640 << "image_height" << 480 << "camera_matrix" << matrix
+         << "distortion_coefficients" << coefficients;
+  }
+  const CameraFile read = read_camera_file(path, silent_log(), BeyondOurLenses::kFit);
+  ASSERT_EQ(read.lost.size(), 1U);
+  EXPECT_EQ(read.lost[0].kind, CameraLoss::kLensTerms);
+  const Camera& camera = read.rig.cameras.front();
+  const auto points = test::points_over(camera);
+  const auto expected = opencv_projects(points, matrix, coefficients, false);
+  const auto pixels = test::projected(camera, points);
+  double largest_px = 0.0;
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    largest_px = std::max(largest_px, (pixels[i] - expected[i]).norm());
+  const std::string& told = read.lost[0].message;
+  const std::size_t at = told.find("off by up to ");
+  ASSERT_NE(at, std::string::npos) << told;
+  const double told_px = std::stod(told.substr(at + 13));
+  EXPECT_NEAR(largest_px, told_px, 0.05 * told_px) << "the points are others";
+  EXPECT_LE(largest_px, 0.5);
+  // Without the further terms alone, the camera would be off by this:
+  const auto eight = opencv_projects(points, matrix, coefficients.colRange(0, 8), false);
+  double without_fit_px = 0.0;
+  for (std::size_t i = 0; i < eight.size(); ++i)
+    without_fit_px = std::max(without_fit_px, (eight[i] - expected[i]).norm());
+  EXPECT_GT(without_fit_px, 4.0 * largest_px);  // 1.10 and 0.22 px
+}
+
+TEST(OpenCvJudges, ALensThatNoneOfOursIsNearIsNotFitted) {
+  const fs::path path = test::temporary_folder() / "camera.yml";
+  std::ofstream(path)
+      << "%YAML:1.0\nimage_width: 640\nimage_height: 480\nK: [400, 0, 320, 0, 400, 240, 0, 0, 1]\n"
+         "D: [0.1, 0, 0, 0, 0, 0, 0, 0, 0.2, -0.3, 0, 0.2]\n";
+  try {
+    read_camera_file(path, silent_log(), BeyondOurLenses::kFit);
+    FAIL() << "was fitted";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("camera.yml:5: D: has 12 coefficients"));
+    EXPECT_THAT(error.what(), HasSubstr("more than 0.5 px: calibrate without these terms"));
   }
 }
 

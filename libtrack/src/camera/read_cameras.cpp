@@ -76,7 +76,8 @@ void refuse_binary(const CameraText& file) {
   }
 }
 
-CameraFile read_any(const std::filesystem::path& path, std::vector<std::string>* to_estimate) {
+CameraFile read_any(const std::filesystem::path& path, std::vector<std::string>* to_estimate,
+                    BeyondOurLenses beyond = BeyondOurLenses::kRefuse) {
   const CameraText file{path.string(), read_file(path)};
   refuse_binary(file);
   CameraFile read;
@@ -87,7 +88,7 @@ CameraFile read_any(const std::filesystem::path& path, std::vector<std::string>*
   };
   if (is_ros_ini(file)) return take(CameraFormat::kRosIni, read_ros_ini(file, read.lost));
   if (is_colmap(file)) return take(CameraFormat::kColmap, read_colmap(file));
-  if (is_mrcal(file)) return take(CameraFormat::kMrcal, read_mrcal(file, read.lost));
+  if (is_mrcal(file)) return take(CameraFormat::kMrcal, read_mrcal(file, beyond, read.lost));
   const YamlNode root = read_tree_of_unknown(file);
   if (!root.is_map()) fail_unknown_kind(root);
   if (is_kalibr_camchain(root)) {
@@ -95,7 +96,7 @@ CameraFile read_any(const std::filesystem::path& path, std::vector<std::string>*
                 read_kalibr_camchain(root, path.parent_path(), to_estimate, read.lost));
   }
   if (has_camera_matrix(root))
-    return take(format_of_matrix_camera(root, file), read_matrix_camera(root, read.lost));
+    return take(format_of_matrix_camera(root, file), read_matrix_camera(root, beyond, read.lost));
   if (is_openicc(root)) return take(CameraFormat::kOpenImuCameraCalibrator, read_openicc(root, read.lost));
   if (is_euroc_sensor(root)) return take(CameraFormat::kEuroc, read_euroc_sensor(root));
   if (is_nerfstudio(root)) return take(CameraFormat::kNerfstudio, read_nerfstudio(root));
@@ -141,19 +142,20 @@ void warn_of_oddities(const Camera& camera, const std::string& where, const LogS
   }
 }
 
-/// A skew is told here, where all hear of it: it moves points. What else is lost matters to conversions only.
+/// What moves points is told here, where all hear of it. What else is lost matters to conversions only.
 void tell_oddities(const CameraFile& file, const std::string& where, const LogSink& log) {
   for (const LostCameraFact& fact : file.lost) {
-    if (fact.kind == CameraLoss::kSkew) log(LogLevel::kWarning, fact.message);
+    if (fact.kind == CameraLoss::kSkew || fact.kind == CameraLoss::kLensTerms)
+      log(LogLevel::kWarning, fact.message);
   }
   for (const Camera& camera : file.rig.cameras) warn_of_oddities(camera, where, log);
 }
 
 }  // namespace
 
-CameraFile read_camera_file(const std::filesystem::path& path, const LogSink& log) {
+CameraFile read_camera_file(const std::filesystem::path& path, const LogSink& log, BeyondOurLenses beyond) {
   std::vector<std::string> to_estimate;
-  CameraFile file = read_any(path, &to_estimate);
+  CameraFile file = read_any(path, &to_estimate, beyond);
   for (const std::string& name : to_estimate)
     file.lost.push_back({CameraLoss::kResponse,
                          fmt::format("camera '{}': that its response is to be estimated (auto)", name)});

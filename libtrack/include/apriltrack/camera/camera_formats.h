@@ -53,6 +53,7 @@ enum class CameraLoss {
   kNames,           ///< What the cameras are called.
   kFurtherCameras,  ///< All but one camera of a rig.
   kSkew,            ///< Axes of the picture that are not at a right angle.
+  kLensTerms,       ///< Terms of a lens that ours has not, fitted by those that it has.
 };
 
 /// "resolution", "further_cameras", ...: the word in --json.
@@ -71,9 +72,17 @@ struct CameraFile {
   std::vector<LostCameraFact> lost;  ///< What the file says and Camera does not hold.
 };
 
+/// What becomes of a lens with OpenCV's thin prism or tilted sensor, which ours have not.
+enum class BeyondOurLenses {
+  kRefuse,  ///< Error(kInvalidInput).
+  kFit,  ///< The nearest of radtan with eight coefficients over the picture is taken, where that is off by no
+         ///< more than 0.5 px; how far it is off is told.
+};
+
 /// As read_cameras(), which tells neither the format nor what was passed over. `response: auto` is passed
 /// over, too.
-CameraFile read_camera_file(const std::filesystem::path& path, const LogSink& log = silent_log());
+CameraFile read_camera_file(const std::filesystem::path& path, const LogSink& log = silent_log(),
+                            BeyondOurLenses beyond = BeyondOurLenses::kRefuse);
 
 /// What write_cameras_as() would leave out.
 std::vector<LostCameraFact> losses_of_writing(const CameraRig& rig, CameraFormat format,

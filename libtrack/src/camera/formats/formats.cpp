@@ -64,6 +64,8 @@ std::string_view name_of(CameraLoss loss) {
       return "further_cameras";
     case CameraLoss::kSkew:
       return "skew";
+    case CameraLoss::kLensTerms:
+      return "lens_terms";
   }
   return "resolution";
 }

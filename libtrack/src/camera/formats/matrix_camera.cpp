@@ -51,8 +51,15 @@ void check_lens_model(const YamlNode& root) {
       fmt::format("'{}' is not supported; supported are LENSMODEL_OPENCV4, 5 and 8", model->as_string()));
 }
 
+/// Of which four coefficients alone make sense.
+bool is_fisheye_file(const YamlNode& root) {
+  const auto model = root.find("distortion_model");
+  if (!model || model->is_null()) return is_opencv_fisheye(root);
+  const std::string name = model->as_string();
+  return name == "equidistant" || name == "equi" || name == "fisheye";
+}
+
 Distortion read_lens(const YamlNode& root) {
-  check_lens_model(root);
   const auto model = root.find("distortion_model");
   const auto coefficients = find_any(root, kCoefficientNames);
   const YamlNode* coefficients_or_none = coefficients ? &*coefficients : nullptr;
@@ -120,15 +127,23 @@ bool has_camera_matrix(const YamlNode& root) {
   return find_any(root, kMatrixNames).has_value();
 }
 
-CameraRig read_matrix_camera(const YamlNode& root, std::vector<LostCameraFact>& lost) {
+CameraRig read_matrix_camera(const YamlNode& root, BeyondOurLenses beyond,
+                             std::vector<LostCameraFact>& lost) {
   check_whole_picture(root);
+  check_lens_model(root);
   const YamlNode matrix = *find_any(root, kMatrixNames);
   const SkewedPinhole lens = read_pinhole_matrix(matrix);
-  Camera camera{.model = CameraModel(lens.pinhole, read_lens(root)),
-                .response_origin = ResponseOrigin::kAssumed};
-  const Resolution resolution = read_size(root);
-  camera.width = resolution.width;
-  camera.height = resolution.height;
+  const auto node = find_any(root, kCoefficientNames);
+  const std::vector<double> coefficients =
+      node && !is_fisheye_file(root) ? read_matrix_data(*node) : std::vector<double>{};
+  Camera camera{
+      .model = has_further_terms(coefficients)
+                   ? lens_of_further_terms(lens.pinhole, coefficients, *node, read_size(root), beyond, lost)
+                   : CameraModel(lens.pinhole, read_lens(root)),
+      .response_origin = ResponseOrigin::kAssumed};
+  const Resolution size = read_size(root);
+  camera.width = size.width;
+  camera.height = size.height;
   pass_over_skew(lens.skew_px, camera, matrix, lost);
   return {{camera}};
 }

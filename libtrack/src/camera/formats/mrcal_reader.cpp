@@ -50,7 +50,8 @@ std::string model_name(const YamlNode& node) {
   return name == "NONE" ? "PINHOLE" : name;
 }
 
-CameraModel read_lens_of_mrcal(const YamlNode& root) {
+CameraModel read_lens_of_mrcal(const YamlNode& root, const Resolution& size, BeyondOurLenses beyond,
+                               std::vector<LostCameraFact>& lost) {
   const YamlNode model = root.find("lensmodel") ? root.at("lensmodel") : root.at("distortion_model");
   const auto known = std::ranges::find(kMrcalModels, model_name(model), &MrcalModel::name);
   if (known == kMrcalModels.end()) {
@@ -68,7 +69,10 @@ CameraModel read_lens_of_mrcal(const YamlNode& root) {
   }
   const Pinhole pinhole = checked_pinhole(values[0], values[1], values[2], values[3], node);
   if (known->num_coefficients == 0) return {pinhole, NoDistortion()};
-  return {pinhole, RadtanDistortion(without_zero_tail({values.begin() + 4, values.end()}, node))};
+  const std::vector<double> coefficients(values.begin() + 4, values.end());
+  if (has_further_terms(coefficients))
+    return lens_of_further_terms(pinhole, coefficients, node, size, beyond, lost);
+  return {pinhole, RadtanDistortion(without_zero_tail(coefficients, node))};
 }
 
 /// mrcal's place of a lone camera is relative to whatever its calibration took for the reference.
@@ -93,12 +97,13 @@ bool is_mrcal(const CameraText& file) {
   return has("imagersize") && (has("lensmodel") || has("distortion_model"));
 }
 
-CameraRig read_mrcal(const CameraText& file, std::vector<LostCameraFact>& lost) {
+CameraRig read_mrcal(const CameraText& file, BeyondOurLenses beyond, std::vector<LostCameraFact>& lost) {
   const YamlNode root = YamlNode::read_text(without_bytes(file.text), file.name);
-  Camera camera{.model = read_lens_of_mrcal(root), .response_origin = ResponseOrigin::kAssumed};
   const Resolution size = read_resolution_list(root.at("imagersize"));
-  camera.width = size.width;
-  camera.height = size.height;
+  const Camera camera{.model = read_lens_of_mrcal(root, size, beyond, lost),
+                      .width = size.width,
+                      .height = size.height,
+                      .response_origin = ResponseOrigin::kAssumed};
   note_place_in_reference(root, lost);
   return {{camera}};
 }
