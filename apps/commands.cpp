@@ -34,6 +34,7 @@ void add_all_commands(CLI::App& app) {
   add_track_command(app);
   add_evaluate_command(app);
   add_map_command(app);
+  add_camera_command(app);
   add_demo_command(app);
   refuse_empty_texts(app);
 }

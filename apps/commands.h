@@ -19,6 +19,7 @@ void add_calibrate_command(CLI::App& app);
 void add_track_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_map_command(CLI::App& app);
+void add_camera_command(CLI::App& app);
 void add_demo_command(CLI::App& app);
 
 void add_all_commands(CLI::App& app);

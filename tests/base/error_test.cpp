@@ -38,7 +38,7 @@ TEST(Check, ABreachNamesThePlaceTheConditionAndTheMessage) {
     APRILTRACK_CHECK(size > 0, "a tag's size must be positive");
     FAIL() << "the check passed";
   } catch (const MisuseError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("error_test.cpp"));
+    EXPECT_THAT(error.what(), HasSubstr("; error_test.cpp:")) << "no folders of the machine that built it";
     EXPECT_THAT(error.what(), HasSubstr("size > 0"));
     EXPECT_THAT(error.what(), HasSubstr("a tag's size must be positive"));
   }

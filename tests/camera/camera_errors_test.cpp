@@ -147,6 +147,16 @@ std::vector<Wrong> wrong_files() {
        kalibr(7, "  line_delay: 30"),
        {"c.yaml:7", "line_delay: must lie in [-0.001, 0.001]"}},
       {"stray_top_key", y, kalibr(7, "rig: 1"), {"c.yaml:7: rig: expected 'cam1' here", "x_..."}},
+      {"label_twice",
+       y,
+       kalibr(7,
+              "cam1: {label: cam0, camera_model: pinhole, intrinsics: [5, 5, 3, 2], distortion_model: "
+              "none, resolution: [6, 4]}"),
+       {"c.yaml:7: cam1.label: two cameras are called 'cam0'"}},
+      {"label_with_comma",
+       y,
+       kalibr(7, "  label: \"a,b\""),
+       {"c.yaml:7: cam0.label: must not hold any of ,"}},
       {"camera_left_out", y, kalibr(7, "cam2: {}"), {"c.yaml:7: cam2: expected 'cam1' here"}},
       // Kalibr: response
       {"response_auto",
@@ -180,8 +190,11 @@ std::vector<Wrong> wrong_files() {
       // OpenCV, ROS, JSON
       {"skew",
        y,
-       matrix_file("[400, 0.5, 300, 0, 410, 200, 0, 0, 1]", "dist_coeffs: [0, 0, 0, 0]\n"),
-       {"c.yaml:1: camera_matrix: skew must be 0 (is 0.5)"}},
+       matrix_file("[400, 2.5, 300, 0, 410, 200, 0, 0, 1]",
+                   "dist_coeffs: [0, 0, 0, 0]\nimage_width: 640\nimage_height: 481\n"),
+       // 2.5 (480 - 200) / 410
+       {"c.yaml:1: camera_matrix: a skew of 2.5 pixels moves points of the picture by up to 1.71 px",
+        "--fisheye-fix-skew"}},
       {"transposed_matrix",
        y,
        matrix_file("[400, 0, 0, 0, 410, 0, 300, 200, 1]", "dist_coeffs: [0, 0, 0, 0]\n"),
@@ -232,8 +245,9 @@ std::vector<Wrong> wrong_files() {
        {"c.json:3: is no valid JSON", "line 3"}},
       {"json_skew",
        "c.json",
-       "{\n\"camera_matrix\": [400, 1, 300, 0, 410, 200, 0, 0, 1]}",
-       {"c.json:2: camera_matrix: skew"}},
+       "{\n\"camera_matrix\": [400, 3, 300, 0, 410, 200, 0, 0, 1], \"distortion_coefficients\": [0, 0, 0, "
+       "0]}",
+       {"c.json:2: camera_matrix: a skew of 3 pixels"}},
       {"json_tail",
        "c.json",
        "{\"camera_matrix\": [400, 0, 300, 0, 410, 200, 0, 0, "

@@ -3,11 +3,12 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "apriltrack/base/check.h"
 #include "lens_models.h"
+#include "support/error_message.h"
 #include "support/numeric_jacobian.h"
 
 namespace apriltrack {
@@ -181,9 +182,15 @@ TEST_P(EveryLens, EveryPixelOfItsPictureIsSeenOrRefused) {
 }
 
 TEST(CameraModel, RefusesFocalLengthsThatAreNone) {
-  EXPECT_THROW(CameraModel({0.0, 500.0, 320.0, 240.0}, NoDistortion()), MisuseError);
-  EXPECT_THROW(CameraModel({500.0, -1.0, 320.0, 240.0}, NoDistortion()), MisuseError);
-  EXPECT_THROW(CameraModel({500.0, 500.0, std::nan(""), 240.0}, NoDistortion()), MisuseError);
+  const auto message_for = [](const Pinhole& pinhole) {
+    return test::message_of([&] { CameraModel(pinhole, NoDistortion()); });
+  };
+  EXPECT_EQ(message_for({0.0, 500.0, 320.0, 240.0}), "Pinhole: fx must be finite and > 0 pixels (is 0)");
+  EXPECT_EQ(message_for({500.0, -1.5, 320.0, 240.0}), "Pinhole: fy must be finite and > 0 pixels (is -1.5)");
+  EXPECT_EQ(message_for({500.0, 500.0, std::nan(""), 240.0}),
+            "Pinhole: cx must be a finite number of pixels (is nan)");
+  EXPECT_EQ(message_for({500.0, 500.0, 320.0, HUGE_VAL}),
+            "Pinhole: cy must be a finite number of pixels (is inf)");
 }
 
 }  // namespace

@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
-#include "apriltrack/base/check.h"
 #include "apriltrack/camera/distortion.h"
+#include "support/error_message.h"
 
 namespace apriltrack {
 namespace {
@@ -131,10 +132,27 @@ TEST(EquidistantJacobian, IsFiniteOnTheAxis) {
 }
 
 TEST(Distortion, RefusesWrongNumbersOfCoefficients) {
-  EXPECT_THROW(RadtanDistortion({0.1, 0.2}), MisuseError);
-  EXPECT_THROW(RadtanDistortion({0.1, 0.2, 0.0, 0.0, 0.0, 0.0}), MisuseError);
-  EXPECT_THROW(RadtanDistortion({0.1, std::nan(""), 0.0, 0.0}), MisuseError);
-  EXPECT_THROW(EquidistantDistortion({0.1, 0.2, 0.3}), MisuseError);
+  using test::message_of;
+  EXPECT_EQ(message_of([] {
+              RadtanDistortion({0.1, 0.2});
+            }),
+            "RadtanDistortion: takes 4, 5 or 8 coefficients (there are 2)");
+  EXPECT_EQ(message_of([] {
+              RadtanDistortion({0.1, 0.2, 0.0, 0.0, 0.0, 0.0});
+            }),
+            "RadtanDistortion: takes 4, 5 or 8 coefficients (there are 6)");
+  EXPECT_EQ(message_of([] {
+              RadtanDistortion({0.1, std::nan(""), 0.0, 0.0});
+            }),
+            "RadtanDistortion: coefficients[1] must be finite (is nan)");
+  EXPECT_EQ(message_of([] {
+              EquidistantDistortion({0.1, 0.2, 0.3});
+            }),
+            "EquidistantDistortion: takes 4 coefficients (there are 3)");
+  EXPECT_EQ(message_of([] {
+              EquidistantDistortion({0.1, 0.2, 0.3, HUGE_VAL});
+            }),
+            "EquidistantDistortion: coefficients[3] must be finite (is inf)");
 }
 
 }  // namespace

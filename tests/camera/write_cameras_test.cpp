@@ -3,10 +3,10 @@
 #include <fstream>
 #include <type_traits>
 
-#include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/camera.h"
 #include "lens_models.h"
+#include "support/error_message.h"
 #include "support/pose_matchers.h"
 #include "support/shared_data.h"
 
@@ -97,6 +97,15 @@ TEST(WriteCameras, KeepsAResponseTableBesideTheFile) {
   EXPECT_EQ(read_cameras(path).cameras[0].response.linear_light(), table);
 }
 
+TEST(WriteCameras, NothingGoesBesideADevice) {
+  CameraRig rig{
+      {Camera{.model = CameraModel({500, 510, 320, 240}, NoDistortion()), .width = 640, .height = 480}}};
+  rig.cameras[0].response = ResponseCurve(ResponseCurve::linear().linear_light());
+  EXPECT_THAT(test::message_of([&] { write_cameras("/dev/null", rig); }),
+              HasSubstr("/dev/null: the response table of camera 'cam0'"));
+  EXPECT_FALSE(std::filesystem::exists("/dev/null_cam0_response.txt"));
+}
+
 TEST(WriteCameras, ATableThatEqualsANamedCurveStaysATable) {
   // The file must say what the camera holds: a curve's name is not for the caller to choose.
   static_assert(!std::is_constructible_v<ResponseCurve, const std::array<float, 256>&, std::string>);
@@ -166,8 +175,42 @@ TEST(WriteCameras, FailsWithThePathWhenTheFolderIsMissing) {
     EXPECT_EQ(error.kind(), ErrorKind::kIo);
     EXPECT_THAT(error.what(), HasSubstr("missing/camera.yaml"));
   }
-  rig.cameras[0].name = "left";
-  EXPECT_THROW(write_cameras(test::temporary_folder() / "camera.yaml", rig), MisuseError);
+}
+
+Camera named(const std::string& name) {
+  return {
+      .name = name, .model = CameraModel({500, 510, 320, 240}, NoDistortion()), .width = 640, .height = 480};
+}
+
+TEST(WriteCameras, KeepsNamesThatAreNotThoseOfKalibr) {
+  const auto path = test::temporary_folder() / "rig.yaml";
+  CameraRig rig{{named("front"), named("cam1"), named("right: #2")}};
+  rig.cameras[1].T_this_previous = rig.cameras[2].T_this_previous = Pose();
+  write_cameras(path, rig);
+  const CameraRig again = read_cameras(path);
+  ASSERT_EQ(again.cameras.size(), 3U);
+  EXPECT_EQ(again.cameras[0].name, "front");
+  EXPECT_EQ(again.cameras[1].name, "cam1");
+  EXPECT_EQ(again.cameras[2].name, "right: #2");
+  EXPECT_EQ(&again.find("front"), &again.cameras[0]);
+}
+
+TEST(WriteCameras, RefusesWhatNoFileCanHoldAndKeepsTheFileThatIsThere) {
+  const auto path = test::temporary_folder() / "rig.yaml";
+  std::ofstream(path) << "of before";
+  const auto message_for = [&](const CameraRig& rig) {
+    return test::message_of([&] { write_cameras(path, rig); });
+  };
+  EXPECT_EQ(message_for({}), path.string() + ": there is no camera to write");
+  EXPECT_EQ(message_for({{named("left"), named("left")}}), path.string() + ": two cameras are called 'left'");
+  EXPECT_THAT(message_for({{named("a=b")}}), HasSubstr("name 'a=b' must not hold any of , = /"));
+  EXPECT_THAT(message_for({{named("")}}), HasSubstr("name '' must not be empty"));
+  Camera without_size = named("left");
+  without_size.width = without_size.height = 0;
+  EXPECT_THAT(message_for({{without_size}}), HasSubstr("camera 'left' has no resolution"));
+  std::string kept;
+  std::getline(std::ifstream(path), kept);
+  EXPECT_EQ(kept, "of before");
 }
 
 }  // namespace

@@ -149,6 +149,7 @@ TEST(YamlReader, RefusesWhatIsNoYaml) {
   EXPECT_THAT(message_of([] { parse("a:\n\tb: 1\n"); }), AllOf(HasSubstr("lab.yaml:2"), HasSubstr("tab")));
   EXPECT_THAT(message_of([] { parse("a: *nowhere\n"); }), HasSubstr("lab.yaml:1"));
   EXPECT_THAT(message_of([] { parse("a: 1\n---\nb: 2\n"); }), HasSubstr("second YAML document"));
+  EXPECT_THAT(message_of([] { parse("a: 1\n---\n---\nb: 2\n"); }), HasSubstr("second YAML document"));
   EXPECT_THAT(message_of([] { parse("? [1, 2]\n: 3\n"); }), HasSubstr("a key must be"));
   EXPECT_THAT(message_of([] { parse(std::string("\x89PNG\r\n\0\0", 8)); }), HasSubstr("no text file"));
 }
@@ -264,6 +265,13 @@ TEST(JsonReader, RefusesWhatIsNoJson) {
   EXPECT_THAT(message("[NaN]"), HasSubstr("c.json:1"));
   EXPECT_THAT(message(std::string(200'000, '[')), HasSubstr("nested more than 64 deep"));
   EXPECT_THAT(message("{} trailing"), HasSubstr("c.json:1"));
+}
+
+TEST(YamlReader, PassesOverEmptyDocumentsAtTheEnd) {
+  for (const char* end : {"---", "---\n", "---\n---\n", "---\n# nothing\n", "...\n", "...\n---\n"}) {
+    EXPECT_EQ(parse(std::string("a: 1\nb: [2, 3]\n") + end).at("b").as_doubles(), (std::vector<double>{2, 3}))
+        << end;
+  }
 }
 
 }  // namespace

@@ -4,18 +4,14 @@
 
 #include <algorithm>
 
+#include "apriltrack/base/error.h"
+
 namespace apriltrack {
 namespace {
-
-constexpr int kMaxResolution = 100'000;
 
 double positive_focal_length(double focal, const char* name, const YamlNode& node) {
   if (!(focal > 0.0)) node.fail(fmt::format("{} must be > 0 pixels (is {})", name, focal));
   return focal;
-}
-
-Pinhole checked_pinhole(double fx, double fy, double cx, double cy, const YamlNode& node) {
-  return {positive_focal_length(fx, "fx", node), positive_focal_length(fy, "fy", node), cx, cy};
 }
 
 /// Nine numbers in any of the shapes that a 3x3 matrix takes.
@@ -26,19 +22,6 @@ std::vector<double> matrix_values(const YamlNode& node) {
   for (const YamlNode& row : node.items()) {
     for (const double value : row.as_doubles(3)) values.push_back(value);
   }
-  return values;
-}
-
-/// OpenCV's list goes on after k6 with s1..s4 (thin prism) and tau_x, tau_y (tilted sensor).
-std::vector<double> without_zero_tail(std::vector<double> values, const YamlNode& node) {
-  if (values.size() != 12 && values.size() != 14) return values;
-  if (std::any_of(values.begin() + 8, values.end(), [](double value) { return value != 0.0; })) {
-    node.fail(fmt::format(
-        "has {} coefficients, and those after the eighth (thin prism, tilted sensor) are not zero; "
-        "supported are k1 k2 p1 p2 [k3 [k4 k5 k6]]: calibrate without these terms",
-        values.size()));
-  }
-  values.resize(8);
   return values;
 }
 
@@ -68,6 +51,10 @@ Distortion read_none(const YamlNode* node) {
 
 }  // namespace
 
+Pinhole checked_pinhole(double fx, double fy, double cx, double cy, const YamlNode& node) {
+  return {positive_focal_length(fx, "fx", node), positive_focal_length(fy, "fy", node), cx, cy};
+}
+
 Pinhole read_pinhole_list(const YamlNode& node) {
   const std::vector<double> values = node.as_doubles();
   if (values.size() != 4)
@@ -75,14 +62,13 @@ Pinhole read_pinhole_list(const YamlNode& node) {
   return checked_pinhole(values[0], values[1], values[2], values[3], node);
 }
 
-Pinhole read_pinhole_matrix(const YamlNode& node) {
+SkewedPinhole read_pinhole_matrix(const YamlNode& node) {
   const std::vector<double> k = matrix_values(node);
   if (k.size() != 9) node.fail(fmt::format("must be a 3x3 matrix, 9 numbers (there are {})", k.size()));
-  if (k[1] != 0.0) node.fail(fmt::format("skew must be 0 (is {}); calibrate without skew", k[1]));
   if (k[3] != 0.0 || k[6] != 0.0 || k[7] != 0.0 || k[8] != 1.0) {
     node.fail(fmt::format("must be fx 0 cx / 0 fy cy / 0 0 1, row by row (is {})", fmt::join(k, " ")));
   }
-  return checked_pinhole(k[0], k[4], k[2], k[5], node);
+  return {checked_pinhole(k[0], k[4], k[2], k[5], node), k[1]};
 }
 
 std::vector<double> read_matrix_data(const YamlNode& node) {
@@ -95,6 +81,20 @@ std::vector<double> read_matrix_data(const YamlNode& node) {
   if (expected != static_cast<long long>(values.size())) {
     node.fail(fmt::format("rows x cols is {}, but data has {} numbers", expected, values.size()));
   }
+  return values;
+}
+
+std::vector<double> without_zero_tail(std::vector<double> values, const YamlNode& node) {
+  if (values.size() != 12 && values.size() != 14) return values;
+  if (std::any_of(values.begin() + 8, values.end(), [](double value) { return value != 0.0; })) {
+    node.fail(fmt::format(
+        "has {} coefficients, and those after the eighth (thin prism s1..s4, tilted sensor tau_x tau_y) are "
+        "not zero; supported are k1 k2 p1 p2 [k3 [k4 k5 k6]]: calibrate without these terms (OpenCV: "
+        "CALIB_RATIONAL_MODEL alone){}",
+        values.size(),
+        values.size() == 12 ? ", or fit eight: mrcal-convert-lensmodel LENSMODEL_OPENCV8" : ""));
+  }
+  values.resize(8);
   return values;
 }
 
@@ -130,6 +130,23 @@ Resolution read_resolution_list(const YamlNode& node) {
   node.as_doubles(2);
   const auto sides = node.items();
   return read_resolution(sides[0], sides[1]);
+}
+
+void require_resolution(const Camera& camera, const std::filesystem::path& path) {
+  if (camera.width > 0 && camera.height > 0) return;
+  throw invalid_input(
+      path.string(), fmt::format("camera '{}' has no resolution, which this format needs: give its width and "
+                                 "height (`camera convert --resolution WIDTHxHEIGHT`)",
+                                 camera.name));
+}
+
+std::optional<std::string> fault_of_camera_name(std::string_view name) {
+  if (name.empty()) return "must not be empty";
+  const auto is_wrong = [](char c) {
+    return (c >= 0 && c < 0x20) || c == 0x7f || std::string_view(",=/\"\\").find(c) != std::string_view::npos;
+  };
+  if (std::none_of(name.begin(), name.end(), is_wrong)) return std::nullopt;
+  return "must not hold any of , = / \" \\ or a control character";
 }
 
 }  // namespace apriltrack

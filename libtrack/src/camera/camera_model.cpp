@@ -1,8 +1,10 @@
 #include "apriltrack/camera/camera_model.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
-#include "apriltrack/base/check.h"
+#include "apriltrack/base/error.h"
 
 namespace apriltrack {
 namespace {
@@ -13,15 +15,25 @@ struct NameOf {
   const char* operator()(const EquidistantDistortion&) const { return "equidistant"; }
 };
 
+void check_focal_length(double value_px, const char* member) {
+  if (value_px > 0.0 && std::isfinite(value_px)) return;
+  throw invalid_input("Pinhole", fmt::format("{} must be finite and > 0 pixels (is {})", member, value_px));
+}
+
+void check_principal_point(double value_px, const char* member) {
+  if (std::isfinite(value_px)) return;
+  throw invalid_input("Pinhole",
+                      fmt::format("{} must be a finite number of pixels (is {})", member, value_px));
+}
+
 }  // namespace
 
 CameraModel::CameraModel(const Pinhole& pinhole, const Distortion& distortion)
     : pinhole_(pinhole), distortion_(distortion) {
-  APRILTRACK_CHECK(
-      pinhole.fx > 0.0 && pinhole.fy > 0.0 && std::isfinite(pinhole.fx) && std::isfinite(pinhole.fy),
-      "focal lengths must be finite and > 0");
-  APRILTRACK_CHECK(std::isfinite(pinhole.cx) && std::isfinite(pinhole.cy),
-                   "the principal point must be finite");
+  check_focal_length(pinhole.fx, "fx");
+  check_focal_length(pinhole.fy, "fy");
+  check_principal_point(pinhole.cx, "cx");
+  check_principal_point(pinhole.cy, "cy");
 }
 
 std::optional<Eigen::Vector2d> CameraModel::project(const Eigen::Vector3d& point_camera,

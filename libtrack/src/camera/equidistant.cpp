@@ -1,18 +1,23 @@
 #include "apriltrack/camera/equidistant.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "apriltrack/base/check.h"
+#include "apriltrack/base/error.h"
+#include "check_coefficients.h"
 #include "root_finding.h"
 
 namespace apriltrack {
+
 EquidistantDistortion::EquidistantDistortion(const std::vector<double>& coefficients) {
-  APRILTRACK_CHECK(coefficients.size() == 4, "equidistant has 4 coefficients");
-  APRILTRACK_CHECK(
-      std::all_of(coefficients.begin(), coefficients.end(), [](double k) { return std::isfinite(k); }),
-      "distortion coefficients must be finite");
+  if (coefficients.size() != 4) {
+    throw invalid_input("EquidistantDistortion",
+                        fmt::format("takes 4 coefficients (there are {})", coefficients.size()));
+  }
+  check_coefficients(coefficients, "EquidistantDistortion");
   std::copy(coefficients.begin(), coefficients.end(), values_.begin());
   const auto [k1, k2, k3, k4] = values_;
   const Polynomial slope = {1.0, 0.0, 3.0 * k1, 0.0, 5.0 * k2, 0.0, 7.0 * k3, 0.0, 9.0 * k4};

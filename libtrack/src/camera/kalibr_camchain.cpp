@@ -74,11 +74,31 @@ double read_line_delay(const YamlNode& node) {
   return line_delay_s;
 }
 
+/// The key in the file (cam0), unless a label names the camera; no two cameras of `rig` have one name.
+std::string read_name(const std::string& key, const YamlNode& node, const CameraRig& rig) {
+  const auto label = node.find("label");
+  const std::string name = label ? label->as_string() : key;
+  if (const auto fault = fault_of_camera_name(name)) label->fail(*fault);
+  for (const Camera& other : rig.cameras) {
+    if (other.name == name) (label ? *label : node).fail(fmt::format("two cameras are called '{}'", name));
+  }
+  return name;
+}
+
+void note_place_at_imu(const std::string& name, const YamlNode& node, std::vector<LostCameraFact>& lost) {
+  for (const char* key : {"T_cam_imu", "T_imu_cam", "timeshift_cam_imu"}) {
+    if (!node.find(key)) continue;
+    lost.push_back({CameraLoss::kExtrinsics,
+                    fmt::format("camera '{}': its {} (place or clock relative to the IMU)", name, key)});
+  }
+}
+
 Camera read_camera(const std::string& name, const YamlNode& node, const std::filesystem::path& folder,
                    std::vector<std::string>* to_estimate) {
+  // T_imu_cam is OpenVINS's inverse of T_cam_imu; tagtopic and rig_body are TagSLAM's.
   node.expect_keys({"camera_model", "intrinsics", "distortion_model", "distortion_coeffs", "resolution",
-                    "exposure_time", "line_delay", "response", "T_cn_cnm1", "rostopic", "cam_overlaps",
-                    "T_cam_imu", "timeshift_cam_imu"});
+                    "exposure_time", "line_delay", "response", "label", "T_cn_cnm1", "rostopic",
+                    "cam_overlaps", "T_cam_imu", "T_imu_cam", "timeshift_cam_imu", "tagtopic", "rig_body"});
   check_camera_model(node.at("camera_model"));
   const Pinhole pinhole = read_pinhole_list(node.at("intrinsics"));
   const YamlNode model = node.at("distortion_model");
@@ -104,7 +124,7 @@ Camera read_camera(const std::string& name, const YamlNode& node, const std::fil
 }  // namespace
 
 CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path& folder,
-                               std::vector<std::string>* to_estimate) {
+                               std::vector<std::string>* to_estimate, std::vector<LostCameraFact>& lost) {
   CameraRig rig;
   for (const auto& [key, node] : root.entries()) {
     if (key.starts_with("x_")) continue;
@@ -115,7 +135,8 @@ CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path
           "own",
           expected));
     }
-    rig.cameras.push_back(read_camera(key, node, folder, to_estimate));
+    rig.cameras.push_back(read_camera(read_name(key, node, rig), node, folder, to_estimate));
+    note_place_at_imu(rig.cameras.back().name, node, lost);
     if (rig.cameras.size() == 1 && rig.cameras[0].T_this_previous) {
       node.at("T_cn_cnm1").fail("the first camera has none before it; remove this key");
     }

@@ -1,12 +1,15 @@
 #include "apriltrack/camera/radtan.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
-#include "apriltrack/base/check.h"
+#include "apriltrack/base/error.h"
 #include "apriltrack/camera/no_distortion.h"
+#include "check_coefficients.h"
 #include "root_finding.h"
 
 namespace apriltrack {
@@ -24,11 +27,11 @@ Polynomial even_polynomial(double a, double b, double c) {
 
 RadtanDistortion::RadtanDistortion(const std::vector<double>& coefficients)
     : num_coefficients_(static_cast<int>(coefficients.size())) {
-  APRILTRACK_CHECK(coefficients.size() == 4 || coefficients.size() == 5 || coefficients.size() == 8,
-                   "radtan has 4, 5 or 8 coefficients");
-  APRILTRACK_CHECK(
-      std::all_of(coefficients.begin(), coefficients.end(), [](double k) { return std::isfinite(k); }),
-      "distortion coefficients must be finite");
+  if (coefficients.size() != 4 && coefficients.size() != 5 && coefficients.size() != 8) {
+    throw invalid_input("RadtanDistortion",
+                        fmt::format("takes 4, 5 or 8 coefficients (there are {})", coefficients.size()));
+  }
+  check_coefficients(coefficients, "RadtanDistortion");
   std::copy(coefficients.begin(), coefficients.end(), values_.begin());
   max_radius_ = find_max_radius();
   max_distorted_radius_ = max_radius_ * radial(max_radius_ * max_radius_).factor;

@@ -1,28 +1,55 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <system_error>
+#include <utility>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/auto_response.h"
 #include "apriltrack/camera/camera.h"
+#include "apriltrack/camera/camera_formats.h"
 #include "apriltrack/camera/response_tables.h"
 #include "apriltrack/io/atomic_file.h"
 #include "camera_fields.h"
+#include "formats/readers.h"
 
 namespace apriltrack {
 namespace {
 
-YamlNode read_tree(const std::filesystem::path& path) {
-  const std::string text = read_file(path);
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  const bool is_json = path.extension() == ".json" || (first != std::string::npos && text[first] == '{');
-  return is_json ? YamlNode::read_json_text(text, path.string()) : YamlNode::read_text(text, path.string());
+std::string titles_of_formats() {
+  std::string titles;
+  for (const CameraFormatInfo& format : camera_formats())
+    titles += (titles.empty() ? "" : ", ") + std::string(format.title);
+  return titles;
+}
+
+YamlNode read_tree(const CameraText& file) {
+  if (is_opencv_xml(file)) return opencv_xml_tree(file);
+  const std::size_t first = file.text.find_first_not_of(" \t\r\n");
+  const bool is_json =
+      file.name.ends_with(".json") || (first != std::string::npos && file.text[first] == '{');
+  return is_json ? YamlNode::read_json_text(file.text, file.name) : YamlNode::read_text(file.text, file.name);
+}
+
+/// read_tree(), for a file that may be of another kind altogether: which are known is told then.
+YamlNode read_tree_of_unknown(const CameraText& file) {
+  try {
+    return read_tree(file);
+  } catch (const Error& error) {
+    throw Error(error.kind(), error.where(),
+                fmt::format("{}; camera files that are read: {}", error.cause(), titles_of_formats()));
+  }
 }
 
 /// "cam0", but not "camera_matrix".
 bool is_camera_name(std::string_view key) {
   return key.size() > 3 && key.starts_with("cam") && std::isdigit(static_cast<unsigned char>(key[3])) != 0;
+}
+
+bool is_kalibr_camchain(const YamlNode& root) {
+  return std::ranges::any_of(root.entries(), [](const auto& entry) { return is_camera_name(entry.first); });
 }
 
 [[noreturn]] void fail_unknown_kind(const YamlNode& root) {
@@ -31,21 +58,64 @@ bool is_camera_name(std::string_view key) {
     for (const auto& entry : root.entries()) keys += (keys.empty() ? "" : ", ") + entry.first;
   }
   root.fail(fmt::format(
-      "is no camera file of a known kind; at the top level there must be one of: 'cam0' (Kalibr camchain), "
+      "is no camera file of a known kind ({}); at the top level there must be one of: 'cam0' (Kalibr "
+      "camchain), "
       "'camera_matrix' or 'K' (OpenCV FileStorage, ROS camera_info, WPILib JSON), 'cameraIntrinsics' "
-      "(PhotonVision JSON), 'intrinsics' with 'distortion_model' (EuRoC sensor.yaml); {}",
-      keys.empty() ? "there are no keys at all" : "there are: " + keys.substr(0, 300)));
+      "(PhotonVision JSON), 'intrinsics' with 'distortion_model' (EuRoC sensor.yaml), 'fl_x' (nerfstudio), "
+      "'intrinsic_type' (OpenImuCameraCalibrator); {}",
+      titles_of_formats(), keys.empty() ? "there are no keys at all" : "there are: " + keys.substr(0, 300)));
 }
 
-CameraRig read_any(const YamlNode& root, const std::filesystem::path& folder,
-                   std::vector<std::string>* to_estimate) {
-  if (!root.is_map()) fail_unknown_kind(root);
-  for (const auto& entry : root.entries()) {
-    if (is_camera_name(entry.first)) return read_kalibr_camchain(root, folder, to_estimate);
+/// What is no text, with the way to what is.
+void refuse_binary(const CameraText& file) {
+  if (file.text.find('\0') != std::string::npos) {
+    throw invalid_input(
+        file.name,
+        "is no text file (it holds zero bytes); of COLMAP's cameras.bin, `colmap model_converter "
+        "--output_type TXT` makes the cameras.txt that is read");
   }
-  if (has_camera_matrix(root)) return read_matrix_camera(root);
-  if (root.find("intrinsics") && root.find("distortion_model")) return read_euroc_sensor(root);
+}
+
+CameraFile read_any(const std::filesystem::path& path, std::vector<std::string>* to_estimate,
+                    BeyondOurLenses beyond = BeyondOurLenses::kRefuse) {
+  const CameraText file{path.string(), read_file(path)};
+  refuse_binary(file);
+  CameraFile read;
+  const auto take = [&](CameraFormat format, CameraRig rig) {
+    read.format = format;
+    read.rig = std::move(rig);
+    return read;
+  };
+  if (is_ros_ini(file)) return take(CameraFormat::kRosIni, read_ros_ini(file, read.lost));
+  if (is_colmap(file)) return take(CameraFormat::kColmap, read_colmap(file));
+  if (is_mrcal(file)) return take(CameraFormat::kMrcal, read_mrcal(file, beyond, read.lost));
+  const YamlNode root = read_tree_of_unknown(file);
+  if (!root.is_map()) fail_unknown_kind(root);
+  if (is_kalibr_camchain(root)) {
+    return take(CameraFormat::kKalibr,
+                read_kalibr_camchain(root, path.parent_path(), to_estimate, read.lost));
+  }
+  if (has_camera_matrix(root))
+    return take(format_of_matrix_camera(root, file), read_matrix_camera(root, beyond, read.lost));
+  if (is_openicc(root)) return take(CameraFormat::kOpenImuCameraCalibrator, read_openicc(root, read.lost));
+  if (is_euroc_sensor(root)) return take(CameraFormat::kEuroc, read_euroc_sensor(root));
+  if (is_nerfstudio(root)) return take(CameraFormat::kNerfstudio, read_nerfstudio(root));
   fail_unknown_kind(root);
+}
+
+/// Numbers of a smaller picture beside the size of the whole one: the principal point lies off the middle by
+/// one factor in both directions. Cropped pictures do, too, seldom by the same.
+std::optional<std::string> sign_of_another_scale(const Camera& camera) {
+  const Pinhole& lens = camera.model.pinhole();
+  const double x = 2.0 * (lens.cx + 0.5) / camera.width;
+  const double y = 2.0 * (lens.cy + 0.5) / camera.height;
+  const double scale = 0.5 * (x + y);
+  if (std::abs(x - y) > 0.1 * scale || (scale > 0.7 && scale < 1.4)) return std::nullopt;
+  return fmt::format(
+      "the principal point ({}, {}) is the middle of a picture of {:.0f} x {:.0f} pixels, but the file is of "
+      "{} x {}: "
+      "were the pictures made smaller or larger before they were calibrated?",
+      lens.cx, lens.cy, x * camera.width, y * camera.height, camera.width, camera.height);
 }
 
 /// Odd, but it may be meant: cropped pictures, fisheyes with black corners.
@@ -58,6 +128,8 @@ void warn_of_oddities(const Camera& camera, const std::string& where, const LogS
   if (pinhole.cx < 0 || pinhole.cy < 0 || pinhole.cx > camera.width - 1 || pinhole.cy > camera.height - 1) {
     warn(fmt::format("the principal point ({}, {}) lies outside the picture of {} x {} pixels", pinhole.cx,
                      pinhole.cy, camera.width, camera.height));
+  } else if (const auto sign = sign_of_another_scale(camera)) {
+    warn(*sign);
   }
   int num_unseen = 0;
   for (const double x : {0.0, camera.width - 1.0}) {
@@ -70,24 +142,46 @@ void warn_of_oddities(const Camera& camera, const std::string& where, const LogS
   }
 }
 
+/// What moves points is told here, where all hear of it. What else is lost matters to conversions only.
+void tell_oddities(const CameraFile& file, const std::string& where, const LogSink& log) {
+  for (const LostCameraFact& fact : file.lost) {
+    if (fact.kind == CameraLoss::kSkew || fact.kind == CameraLoss::kLensTerms)
+      log(LogLevel::kWarning, fact.message);
+  }
+  for (const Camera& camera : file.rig.cameras) warn_of_oddities(camera, where, log);
+}
+
 }  // namespace
 
+CameraFile read_camera_file(const std::filesystem::path& path, const LogSink& log, BeyondOurLenses beyond) {
+  std::vector<std::string> to_estimate;
+  CameraFile file = read_any(path, &to_estimate, beyond);
+  for (const std::string& name : to_estimate)
+    file.lost.push_back({CameraLoss::kResponse,
+                         fmt::format("camera '{}': that its response is to be estimated (auto)", name)});
+  tell_oddities(file, path.string(), log);
+  return file;
+}
+
 CameraRig read_cameras(const std::filesystem::path& path, const LogSink& log) {
-  CameraRig rig = read_any(read_tree(path), path.parent_path(), nullptr);
-  for (const Camera& camera : rig.cameras) warn_of_oddities(camera, path.string(), log);
-  return rig;
+  const CameraFile file = read_any(path, nullptr);
+  tell_oddities(file, path.string(), log);
+  return file.rig;
 }
 
 UnestimatedRig read_cameras_to_estimate(const std::filesystem::path& path, const LogSink& log) {
   UnestimatedRig result;
-  result.rig = read_any(read_tree(path), path.parent_path(), &result.to_estimate);
-  for (const Camera& camera : result.rig.cameras) warn_of_oddities(camera, path.string(), log);
+  const CameraFile file = read_any(path, &result.to_estimate);
+  tell_oddities(file, path.string(), log);
+  result.rig = file.rig;
   return result;
 }
 
 std::vector<std::filesystem::path> response_tables(const std::filesystem::path& camera_file) {
-  const YamlNode root = read_tree(camera_file);
+  const CameraText file{camera_file.string(), read_file(camera_file)};
   std::vector<std::filesystem::path> tables;
+  if (is_ros_ini(file) || is_colmap(file) || is_mrcal(file)) return tables;  // no YAML, and without responses
+  const YamlNode root = read_tree(file);
   if (!root.is_map()) return tables;
   for (const auto& [key, camera] : root.entries()) {
     const auto response = camera.is_map() ? camera.find("response") : std::nullopt;

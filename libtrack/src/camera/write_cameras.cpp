@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
-#include "apriltrack/base/check.h"
+#include <set>
+#include <system_error>
+
+#include "apriltrack/base/error.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/numbers.h"
@@ -19,16 +22,27 @@ std::string flow_list(const Numbers& numbers) {
 /// A table goes beside the camera file: camera.yaml -> camera_cam0_response.txt.
 std::string write_response(const Camera& camera, const std::filesystem::path& path) {
   if (camera.response.name() != "table") return camera.response.name();
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
+    throw invalid_input(
+        path.string(),
+        fmt::format("the response table of camera '{}' goes into a file beside the camera file, and "
+                    "nothing goes beside what is no regular file: name a file",
+                    camera.name));
+  }
   const std::string name = fmt::format("{}_{}_response.txt", path.stem().string(), camera.name);
   write_file_atomically(path.parent_path() / name, format_response_table(camera.response));
   return name;
 }
 
-std::string camera_text(const Camera& camera, const std::filesystem::path& path) {
+/// key: cam0, cam1, ..., whatever the camera is called.
+std::string camera_text(const std::string& key, const Camera& camera, const std::filesystem::path& path) {
   const Pinhole& pinhole = camera.model.pinhole();
   const auto coefficients =
       std::visit([](const auto& lens) { return lens.coefficients(); }, camera.model.distortion());
-  std::string text = fmt::format("{}:\n  camera_model: pinhole\n", camera.name);
+  std::string text = fmt::format("{}:\n", key);
+  if (camera.name != key) text += fmt::format("  label: \"{}\"\n", camera.name);
+  text += "  camera_model: pinhole\n";
   text +=
       fmt::format("  intrinsics: {}\n",
                   flow_list(std::initializer_list<double>{pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy}));
@@ -52,15 +66,19 @@ std::string camera_text(const Camera& camera, const std::filesystem::path& path)
 }  // namespace
 
 void write_cameras(const std::filesystem::path& path, const CameraRig& rig) {
-  std::string text;
-  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
-    const Camera& camera = rig.cameras[i];
-    APRILTRACK_CHECK(camera.name == fmt::format("cam{}", i),
-                     "cameras of a file are named cam0, cam1, ... in order");
-    APRILTRACK_CHECK(camera.width > 0 && camera.height > 0,
-                     "a camera file needs the resolution of its cameras");
-    text += camera_text(camera, path);
+  if (rig.cameras.empty()) throw invalid_input(path.string(), "there is no camera to write");
+  std::set<std::string> names;
+  for (const Camera& camera : rig.cameras) {
+    if (const auto fault = fault_of_camera_name(camera.name)) {
+      throw invalid_input(path.string(), fmt::format("the camera's name '{}' {}", camera.name, *fault));
+    }
+    if (!names.insert(camera.name).second)
+      throw invalid_input(path.string(), fmt::format("two cameras are called '{}'", camera.name));
+    require_resolution(camera, path);
   }
+  std::string text;
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i)
+    text += camera_text(fmt::format("cam{}", i), rig.cameras[i], path);
   write_file_atomically(path, text);
 }
 

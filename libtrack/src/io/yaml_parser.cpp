@@ -82,6 +82,20 @@ std::string without_opencv_directive(const std::string& text) {
   return mended;
 }
 
+/// What `ros2 topic echo` writes ends in "---", which begins a document without anything in it: such are
+/// passed over.
+void refuse_further_documents(YAML::Parser& parser, const std::string& name) {
+  while (true) {
+    YamlTreeBuilder builder(name);
+    TreeEvents events(builder);
+    if (!parser.HandleNextDocument(events)) return;
+    const auto root = builder.finish();
+    if (root->kind == YamlTreeNode::Kind::kNull) continue;
+    builder.fail(root->line, {},
+                 "a second YAML document begins; a file must hold one (`ros2 topic echo --once` writes one)");
+  }
+}
+
 std::string_view line_text(std::string_view text, std::size_t line) {
   for (std::size_t i = 1; i < line; ++i) {
     const std::size_t end = text.find('\n');
@@ -110,11 +124,8 @@ std::shared_ptr<const YamlTreeNode> parse_yaml(const std::string& text, const st
   try {
     YAML::Parser parser(stream);
     parser.HandleNextDocument(events);
-    const auto root = builder.finish();
-    if (parser.HandleNextDocument(events)) {
-      builder.fail(builder.finish()->line, {}, "a second YAML document begins; a file must hold one");
-    }
-    return root;
+    refuse_further_documents(parser, name);
+    return builder.finish();
   } catch (const YAML::Exception& error) {
     builder.fail(line_of(error.mark), {}, explain(error, text));
   }

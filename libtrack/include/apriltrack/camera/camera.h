@@ -20,7 +20,11 @@ enum class ResponseOrigin {
 };
 
 /// One camera as its file describes it.
+///
+/// It has no default constructor, since no lens is a sound guess: a member that gets its camera later is a
+/// `std::optional<Camera>`.
 struct Camera {
+  /// What messages, detections and NAME=PATH call it: cam0, cam1, ... or its `label` in the file.
   std::string name = "cam0";
   CameraModel model;
   int width = 0;  ///< Pixels; 0 when the file does not say (some WPILib files): any image fits.
@@ -50,8 +54,8 @@ void check_resolution(const Camera& camera, int image_width, int image_height, c
 /// pictures that were scaled to it, where both have one shape, and else the file of that resolution.
 std::string advice_on_resolution(const Camera& camera, int image_width, int image_height);
 
-/// Reads Kalibr's camchain (with our additions), ROS camera_info YAML, OpenCV FileStorage YAML or WPILib /
-/// PhotonVision JSON, EuRoC sensor.yaml; the format is recognised by its keys (docs/file_formats.md).
+/// Reads a camera file of any format that camera_formats.h lists: Kalibr's camchain with our additions, ROS,
+/// OpenCV, WPILib, mrcal, COLMAP, ...; it is recognised by its content (docs/file_formats.md).
 /// Throws Error(kIo) when the file cannot be read, Error(kInvalidInput) with file, line and key when it is
 /// wrong. log: hears of what is odd but may be meant: a principal point outside the picture, a lens model
 /// that ends inside it.
@@ -59,7 +63,9 @@ CameraRig read_cameras(const std::filesystem::path& path, const LogSink& log = s
 
 /// Writes our camera.yaml (Kalibr's camchain). Reading it gives the same numbers to the last digit;
 /// rotations, whose matrix Kalibr wants, come back to 1e-15. A response table goes into a file of its own
-/// beside it; a response that was only assumed is left out, so that it stays unknown. Throws Error(kIo).
+/// beside it; a response that was only assumed is left out, so that it stays unknown. A camera that is not
+/// called cam0, cam1, ... by its place keeps its name as `label`. Throws Error(kIo), and Error(kInvalidInput)
+/// where there is no camera, one has no resolution, or two have one name.
 void write_cameras(const std::filesystem::path& path, const CameraRig& rig);
 
 }  // namespace apriltrack

@@ -21,6 +21,8 @@ struct Pinhole {
 /// The lens: a pinhole behind one of the distortion models. Camera frame: x right, y down, z forward.
 class CameraModel {
  public:
+  /// Throws Error(kInvalidInput) that names the member and its value where a focal length is not finite and
+  /// > 0, or a principal point not finite: these come from users' files as often as from code.
   CameraModel(const Pinhole& pinhole, const Distortion& distortion);
 
   /// Pixel at which a point of the camera frame (metres) is seen; nullopt when it lies behind the camera or

@@ -19,7 +19,7 @@ namespace apriltrack {
 /// beyond 90 degrees (Z <= 0) are seen as long as they lie below it.
 class EquidistantDistortion {
  public:
-  /// 4 finite coefficients.
+  /// 4 finite coefficients; throws Error(kInvalidInput) where they are not.
   explicit EquidistantDistortion(const std::vector<double>& coefficients);
 
   std::vector<double> coefficients() const { return {values_.begin(), values_.end()}; }

@@ -25,7 +25,7 @@ namespace apriltrack {
 /// ends where the radial part shows points at 1000, which is before any pole of f.
 class RadtanDistortion {
  public:
-  /// 4, 5 or 8 finite coefficients.
+  /// 4, 5 or 8 finite coefficients; throws Error(kInvalidInput) where they are not.
   explicit RadtanDistortion(const std::vector<double>& coefficients);
 
   /// As they were given.

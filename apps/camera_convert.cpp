@@ -1,0 +1,171 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/camera/camera_formats.h"
+#include "apriltrack/camera/response_tables.h"
+#include "apriltrack/io/numbers.h"
+#include "camera_command.h"
+#include "command_help.h"
+#include "console.h"
+#include "inputs.h"
+#include "outputs.h"
+
+namespace apriltrack::app {
+namespace {
+
+using nlohmann::json;
+
+struct ConvertOptions {
+  std::string input;
+  std::string output;
+  std::string to;
+  std::string camera_name;
+  std::string resolution;
+  bool may_fit = false;
+  Console console;
+};
+
+std::string names_of_written_formats() {
+  std::string names;
+  for (const CameraFormatInfo& info : camera_formats()) {
+    if (info.is_written) names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", info.name, info.title);
+  }
+  return names;
+}
+
+CameraFormat format_to_write(const ConvertOptions& options) {
+  if (options.to.empty()) {
+    if (const auto format = camera_format_of_ending(options.output)) return *format;
+    throw invalid_input("--to",
+                        fmt::format("is required: the ending of '{}' does not tell the format; there are {}",
+                                    options.output, names_of_written_formats()));
+  }
+  const auto format = camera_format_named(options.to);
+  if (format && info_of(*format).is_written) return *format;
+  throw invalid_input("--to", fmt::format("'{}' is {}; there are {}", options.to,
+                                          format ? "a format that is read, not written" : "no known format",
+                                          names_of_written_formats()));
+}
+
+struct Size {
+  int width = 0;
+  int height = 0;
+};
+
+constexpr long long kMaxSide = 100'000;
+
+/// 0 where the text is none.
+int side_of(std::string_view text) {
+  const long long side = parse_integer(text).value_or(0);
+  return side >= 1 && side <= kMaxSide ? static_cast<int>(side) : 0;
+}
+
+Size size_of(const std::string& text) {
+  const std::string_view view = text;
+  const std::size_t x = std::min(view.find_first_of("xX"), view.size());
+  const Size size{side_of(view.substr(0, x)), side_of(view.substr(std::min(x + 1, view.size())))};
+  if (size.width > 0 && size.height > 0) return size;
+  throw invalid_input(
+      "--resolution",
+      fmt::format("must be WIDTHxHEIGHT in pixels, each from 1 to {}, such as 1280x720 (is '{}')", kMaxSide,
+                  text));
+}
+
+/// Of cameras whose file tells none.
+void give_resolution(CameraRig& rig, const std::string& text) {
+  const Size size = size_of(text);
+  for (Camera& camera : rig.cameras) {
+    const bool is_told = camera.width > 0;
+    if (is_told && (camera.width != size.width || camera.height != size.height)) {
+      throw invalid_input(
+          "--resolution",
+          fmt::format("is {} x {}, but the file says {} x {} for camera '{}', whose numbers hold for that "
+                      "size alone",
+                      size.width, size.height, camera.width, camera.height, camera.name));
+    }
+    camera.width = size.width;
+    camera.height = size.height;
+  }
+}
+
+/// Of reading and of writing.
+std::vector<LostCameraFact> all_losses(const CameraFile& file, std::vector<LostCameraFact> by_writing) {
+  std::vector<LostCameraFact> losses = file.lost;
+  losses.insert(losses.end(), by_writing.begin(), by_writing.end());
+  return losses;
+}
+
+void warn_of(const std::vector<LostCameraFact>& losses, const Console& console) {
+  for (const LostCameraFact& loss : losses) {
+    const bool was_told =
+        loss.kind == CameraLoss::kSkew || loss.kind == CameraLoss::kLensTerms;  // by reading
+    if (!was_told) console.warning("not kept: " + loss.message);
+  }
+}
+
+json losses_json(const std::vector<LostCameraFact>& losses) {
+  json all = json::array();
+  for (const LostCameraFact& loss : losses)
+    all.push_back({{"kind", name_of(loss.kind)}, {"message", loss.message}});
+  return all;
+}
+
+void run_convert(const ConvertOptions& options) {
+  CameraFile file = read_camera_file(options.input, options.console.log(),
+                                     options.may_fit ? BeyondOurLenses::kFit : BeyondOurLenses::kRefuse);
+  const CameraFormat to = format_to_write(options);
+  std::vector<std::string> inputs = {options.input};
+  for (const auto& table : response_tables(options.input)) inputs.push_back(table.string());
+  check_output(options.output, "OUT", inputs);
+  if (!options.camera_name.empty()) camera_named(file.rig, options.camera_name, options.input);
+  if (!options.resolution.empty()) give_resolution(file.rig, options.resolution);
+  const auto losses = all_losses(file, write_cameras_as(options.output, file.rig, to, options.camera_name));
+  warn_of(losses, options.console);
+  options.console.finish(
+      {{"input", options.input},
+       {"output", options.output},
+       {"from", info_of(file.format).name},
+       {"to", info_of(to).name},
+       {"losses", losses_json(losses)}},
+      fmt::format("{}: {}, from {}; {}", options.output, info_of(to).title, info_of(file.format).title,
+                  losses.empty() ? "nothing was lost" : fmt::format("not kept: {}", losses.size())));
+}
+
+}  // namespace
+
+void add_camera_convert(CLI::App& camera_command) {
+  CLI::App& verb =
+      add_command(camera_command, "convert",
+                  {"Writes the cameras of a file in another format, and tells what that cannot hold.",
+                   "apriltrack camera convert left.cameramodel camera.yaml\n"
+                   "apriltrack camera convert camera.yaml camera_info.yaml --to ros\n"
+                   "apriltrack camera convert photonvision.json cameras.txt --resolution 1280x720",
+                   "IN is of any known format, which its content tells (docs/file_formats.md). Formats that "
+                   "are written, for --to: " +
+                       names_of_written_formats() + "."});
+  auto options = std::make_shared<ConvertOptions>();
+  verb.add_option("IN", options->input, "Camera file to read")->required();
+  verb.add_option("OUT", options->output, "Camera file to write")->required();
+  verb.add_option(
+      "--to", options->to,
+      "Format of OUT; by default by its ending: .yaml and .yml kalibr, .cameramodel mrcal, .txt colmap");
+  verb.add_option(
+      "--camera-name", options->camera_name,
+      "Camera of a rig to write alone; by default all, or the first where the format is of one camera");
+  verb.add_option("--resolution", options->resolution, "WIDTHxHEIGHT in pixels, where IN does not tell it");
+  verb.add_flag("--fit", options->may_fit,
+                "Takes the nearest lens of 8 coefficients where IN has OpenCV's thin prism or tilted sensor, "
+                "if it is off "
+                "by no more than 0.5 px, and tells by how much");
+  options->console.add_options(verb);
+  verb.callback([options] { run_convert(*options); });
+}
+
+}  // namespace apriltrack::app

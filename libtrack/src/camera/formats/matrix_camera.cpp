@@ -1,0 +1,151 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "../camera_fields.h"
+#include "readers.h"
+
+namespace apriltrack {
+namespace {
+
+using Names = std::span<const std::string_view>;
+
+// camera_matrix: OpenCV, ROS, WPILib. K, k: OpenCV samples, ROS messages. cameraIntrinsics: PhotonVision.
+constexpr std::string_view kMatrixNames[] = {"camera_matrix", "Camera_Matrix", "K", "k", "cameraIntrinsics"};
+constexpr std::string_view kCoefficientNames[] = {"distortion_coefficients",
+                                                  "Distortion_Coefficients",
+                                                  "distortion_vector",
+                                                  "dist_coeffs",
+                                                  "D",
+                                                  "d",
+                                                  "distCoeffs"};
+constexpr std::string_view kWidthNames[] = {"image_width", "image_Width", "width"};
+constexpr std::string_view kHeightNames[] = {"image_height", "image_Height", "height"};
+
+/// The value that goes by any of the names; two of them would leave open which is meant.
+std::optional<YamlNode> find_any(const YamlNode& root, Names names) {
+  std::optional<YamlNode> found;
+  for (const std::string_view name : names) {
+    const auto value = root.find(name);
+    if (!value) continue;
+    if (found) value->fail(fmt::format("says the same as '{}'; keep one of them", found->key_path()));
+    found = value;
+  }
+  return found;
+}
+
+/// OpenCV's own calibration program notes a fisheye calibration so.
+bool is_opencv_fisheye(const YamlNode& root) {
+  const auto flag = root.find("fisheye_model");
+  return flag && flag->as_int() != 0;
+}
+
+/// PhotonVision and mrcal name OpenCV's models so; their others (splined, stereographic) are no OpenCV
+/// models.
+void check_lens_model(const YamlNode& root) {
+  const auto model = root.find("lensmodel");
+  if (!model || model->as_string().starts_with("LENSMODEL_OPENCV")) return;
+  model->fail(
+      fmt::format("'{}' is not supported; supported are LENSMODEL_OPENCV4, 5 and 8", model->as_string()));
+}
+
+/// Of which four coefficients alone make sense.
+bool is_fisheye_file(const YamlNode& root) {
+  const auto model = root.find("distortion_model");
+  if (!model || model->is_null()) return is_opencv_fisheye(root);
+  const std::string name = model->as_string();
+  return name == "equidistant" || name == "equi" || name == "fisheye";
+}
+
+Distortion read_lens(const YamlNode& root) {
+  const auto model = root.find("distortion_model");
+  const auto coefficients = find_any(root, kCoefficientNames);
+  const YamlNode* coefficients_or_none = coefficients ? &*coefficients : nullptr;
+  if (model) return read_distortion(model->is_null() ? "" : model->as_string(), coefficients_or_none, *model);
+  return read_distortion(is_opencv_fisheye(root) ? "fisheye" : "plumb_bob", coefficients_or_none, root);
+}
+
+Resolution read_size(const YamlNode& root) {
+  if (const auto resolution = root.find("resolution")) {
+    if (resolution->is_list()) return read_resolution_list(*resolution);
+    return read_resolution(resolution->at("width"), resolution->at("height"));
+  }
+  const auto width = find_any(root, kWidthNames);
+  const auto height = find_any(root, kHeightNames);
+  if (width && !height) width->fail("the height is missing (image_height)");
+  if (height && !width) height->fail("the width is missing (image_width)");
+  return width ? read_resolution(*width, *height) : Resolution{};
+}
+
+/// The picture that a message of ROS comes with is a part of the sensor's, or was made smaller, where it says
+/// so; the matrix is of the whole (REP 104).
+void check_whole_picture(const YamlNode& root) {
+  for (const char* key : {"binning_x", "binning_y"}) {
+    const auto binning = root.find(key);
+    if (binning && binning->as_int() > 1) {
+      binning->fail(
+          fmt::format("pictures that are binned (by {}) are smaller than the calibration's; write a camera "
+                      "file of the binned pictures, without this key",
+                      binning->as_int()));
+    }
+  }
+  const auto roi = root.find("roi");
+  if (!roi || !roi->is_map()) return;
+  for (const char* key : {"x_offset", "y_offset"}) {
+    const auto offset = roi->find(key);
+    if (offset && offset->as_int() != 0) {
+      offset->fail(
+          fmt::format("the pictures are a part of the sensor's, {} pixels in; write a camera file of "
+                      "the part (principal point less the offset, the part's size), without roi",
+                      offset->as_int()));
+    }
+  }
+}
+
+bool has_any(const YamlNode& root, std::initializer_list<std::string_view> keys) {
+  return std::ranges::any_of(keys, [&](std::string_view key) { return root.find(key).has_value(); });
+}
+
+}  // namespace
+
+CameraFormat format_of_matrix_camera(const YamlNode& root, const CameraText& file) {
+  if (root.find("cameraIntrinsics")) return CameraFormat::kPhotonVision;
+  if (has_any(root,
+              {"rectification_matrix", "projection_matrix", "distortion_model", "binning_x", "header"}) &&
+      !file.text.starts_with("%YAML:"))
+    return CameraFormat::kRosCameraInfo;
+  const auto matrix = root.find("camera_matrix");
+  const bool is_of_opencv = !matrix || (matrix->is_map() && matrix->find("type_id"));
+  const std::size_t first = file.text.find_first_not_of(" \t\r\n");
+  const bool is_json = first != std::string::npos && file.text[first] == '{';
+  return is_json && !is_of_opencv ? CameraFormat::kWpilib : CameraFormat::kOpenCv;
+}
+
+bool has_camera_matrix(const YamlNode& root) {
+  return find_any(root, kMatrixNames).has_value();
+}
+
+CameraRig read_matrix_camera(const YamlNode& root, BeyondOurLenses beyond,
+                             std::vector<LostCameraFact>& lost) {
+  check_whole_picture(root);
+  check_lens_model(root);
+  const YamlNode matrix = *find_any(root, kMatrixNames);
+  const SkewedPinhole lens = read_pinhole_matrix(matrix);
+  const auto node = find_any(root, kCoefficientNames);
+  const std::vector<double> coefficients =
+      node && !is_fisheye_file(root) ? read_matrix_data(*node) : std::vector<double>{};
+  Camera camera{
+      .model = has_further_terms(coefficients)
+                   ? lens_of_further_terms(lens.pinhole, coefficients, *node, read_size(root), beyond, lost)
+                   : CameraModel(lens.pinhole, read_lens(root)),
+      .response_origin = ResponseOrigin::kAssumed};
+  const Resolution size = read_size(root);
+  camera.width = size.width;
+  camera.height = size.height;
+  pass_over_skew(lens.skew_px, camera, matrix, lost);
+  return {{camera}};
+}
+
+}  // namespace apriltrack
