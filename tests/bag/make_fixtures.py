@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Writes the bags of tests/bag/data with other projects' own writers.
 
-  make_fixtures.py FOLDER
+  make_fixtures.py FOLDER            all of them
+  make_fixtures.py --ros1 FOLDER     ROS 1 bags only, which need no node
 
 ROS 1 bags: python3-rosbag and python3-sensor-msgs (Debian). MCAP files, and the CDR messages of SQLite files:
 make_fixtures.mjs beside this file, by @mcap/core and @foxglove/rosmsg2-serialization, which are looked for in the folder
@@ -131,10 +132,12 @@ def make_folder(path):
 
 
 def main():
-    here, out = pathlib.Path(__file__).resolve().parent, pathlib.Path(sys.argv[1])
+    here, out = pathlib.Path(__file__).resolve().parent, pathlib.Path(sys.argv[-1])
     out.mkdir(parents=True, exist_ok=True)
     for name, compression in (("plain", "none"), ("bz2", "bz2"), ("lz4", "lz4")):
         write_ros1(out / f"{name}.bag", compression)
+    if sys.argv[1] == "--ros1":
+        return
     lines = [line for name in ("plain", "bz2", "lz4") for line in list_chunks(out / f"{name}.bag")]
     told = subprocess.run(["node", here / "make_fixtures.mjs", out], stdout=subprocess.PIPE, check=True).stdout
     of_mcap = out / "chunks_of_mcap.csv"

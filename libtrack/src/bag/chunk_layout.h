@@ -14,7 +14,7 @@
 namespace apriltrack {
 
 /// What writes one kind of messages to one topic: a connection of ROS 1, a channel of MCAP.
-struct Channel {
+struct BagChannel {
   std::string topic;
   std::string type;
   std::string encoding;
@@ -53,7 +53,7 @@ struct Chunk {
 };
 
 struct FileLayout {
-  std::map<std::uint32_t, Channel> channels;
+  std::map<std::uint32_t, BagChannel> channels;
   std::vector<Chunk> chunks;
   std::vector<MessagePlace> single_messages;  ///< Those that are chunks of their own.
 
@@ -79,7 +79,7 @@ struct FoundMessage {
 /// What the walk through an unpacked chunk gives.
 struct ChunkContents {
   std::vector<FoundMessage> messages;
-  std::map<std::uint32_t, Channel> channels;
+  std::map<std::uint32_t, BagChannel> channels;
   std::string damage;  ///< Why not all of it could be read; empty when it could.
 };
 

@@ -24,8 +24,8 @@ bool McapChannels::take(const McapRecord& record) {
   const std::string_view topic = cursor.sized();
   const std::string_view encoding = cursor.sized();
   const McapSchema known = schema == schemas_.end() ? McapSchema() : schema->second;
-  channels_.insert_or_assign(id,
-                             Channel{std::string(topic), known.name, std::string(encoding), known.encoding});
+  channels_.insert_or_assign(
+      id, BagChannel{std::string(topic), known.name, std::string(encoding), known.encoding});
   return true;
 }
 

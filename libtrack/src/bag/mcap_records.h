@@ -51,11 +51,11 @@ class McapChannels {
  public:
   /// False of records that are neither schema nor channel. Throws BadBytes.
   bool take(const McapRecord& record);
-  const std::map<std::uint32_t, Channel>& channels() const { return channels_; }
+  const std::map<std::uint32_t, BagChannel>& channels() const { return channels_; }
 
  private:
   std::map<std::uint16_t, McapSchema> schemas_;
-  std::map<std::uint32_t, Channel> channels_;
+  std::map<std::uint32_t, BagChannel> channels_;
 };
 
 /// All records of an unpacked chunk; see ChunkedFormat::walk.

@@ -51,7 +51,7 @@ std::uint32_t connection_id(const Ros1Fields& header) {
   return header.u32("conn");
 }
 
-Channel connection_channel(const Ros1Fields& header, std::string_view data) {
+BagChannel connection_channel(const Ros1Fields& header, std::string_view data) {
   const Ros1Fields of_publisher(data);
   return {std::string(header.text("topic")), std::string(of_publisher.text("type")), "ros1", "ros1msg"};
 }

@@ -51,7 +51,7 @@ std::int64_t ros1_time_ns(std::string_view eight_bytes);
 
 /// Number and channel of a connection record. Throws BadBytes.
 std::uint32_t connection_id(const Ros1Fields& header);
-Channel connection_channel(const Ros1Fields& header, std::string_view data);
+BagChannel connection_channel(const Ros1Fields& header, std::string_view data);
 
 /// All records of an unpacked chunk; see ChunkedFormat::walk.
 ChunkContents walk_ros1(std::string_view unpacked, const std::vector<std::uint32_t>& hints);
