@@ -45,7 +45,9 @@ const CommandHelp kCalibrateHelp = {
     "apriltrack calibrate video.mp4 --camera camera.yaml --tag-size 0.16 --constraints measured.yaml "
     "--output map.yaml\n"
     "apriltrack calibrate cam0=left cam1=right --camera rig.yaml --tag-size 0.088 --family tag36h11b2 "
-    "--output map.yaml",
+    "--output map.yaml\n"
+    "apriltrack calibrate recording.mcap --topic cam0=/left/image_raw --topic cam1=/right/image_raw --camera "
+    "rig.yaml --tag-size 0.16 --output map.yaml",
     "Film slowly, from many sides, with two or more tags in view; every tag must be linked to the others by\n"
     "such frames."};
 

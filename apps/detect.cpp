@@ -30,6 +30,7 @@ namespace {
 const CommandHelp kDetectHelp = {
     "Finds tags and writes their corners, for calibrate --detections and track --detections.",
     "apriltrack detect recording --camera camera.yaml --output detections.csv\n"
+    "apriltrack detect recording.bag --topic /camera/image_raw --output detections.csv\n"
     "apriltrack detect 'photos/*.jpg' --rate 1 --family tag36h11 --family tag25h9 --output detections.csv",
     "--family may be given several times; Kalibr's printed grids are tag36h11b2. Images whose names are no\n"
     "times need --rate."};

@@ -37,8 +37,11 @@ const CommandHelp kTrackHelp = {
     "Localises a camera in a map of tags, or a body of tags before a camera.",
     "apriltrack track recording --camera camera.yaml --map map.yaml --output camera.tum --frames-csv "
     "frames.csv --report report.html\n"
-    "apriltrack track room_blur --output camera.tum",
-    "A sequence folder, such as room_blur, brings its own camera and map."};
+    "apriltrack track room_blur --output camera.tum\n"
+    "apriltrack track recording.mcap --topic /camera/image_raw --map map.yaml --output camera.tum",
+    "A sequence folder, such as room_blur, brings its own camera and map, a bag with CameraInfo messages "
+    "its\n"
+    "camera."};
 
 std::filesystem::path camera_file(const TrackArguments& arguments) {
   return file_or_own("", camera_source(arguments.camera, arguments.input), "--camera", "camera.yaml");

@@ -140,6 +140,17 @@ TEST(BagReader, RefusesOtherVersionsByNumber) {
   EXPECT_THAT(message_of([&] { open_bag(path); }), HasSubstr("major version '1'"));
 }
 
+TEST(BagReader, RefusesOtherPackingsOfMcapByName) {
+  std::string bytes = read_bytes(fixture("zstd.mcap"));
+  for (std::size_t at = bytes.find("zstd"); at != std::string::npos; at = bytes.find("zstd", at))
+    bytes.replace(at, 4, "lzip");
+  for (std::size_t i = 0; i < 4; ++i) bytes[bytes.size() - 12 + i] = '\0';  // the summary's CRC: none is told
+  const std::string path = (temporary_folder() / "any.mcap").string();
+  write_bytes(path, bytes);
+  EXPECT_THAT(message_of([&] { open_bag(path); }),
+              testing::AllOf(HasSubstr("any.mcap"), HasSubstr("packed by 'lzip'")));
+}
+
 TEST(BagReader, RefusesADatabaseThatIsNoBag) {
   // The header of an empty database, as SQLite's file format describes it
   // (https://sqlite.org/fileformat2.html).

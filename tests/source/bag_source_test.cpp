@@ -357,6 +357,21 @@ TEST(BagSource, TakesATopicOfBagsOnly) {
   expect_refused(folder, ErrorKind::kInvalidInput, {"--topic", "is of a bag"}, {.topic = "/image"});
 }
 
+/// A bag that lies beside a recording's pictures does not take its place.
+TEST(BagSource, LeavesOtherRecordingsAsTheyAre) {
+  const fs::path folder = temporary_folder();
+  const std::string bag = read_bytes(bag_fixture("zstd.mcap"));
+  for (const char* name : {"sequence", "images", "bag"}) write_text(folder / name / "any.mcap", bag);
+  write_frames(folder / "sequence/frames", {"1000000000.pgm"});
+  write_frames(folder / "images", {"1000000000.pgm", "2000000000.pgm"});
+  EXPECT_EQ(read_all((folder / "sequence").string()).size(), 1u);
+  EXPECT_EQ(read_all((folder / "images").string()).size(), 2u);
+  EXPECT_EQ(read_all((folder / "bag").string()).size(), 8u);
+  EXPECT_FALSE(is_bag_input((folder / "sequence").string()));
+  EXPECT_FALSE(is_bag_input((folder / "images").string()));
+  EXPECT_TRUE(is_bag_input((folder / "bag").string()));
+}
+
 TEST(BagSource, SaysThatAStubIsEmpty) {
   const fs::path folder = temporary_folder();
   write_text(folder / "stub.bag", "#ROSBAG V2.0\n" + std::string(2000, '\0'));

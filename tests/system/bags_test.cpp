@@ -173,31 +173,31 @@ TEST_F(Bags, AskForTheTopic) {
 
 /// Both cameras at one place: the same pictures.
 TEST_F(Bags, OfSeveralCamerasCalibrateAsTheirFolders) {
-  simulate("hall_gentle", 24);
-  const std::string camera = read_text(path("hall_gentle/camera.yaml"));
+  simulate("room-small", 24);
+  const std::string camera = read_text(path("room-small/camera.yaml"));
   const std::string apart = "\n  T_cn_cnm1: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n";
   write_text(path("rig.yaml"), camera + "\ncam1" + camera.substr(4) + apart);
   write_text(path("rig_with_topics.yaml"), camera + "\n  rostopic: /left/image_raw\ncam1" + camera.substr(4) +
                                                apart + "  rostopic: /right/image_raw\n");
-  auto messages = pictures_of("hall_gentle", "/left/image_raw", Wire::kCdr);
-  for (const TestMessage& one : pictures_of("hall_gentle", "/right/image_raw", Wire::kCdr))
+  auto messages = pictures_of("room-small", "/left/image_raw", Wire::kCdr);
+  for (const TestMessage& one : pictures_of("room-small", "/right/image_raw", Wire::kCdr))
     messages.push_back(one);
   write_mcap(path("two.mcap"), Wire::kCdr, messages);
   const auto calibrate = [&](const std::vector<std::string>& words) {
-    std::vector<std::string> all = {"calibrate",   "--tag-size", "0.16",
+    std::vector<std::string> all = {"calibrate",   "--tag-size", "0.096",
                                     "--no-refine", "--output",   path("map.yaml")};
     all.insert(all.end(), words.begin(), words.end());
     run_for_json(all);
     return read_text(path("map.detections.csv"));
   };
-  const std::string frames = path("hall_gentle");
+  const std::string frames = path("room-small");
   const std::string expected = calibrate({"cam0=" + frames, "cam1=" + frames, "--camera", path("rig.yaml")});
   EXPECT_EQ(calibrate({path("two.mcap"), "--camera", path("rig.yaml"), "--topic", "cam0=/left/image_raw",
                        "--topic", "cam1=/right/image_raw"}),
             expected);
   EXPECT_EQ(calibrate({path("two.mcap"), "--camera", path("rig_with_topics.yaml")}), expected);
   EXPECT_THAT(
-      run_program({"calibrate", path("two.mcap"), "--tag-size", "0.16", "--output", path("map.yaml"),
+      run_program({"calibrate", path("two.mcap"), "--tag-size", "0.096", "--output", path("map.yaml"),
                    "--topic", "cam0=/left/image_raw", "--topic", "cam1=/right/image_raw"}),
       EndsWith(2, "--camera: is required: CameraInfo messages do not tell where several cameras sit"));
 }

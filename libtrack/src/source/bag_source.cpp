@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "apriltrack/bag/bag_reader.h"
@@ -8,6 +10,8 @@
 #include "apriltrack/source/bag_input.h"
 #include "bag_topics.h"
 #include "forward_clock.h"
+#include "image_inputs.h"
+#include "image_names.h"
 #include "picture_scaling.h"
 #include "ros_message.h"
 #include "ros_pixels.h"
@@ -172,7 +176,15 @@ class BagSource : public SkippableSource {
 }  // namespace
 
 bool is_bag_input(const std::string& input) {
-  return is_bag(input);
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (!fs::is_directory(input, ignored)) return is_bag(input);
+  // Beside another kind of recording, or pictures, a bag is no more than a file there.
+  const fs::path folder = input;
+  const bool has_recording = is_sequence_folder(folder) || fs::exists(folder / "mav0", ignored) ||
+                             fs::exists(folder / "data.csv", ignored);
+  if (has_recording || !is_bag(folder)) return false;
+  return fs::exists(folder / "metadata.yaml", ignored) || list_images(folder).empty();
 }
 
 std::vector<BagImageTopic> bag_image_topics(const std::string& input) {

@@ -9,9 +9,9 @@
 #include <cerrno>
 #include <system_error>
 
-#include "apriltrack/bag/bag_reader.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/source/bag_input.h"
 #include "image_inputs.h"
 #include "image_names.h"
 #include "video_source.h"
@@ -61,7 +61,7 @@ void refuse_topic(const std::string& input, const SourceOptions& options) {
 }
 
 std::unique_ptr<SkippableSource> open_folder(const std::string& input, const SourceOptions& options) {
-  if (is_bag(input)) return open_bag_source(input, options);
+  if (is_bag_input(input)) return open_bag_source(input, options);
   refuse_topic(input, options);
   if (is_sequence_folder(input))
     return list_source(input, list_sequence(input, options.rate_hz, options.log), options);
@@ -90,7 +90,7 @@ bool is_text(const std::string& start) {
 
 std::unique_ptr<SkippableSource> open_file(const std::string& input, const SourceOptions& options) {
   const std::string start = read_start(input);
-  if (is_bag(input)) return open_bag_source(input, options);
+  if (is_bag_input(input)) return open_bag_source(input, options);
   refuse_topic(input, options);
   if (has_image_ending(input)) return list_source(input, list_single_image(input), options);
   if (start.empty()) throw io_error(input, "the file is empty (0 bytes)");

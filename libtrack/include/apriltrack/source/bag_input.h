@@ -17,7 +17,8 @@ struct BagImageTopic {
   std::size_t count = 0;  ///< Messages.
 };
 
-/// Whether open_source() would read it as a bag: by its bytes, not by its name.
+/// Whether open_source() would read it as a bag: a file by its bytes, not by its name; a folder that rosbag2
+/// recorded, unless it is a recording of another kind, or has pictures and no metadata.yaml.
 bool is_bag_input(const std::string& input);
 
 /// Those with messages, in the order of their names. Throws as open_bag() does.
