@@ -32,6 +32,7 @@
 #include "corner_claims.h"
 #include "failure.h"
 #include "inputs.h"
+#include "topics.h"
 
 namespace apriltrack::app {
 namespace {
@@ -44,7 +45,9 @@ const CommandHelp kCalibrateHelp = {
     "apriltrack calibrate video.mp4 --camera camera.yaml --tag-size 0.16 --constraints measured.yaml "
     "--output map.yaml\n"
     "apriltrack calibrate cam0=left cam1=right --camera rig.yaml --tag-size 0.088 --family tag36h11b2 "
-    "--output map.yaml",
+    "--output map.yaml\n"
+    "apriltrack calibrate recording.mcap --topic cam0=/left/image_raw --topic cam1=/right/image_raw --camera "
+    "rig.yaml --tag-size 0.16 --output map.yaml",
     "Film slowly, from many sides, with two or more tags in view; every tag must be linked to the others by\n"
     "such frames."};
 
@@ -164,9 +167,10 @@ void tell_of_odd_pictures(const CalibrateOptions& a, const Sightings& sightings)
 void make_map(CLI::App& command, CalibrateOptions& a) {
   if (!a.constraints.empty()) a.calibration.constraints = read_map_constraints(a.constraints);
   const std::filesystem::path camera = camera_file(a);
-  auto [rig, to_estimate] = read_cameras_to_estimate(camera, a.console.log());
+  auto [rig, to_estimate] = read_rig(camera, topic_without_camera(a.topics), a.console);
   const TagSizes sizes = tag_sizes(a);
-  const std::vector<Recording> recordings = parse_recordings(a.inputs, rig, a.camera_name);
+  const std::vector<Recording> recordings =
+      with_topics(parse_recordings(a.inputs, rig, a.camera_name), a.topics, &rig, camera, a.console);
   warn_of_shutters(rig, a.camera_name, recordings, a.console);
   ResponseFindings responses = estimate_responses(a, camera, to_estimate, recordings, sizes, rig);
   Sightings sightings = gather(a, rig, recordings);

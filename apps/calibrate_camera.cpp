@@ -11,6 +11,7 @@
 #include "apriltrack/camera/auto_response.h"
 #include "apriltrack/source/frame_source.h"
 #include "inputs.h"
+#include "topics.h"
 
 namespace apriltrack::app {
 namespace {
@@ -37,8 +38,9 @@ bool is_same_camera(const Camera& a, const Camera& b) {
          is_same_place(a.T_this_previous, b.T_this_previous);
 }
 
-bool is_same_rig(const fs::path& first, const fs::path& second) {
-  const UnestimatedRig a = read_cameras_to_estimate(first), b = read_cameras_to_estimate(second);
+bool is_same_rig(const fs::path& first, const fs::path& second, const std::string& topic) {
+  const Console console;
+  const UnestimatedRig a = read_rig(first, topic, console), b = read_rig(second, topic, console);
   return a.to_estimate == b.to_estimate && std::ranges::equal(a.rig.cameras, b.rig.cameras, is_same_camera);
 }
 
@@ -56,13 +58,19 @@ Error without_file(const std::string& input, std::size_t num_inputs) {
 
 fs::path camera_file(const CalibrateOptions& a) {
   if (!a.camera.empty()) return a.camera;
+  if (a.topics.size() > 1)
+    throw invalid_input(
+        "--camera",
+        "is required: CameraInfo messages do not tell where several cameras sit on the rig: give "
+        "Kalibr's camchain with T_cn_cnm1");
+  const std::string topic = topic_without_camera(a.topics);
   std::optional<fs::path> first;
   for (const std::string& input : a.inputs) {
-    const auto own = sequence_camera_file(split_input(input).input);
+    const auto own = camera_source("", split_input(input).input);
     if (!own) throw without_file(input, a.inputs.size());
     if (!first) {
       first = own;
-    } else if (!is_same_rig(*first, *own)) {
+    } else if (!is_same_rig(*first, *own, topic)) {
       throw invalid_input("--camera",
                           fmt::format("is required: '{}' and '{}' differ, and a calibration takes one file "
                                       "(of several cameras, if these are of several: cam0=PATH cam1=PATH)",
@@ -78,7 +86,7 @@ void complete_resolutions(CalibrateOptions& a, const fs::path& file, const std::
   if (a.calibration.intrinsics == Intrinsics::kKeep && !a.calibration.refine_extrinsics) return;
   for (const Recording& recording : recordings) {
     const auto camera = std::ranges::find(rig.cameras, recording.camera, &Camera::name);
-    *camera = with_resolution_of_images(*camera, recording.input);
+    *camera = with_resolution_of_images(*camera, recording.input, recording.topic);
   }
   const auto without = std::ranges::find_if(
       rig.cameras, [](const Camera& camera) { return camera.width <= 0 || camera.height <= 0; });

@@ -9,8 +9,9 @@
 
 namespace apriltrack::app {
 
-/// --camera, else the sequence folders' own: the first one's, which the others must equal in all that a
-/// calibration asks (not in exposure). Throws Error(kInvalidInput) where an input has none, or two differ.
+/// --camera, else the sequence folders' own, or the bags themselves (read_rig()): the first one's, which the
+/// others must equal in all that a calibration asks (not in exposure). Throws Error(kInvalidInput) where an
+/// input has none, or two differ.
 std::filesystem::path camera_file(const CalibrateOptions& options);
 
 /// Where cameras may be refined, and so written: gives those without a resolution that of their images. Where

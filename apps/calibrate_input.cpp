@@ -69,15 +69,17 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
   for (const Recording& recording : recordings) {
     const Camera& camera = rig.find(recording.camera);
     if (all.counts.is_interrupted) {  // what was to come tells still whose takes there are
-      takes.add(recording.input, {camera.name}, {});
+      takes.add(recording.name(), {camera.name}, {});
       continue;
     }
-    FrameLoopOptions options{detector, &camera, num_threads, "detect " + recording.input};
+    FrameLoopOptions options{detector, &camera, num_threads, "detect " + recording.name()};
     options.detector->response = camera.response;
     options.detector->rival_response = rival_response(camera.response, camera.response_origin);
     options.detector->camera_model = camera.model;
     SourceOptions source_of_camera = source_options;
     source_of_camera.log = console.log();
+    source_of_camera.topic = recording.topic;
+    source_of_camera.exposure_s = camera.exposure_s;
     if (recording.is_named) source_of_camera.camera_name = recording.camera;
     const std::unique_ptr<FrameSource> source = open_source(recording.input, source_of_camera);
     std::vector<FrameDetections> frames;
@@ -91,10 +93,10 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
       frames.back().exposure_s = frame.source.exposure_s;
       if (with_patches) keeper.keep(frame.source.frame().image, frames.back());
     });
-    takes.add(recording.input, {camera.name}, std::move(frames));
+    takes.add(recording.name(), {camera.name}, std::move(frames));
     if (const auto odd = watch.told(*options.detector))
-      all.odd_pictures.push_back(recording.input + ": " + *odd);
-    if (counts.value_range) all.value_ranges.emplace(recording.input, *counts.value_range);
+      all.odd_pictures.push_back(recording.name() + ": " + *odd);
+    if (counts.value_range) all.value_ranges.emplace(recording.name(), *counts.value_range);
     all.counts.readable += counts.readable;
     all.counts.unreadable += counts.unreadable;
     all.counts.blank += counts.blank;

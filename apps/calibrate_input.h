@@ -22,14 +22,19 @@ inline constexpr const char* kInterruptedAtOnce =
 struct Recording {
   std::string camera;
   std::string input;
-  bool is_named = false;  ///< By the user: of a EuRoC recording with several, too, it is this camera.
+  bool is_named = false;   ///< By the user: of a EuRoC recording with several, too, it is this camera.
+  std::string topic = {};  ///< Of a bag; empty: the only one with pictures.
+
+  /// What messages call it.
+  std::string name() const { return topic.empty() ? input : input + " " + topic; }
 };
 
 /// Everything that was found in all inputs.
 struct Sightings {
-  std::vector<FrameDetections> frames;             ///< In the order of time, by one clock (see Takes).
-  FrameCounts counts;                              ///< Of all recordings; no range.
-  std::map<std::string, ValueRange> value_ranges;  ///< By INPUT, of those with 16-bit image files.
+  std::vector<FrameDetections> frames;  ///< In the order of time, by one clock (see Takes).
+  FrameCounts counts;                   ///< Of all recordings; no range.
+  std::map<std::string, ValueRange>
+      value_ranges;  ///< By name of the recording, of those with 16-bit pictures.
   LeftOutTags left_out;
   /// What is wrong with pictures in which hardly a tag is read.
   std::vector<std::string> odd_pictures;

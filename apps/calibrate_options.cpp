@@ -16,6 +16,7 @@
 #include "inputs.h"
 #include "option_checks.h"
 #include "outputs.h"
+#include "topics.h"
 
 namespace apriltrack::app {
 namespace fs = std::filesystem;
@@ -26,10 +27,11 @@ namespace {
 void add_input_options(CLI::App& command, CalibrateOptions& a) {
   command.add_option(
       "INPUT", a.inputs,
-      "Sequence folder, folder of images, glob, EuRoC mav0 folder or video; of several cameras: "
+      "Sequence folder, folder of images, glob, EuRoC mav0 folder, video or bag; of several cameras: "
       "cam0=PATH cam1=PATH");
   command.add_option("--detections", a.detections, "Detection file(s) in place of images");
-  command.add_option("--camera", a.camera, "Camera file; a sequence folder's own by default");
+  command.add_option("--camera", a.camera,
+                     "Camera file; by default a sequence folder's own, or what a bag says of its camera");
   command.add_option("--camera-name", a.camera_name, "Use this camera of the file only");
   command.add_option(
       "--tag-size", a.tag_size_m,
@@ -46,6 +48,7 @@ void add_input_options(CLI::App& command, CalibrateOptions& a) {
   command.add_option("--rate", a.source.rate_hz, "Frames a second, for images whose names are no times")
       ->check(rate());
   add_bits_option(command, a.source.bits);
+  add_bag_options(command, a.topics, a.source.stamp_is);
   command.add_option("--step", a.source.step, "Use every STEP-th frame")
       ->check(whole_number(1))
       ->capture_default_str();
@@ -216,8 +219,8 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
   if (a.tag_size_m && !(*a.tag_size_m > 0.0 && *a.tag_size_m <= 100.0))
     throw invalid_input("--tag-size", fmt::format("must be in (0, 100] metres (is {})", *a.tag_size_m));
   if (!a.detections.empty())
-    refuse_beside_detections(command, {"--step", "--max-frames", "--rate", "--bits", "--family", "--decimate",
-                                       "--no-refine", "--response"});
+    refuse_beside_detections(command, {"--step", "--max-frames", "--rate", "--bits", "--topic", "--stamp-is",
+                                       "--family", "--decimate", "--no-refine", "--response"});
   check_families(a.detector.families);
   if (!a.held_tag.empty()) written_held_tag(a.held_tag);
   a.detector.check();

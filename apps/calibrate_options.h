@@ -29,6 +29,7 @@ struct CalibrateOptions {
   int num_threads = 0;
   DetectorOptions detector;
   SourceOptions source;
+  std::vector<std::string> topics;
   CalibrationOptions calibration;
   RefinementOptions refinement;
   std::optional<double> edge_offset_sigma_px;

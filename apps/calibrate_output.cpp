@@ -29,7 +29,8 @@ std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptio
   const auto& inputs = a.detections.empty() ? a.inputs : a.detections;
   return {{"tool", std::string("apriltrack ") + version()},
           {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc)},
-          {"inputs", fmt::format("{}", fmt::join(inputs, ", "))},
+          {"inputs", fmt::format("{}{}{}", fmt::join(inputs, ", "), a.topics.empty() ? "" : "; topics ",
+                                 fmt::join(a.topics, ", "))},
           {"camera", camera.string() + (a.camera_name.empty() ? "" : " " + a.camera_name)},
           {"options",
            fmt::format(

@@ -13,11 +13,13 @@ namespace apriltrack::app {
 namespace {
 
 std::vector<SampledInput> inputs_of(const CalibrateOptions& a, const std::vector<Recording>& recordings,
-                                    const std::string& camera) {
+                                    const std::string& camera, std::optional<double> exposure_s) {
   std::vector<SampledInput> inputs;
   for (const Recording& recording : recordings) {
     if (recording.camera != camera) continue;
     inputs.push_back({recording.input, a.source});
+    inputs.back().source.topic = recording.topic;
+    inputs.back().source.exposure_s = exposure_s;
     if (recording.is_named) inputs.back().source.camera_name = recording.camera;
   }
   return inputs;
@@ -25,8 +27,8 @@ std::vector<SampledInput> inputs_of(const CalibrateOptions& a, const std::vector
 
 /// What is estimated goes to a file of its own; inputs are never replaced.
 void prepare_to_write(const CalibrateOptions& a, const std::filesystem::path& camera_file,
-                      const std::string& input, Camera& camera) {
-  camera = with_resolution_of_images(camera, input);
+                      const Recording& recording, Camera& camera) {
+  camera = with_resolution_of_images(camera, recording.input, recording.topic);
   std::error_code ignored;
   const std::optional<std::filesystem::path> file = refined_camera_file(a);
   if (!file || !std::filesystem::equivalent(camera_file, *file, ignored)) return;
@@ -54,8 +56,8 @@ ResponseFindings estimate_responses(const CalibrateOptions& a, const std::filesy
     const bool is_wanted = is_asked || camera.response_origin == ResponseOrigin::kAssumed;
     const auto filmed = std::ranges::find(recordings, camera.name, &Recording::camera);
     if (!is_wanted || filmed == recordings.end()) continue;
-    ResponseFinding finding = estimate_by_sample(inputs_of(a, recordings, camera.name), a.detector, sizes,
-                                                 a.num_threads, a.console, camera);
+    ResponseFinding finding = estimate_by_sample(inputs_of(a, recordings, camera.name, camera.exposure_s),
+                                                 a.detector, sizes, a.num_threads, a.console, camera);
     if (is_interrupted()) throw no_result("calibrate", kInterruptedAtOnce);
     if (is_asked && !finding.estimate.is_found())
       throw no_result("response: auto",
@@ -63,7 +65,7 @@ ResponseFindings estimate_responses(const CalibrateOptions& a, const std::filesy
                                   "videos), linear or gamma:G",
                                   camera.name, words_of_doubt(finding.estimate), camera_file.string()));
     finding.is_asked = is_asked;
-    if (finding.is_news()) prepare_to_write(a, camera_file, filmed->input, camera);
+    if (finding.is_news()) prepare_to_write(a, camera_file, *filmed, camera);
     findings.push_back(std::move(finding));
   }
   return findings;
@@ -83,7 +85,7 @@ bool check_responses(const CalibrateOptions& a, const std::filesystem::path& cam
       is_anew = true;  // covariances counted the doubt
       finding.origin = camera.response_origin = ResponseOrigin::kEstimated;
       camera.response = finding.estimate.response;
-      if (finding.is_news()) prepare_to_write(a, camera_file, filmed->input, camera);
+      if (finding.is_news()) prepare_to_write(a, camera_file, *filmed, camera);
       a.console.info(fmt::format("camera {}: its response is taken for {}", camera.name, words_of(finding)));
     }
     const bool has_tags = std::ranges::any_of(sightings.frames, [&](const FrameDetections& frame) {

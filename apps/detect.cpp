@@ -10,6 +10,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/source/bag_input.h"
 #include "blank_images.h"
 #include "camera_response.h"
 #include "command_help.h"
@@ -21,6 +22,7 @@
 #include "option_checks.h"
 #include "outputs.h"
 #include "patch_keeper.h"
+#include "topics.h"
 
 namespace apriltrack::app {
 namespace {
@@ -28,6 +30,7 @@ namespace {
 const CommandHelp kDetectHelp = {
     "Finds tags and writes their corners, for calibrate --detections and track --detections.",
     "apriltrack detect recording --camera camera.yaml --output detections.csv\n"
+    "apriltrack detect recording.bag --topic /camera/image_raw --output detections.csv\n"
     "apriltrack detect 'photos/*.jpg' --rate 1 --family tag36h11 --family tag25h9 --output detections.csv",
     "--family may be given several times; Kalibr's printed grids are tag36h11b2. Images whose names are no\n"
     "times need --rate."};
@@ -42,6 +45,8 @@ struct DetectArguments {
   bool no_refine = false;
   std::optional<double> rate_hz;
   std::optional<int> bits;
+  std::vector<std::string> topics;
+  StampIs stamp_is = StampIs::kMiddle;
   int num_threads = 0;
   Console console;
 };
@@ -65,9 +70,10 @@ struct Record {
 };
 
 std::optional<Camera> load_camera(const DetectArguments& arguments) {
-  std::optional<std::filesystem::path> path = sequence_camera_file(arguments.input);
-  if (!arguments.camera.empty()) path = arguments.camera;
+  const std::optional<std::filesystem::path> path = camera_source(arguments.camera, arguments.input);
   if (!path) return std::nullopt;
+  if (is_bag_input(path->string()))
+    return bag_camera(arguments.input, topic_without_camera(arguments.topics), arguments.console.log());
   return read_camera(*path, arguments.camera_name, arguments.console, true);
 }
 
@@ -90,10 +96,14 @@ DetectorOptions detector_options(const DetectArguments& arguments, const std::op
   return options;
 }
 
-SourceOptions source_options(const DetectArguments& arguments) {
+SourceOptions source_options(const DetectArguments& arguments, const std::optional<Camera>& camera) {
   return {.rate_hz = arguments.rate_hz,
           .bits = arguments.bits,
           .camera_name = arguments.camera_name,
+          .topic = topic_of(arguments.input, arguments.topics, camera ? camera->name : "cam0",
+                            camera_source(arguments.camera, arguments.input).value_or(""), arguments.console),
+          .stamp_is = arguments.stamp_is,
+          .exposure_s = camera ? camera->exposure_s : std::nullopt,
           .log = arguments.console.log()};
 }
 
@@ -107,14 +117,14 @@ std::optional<ResponseCurve> stated_response(const DetectArguments& arguments,
   return std::nullopt;
 }
 
-Record detect_with(const DetectArguments& arguments, const std::optional<Camera>& camera,
-                   const std::string& name, const ResponseCurve& response,
-                   const std::optional<ResponseCurve>& rival) {
+Record detect_with(const DetectArguments& arguments, const SourceOptions& source_options,
+                   const std::optional<Camera>& camera, const std::string& name,
+                   const ResponseCurve& response, const std::optional<ResponseCurve>& rival) {
   FrameLoopOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
                               arguments.num_threads, "detect"};
   options.detector->response = response;
   options.detector->rival_response = rival;
-  const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options(arguments));
+  const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options);
   Record record;
   OddPictureWatch watch;
   PatchKeeper keeper;
@@ -136,12 +146,13 @@ Record detect(const DetectArguments& arguments) {
   if (!arguments.camera_name.empty()) asked.name = arguments.camera_name;
   const auto stated = stated_response(arguments, camera);
   if (stated) asked.assumed = *stated;
+  const SourceOptions of_source = source_options(arguments, camera);
   Record record;
   ResponseFinding response = run_with_response(
-      asked, stated ? ResponseOrigin::kStated : ResponseOrigin::kAssumed,
-      {arguments.input, source_options(arguments)}, detector_options(arguments, camera),
-      arguments.num_threads, [&](const ResponseCurve& curve, const std::optional<ResponseCurve>& rival) {
-        record = detect_with(arguments, camera, asked.name, curve, rival);
+      asked, stated ? ResponseOrigin::kStated : ResponseOrigin::kAssumed, {arguments.input, of_source},
+      detector_options(arguments, camera), arguments.num_threads,
+      [&](const ResponseCurve& curve, const std::optional<ResponseCurve>& rival) {
+        record = detect_with(arguments, of_source, camera, asked.name, curve, rival);
         return std::span<const FrameDetections>(record.frames);
       });
   record.response = std::move(response);
@@ -203,10 +214,12 @@ void add_detect_command(CLI::App& app) {
   CLI::App& command = add_command(app, "detect", kDetectHelp);
   const auto arguments = std::make_shared<DetectArguments>();
   command
-      .add_option("INPUT", arguments->input, "Sequence folder, images, glob, EuRoC folder, video or camera:N")
+      .add_option("INPUT", arguments->input,
+                  "Sequence folder, images, glob, EuRoC folder, video, bag or camera:N")
       ->required();
-  command.add_option("--camera", arguments->camera,
-                     "Camera file, for its response and resolution; a sequence folder brings its own");
+  command.add_option(
+      "--camera", arguments->camera,
+      "Camera file, for its lens, response and resolution; a sequence folder or a bag brings its own");
   command.add_option("--camera-name", arguments->camera_name,
                      "Which camera of the file, and of a EuRoC recording; else the first");
   command.add_option("--response", arguments->response,
@@ -233,6 +246,7 @@ void add_detect_command(CLI::App& app) {
   command.add_option("--rate", arguments->rate_hz, "Frames per second, for images without times")
       ->check(rate());
   add_bits_option(command, arguments->bits);
+  add_bag_options(command, arguments->topics, arguments->stamp_is);
   command.add_option("--threads", arguments->num_threads, "Threads; 0 = one per core, up to 8")
       ->check(threads());
   arguments->console.add_options(command);

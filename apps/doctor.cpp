@@ -10,6 +10,7 @@
 #include "doctor_report.h"
 #include "inputs.h"
 #include "option_checks.h"
+#include "topics.h"
 
 namespace apriltrack::app {
 namespace {
@@ -73,11 +74,13 @@ void add_doctor_command(CLI::App& app) {
   const auto options = std::make_shared<DoctorOptions>();
   LookOptions& look = options->look;
   command
-      .add_option("INPUT", options->inputs,
-                  "Sequence folder, folder of images, glob, EuRoC mav0 folder or video; of several cameras: "
-                  "cam0=PATH cam1=PATH")
+      .add_option(
+          "INPUT", options->inputs,
+          "Sequence folder, folder of images, glob, EuRoC mav0 folder, video or bag; of several cameras: "
+          "cam0=PATH cam1=PATH")
       ->required();
-  command.add_option("--camera", look.camera, "Camera file; a sequence folder's own by default");
+  command.add_option("--camera", look.camera,
+                     "Camera file; by default a sequence folder's own, or what a bag says of its camera");
   command.add_option("--camera-name", look.camera_name,
                      "Which camera of the file, and of a EuRoC recording; else the first");
   command.add_option("--family", look.detector.families, "Tag family; may be given several times")
@@ -92,6 +95,7 @@ void add_doctor_command(CLI::App& app) {
   command.add_option("--rate", look.source.rate_hz, "Frames a second, for images whose names are no times")
       ->check(rate());
   add_bits_option(command, look.source.bits);
+  add_bag_options(command, look.topics, look.source.stamp_is);
   command.add_option("--step", look.source.step, "Use every STEP-th frame")
       ->check(whole_number(1))
       ->capture_default_str();

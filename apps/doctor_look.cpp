@@ -10,7 +10,9 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/camera/auto_response.h"
 #include "apriltrack/detect/edge_blur.h"
+#include "apriltrack/source/bag_input.h"
 #include "blank_images.h"
 #include "doctor_families.h"
 #include "doctor_places.h"
@@ -19,6 +21,7 @@
 #include "odd_picture_watch.h"
 #include "patch_keeper.h"
 #include "takes.h"
+#include "topics.h"
 
 namespace apriltrack::app {
 namespace {
@@ -104,12 +107,14 @@ bool has_times(const std::string& input, SourceOptions options) {
 void find_camera(const Recording& named, const LookOptions& options, const Console& console,
                  RecordingFacts& facts) {
   facts.camera_name = named.is_named ? named.camera : options.camera_name;
-  std::optional<std::filesystem::path> path = sequence_camera_file(named.input);
-  if (!options.camera.empty()) path = options.camera;
-  if (path) {
+  const std::optional<std::filesystem::path> path = camera_source(options.camera, named.input);
+  if (path && is_bag_input(path->string())) {
+    facts.camera = bag_camera(named.input, named.topic, console.log());
+    if (facts.camera && !facts.camera_name.empty()) facts.camera->name = facts.camera_name;
+  } else if (path) {
     facts.camera = read_camera(*path, facts.camera_name, console, true);
-    facts.camera_name = facts.camera->name;
   }
+  if (facts.camera) facts.camera_name = facts.camera->name;
   if (facts.camera_name.empty()) facts.camera_name = "cam0";
 }
 
@@ -135,7 +140,7 @@ KeptPictures look_with(const SampledInput& input, const DetectorOptions& detecto
   KeptPictures kept;
   PatchKeeper keeper;
   const FrameCounts counts = detect_frames(
-      *source, {detector, nullptr, options.num_threads, "look at " + input.input}, console,
+      *source, {detector, nullptr, options.num_threads, "look at " + facts.input}, console,
       [&](DetectedFrame frame) {
         if (!frame.source.is_readable()) return;
         kept.for_families.offer(frame.source.pixels.view(), frame.detections);
@@ -168,14 +173,15 @@ void look_for_what_was_not_asked(const KeptPictures& kept, const DetectorOptions
   facts.odd_pictures = find_odd_pictures_of_any(images, detector);
 }
 
-RecordingFacts look_at_one(const std::string& input, const LookOptions& options, const Console& console,
+RecordingFacts look_at_one(const Recording& named, const LookOptions& options, const Console& console,
                            bool& is_interrupted) {
-  const Recording named = split_input(input);
-  RecordingFacts facts{.input = named.input};
+  RecordingFacts facts{.input = named.name()};
   find_camera(named, options, console, facts);
   SourceOptions source_options = options.source;
   source_options.log = console.log();
   source_options.camera_name = named.is_named ? named.camera : options.camera_name;
+  source_options.topic = named.topic;
+  if (facts.camera) source_options.exposure_s = facts.camera->exposure_s;
   facts.tells_times = has_times(named.input, source_options);
   if (!facts.tells_times) source_options.rate_hz = 1.0;
   DetectorOptions detector = options.detector;
@@ -193,6 +199,21 @@ RecordingFacts look_at_one(const std::string& input, const LookOptions& options,
       });
   if (!is_interrupted) look_for_what_was_not_asked(*kept, detector, options, console, facts);
   return facts;
+}
+
+/// Each INPUT, and of a bag with several cameras each of them.
+std::vector<Recording> recordings_of(const std::vector<std::string>& inputs, const LookOptions& options,
+                                     const Console& console) {
+  std::optional<CameraRig> rig;
+  if (!options.camera.empty()) rig = read_cameras_to_estimate(options.camera).rig;
+  std::vector<Recording> recordings;
+  for (const std::string& input : inputs) {
+    Recording recording = split_input(input);
+    if (!recording.is_named && !options.camera_name.empty()) recording = {options.camera_name, input, true};
+    if (recording.camera.empty() && rig) recording.camera = rig->cameras.front().name;
+    recordings.push_back(std::move(recording));
+  }
+  return with_topics(std::move(recordings), options.topics, rig ? &*rig : nullptr, options.camera, console);
 }
 
 /// Frames of several cameras belong to one moment where their times are equal.
@@ -238,8 +259,8 @@ void add_places(Facts& facts) {
 
 Facts look_at(const std::vector<std::string>& inputs, const LookOptions& options, const Console& console) {
   Facts facts{.families = options.detector.families};
-  for (const std::string& input : inputs) {
-    facts.recordings.push_back(look_at_one(input, options, console, facts.is_interrupted));
+  for (const Recording& recording : recordings_of(inputs, options, console)) {
+    facts.recordings.push_back(look_at_one(recording, options, console, facts.is_interrupted));
     if (facts.is_interrupted) break;
   }
   add_places(facts);

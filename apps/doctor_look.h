@@ -16,6 +16,7 @@ struct LookOptions {
   std::string camera_name;
   DetectorOptions detector;
   SourceOptions source;
+  std::vector<std::string> topics;
   int num_threads = 0;
   bool tries_other_families = true;
 };

@@ -7,6 +7,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/auto_response.h"
 #include "apriltrack/camera/response_tables.h"
+#include "apriltrack/source/bag_input.h"
 #include "apriltrack/source/frame_source.h"
 
 namespace apriltrack::app {
@@ -47,6 +48,22 @@ Camera read_camera(const std::filesystem::path& path, const std::string& name, c
   return name.empty() ? rig.cameras.front() : camera_named(rig, name, path.string());
 }
 
+std::optional<std::filesystem::path> camera_source(const std::string& given, const std::string& input) {
+  if (!given.empty()) return given;
+  if (is_bag_input(input)) return input;
+  return sequence_camera_file(input);
+}
+
+UnestimatedRig read_rig(const std::filesystem::path& path, const std::string& topic, const Console& console) {
+  if (!is_bag_input(path.string())) return read_cameras_to_estimate(path, console.log());
+  const std::optional<Camera> camera = bag_camera(path.string(), topic, console.log());
+  if (camera) return {{{*camera}}, {}};
+  throw invalid_input("--camera",
+                      fmt::format("is required: {} has no sensor_msgs/CameraInfo of a calibrated camera "
+                                  "beside its pictures",
+                                  path.string()));
+}
+
 std::optional<std::string> rolling_shutter_warning(const Camera& camera) {
   if (camera.line_delay_s == 0.0) return std::nullopt;
   std::string text = fmt::format(
@@ -66,20 +83,20 @@ std::optional<std::string> rolling_shutter_warning(const Camera& camera) {
 namespace {
 
 /// When the images were taken is not asked: names that are no times get any.
-std::unique_ptr<FrameSource> open_without_times(const std::string& input) {
+std::unique_ptr<FrameSource> open_without_times(const std::string& input, const std::string& topic) {
   try {
-    return open_source(input);
+    return open_source(input, {.topic = topic});
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kInvalidInput) throw;
-    return open_source(input, {.rate_hz = 1.0});
+    return open_source(input, {.rate_hz = 1.0, .topic = topic});
   }
 }
 
 }  // namespace
 
-Camera with_resolution_of_images(Camera camera, const std::string& input) {
+Camera with_resolution_of_images(Camera camera, const std::string& input, const std::string& topic) {
   if (camera.width > 0 && camera.height > 0) return camera;
-  const std::unique_ptr<FrameSource> source = open_without_times(input);
+  const std::unique_ptr<FrameSource> source = open_without_times(input, topic);
   while (const std::optional<SourceFrame> frame = source->next()) {
     if (!frame->is_readable()) continue;
     camera.width = frame->pixels.width();

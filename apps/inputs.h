@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apriltrack/camera/auto_response.h"
 #include "apriltrack/camera/camera.h"
 #include "console.h"
 
@@ -31,12 +32,21 @@ const Camera& camera_named(const CameraRig& rig, const std::string& name, std::s
 Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console,
                    bool may_have_auto_response = false);
 
+/// The file of the camera that --camera names, else what the INPUT itself brings: a sequence folder's
+/// camera.yaml, or a bag, for read_rig(); nullopt where there is neither.
+std::optional<std::filesystem::path> camera_source(const std::string& given, const std::string& input);
+
+/// Cameras of a file, or the one that a bag describes (bag_camera()), whose response is then not known.
+/// topic: of the bag's pictures; empty: the only one. Throws as read_cameras_to_estimate() and bag_camera()
+/// do, and Error(kInvalidInput) where the bag describes none.
+UnestimatedRig read_rig(const std::filesystem::path& path, const std::string& topic, const Console& console);
+
 /// What users of a camera with a rolling shutter must know; nullopt for a global one.
 std::optional<std::string> rolling_shutter_warning(const Camera& camera);
 
 /// A camera file may leave out the resolution (WPILib's do): then that of the first readable image holds.
-/// input: as for open_source; a camera whose resolution is known is not compared with it.
-Camera with_resolution_of_images(Camera camera, const std::string& input);
+/// input and topic: as for open_source; a camera whose resolution is known is not compared with it.
+Camera with_resolution_of_images(Camera camera, const std::string& input, const std::string& topic = "");
 
 /// Throws Error(kIo) when there is no such file or folder: before its camera is missed. Patterns and live
 /// cameras are left to open_source.

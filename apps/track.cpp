@@ -21,6 +21,7 @@
 #include "inputs.h"
 #include "odd_picture_watch.h"
 #include "rig_detections.h"
+#include "topics.h"
 #include "track_methods.h"
 #include "track_options.h"
 #include "track_record.h"
@@ -36,11 +37,14 @@ const CommandHelp kTrackHelp = {
     "Localises a camera in a map of tags, or a body of tags before a camera.",
     "apriltrack track recording --camera camera.yaml --map map.yaml --output camera.tum --frames-csv "
     "frames.csv --report report.html\n"
-    "apriltrack track room_blur --output camera.tum",
-    "A sequence folder, such as room_blur, brings its own camera and map."};
+    "apriltrack track room_blur --output camera.tum\n"
+    "apriltrack track recording.mcap --topic /camera/image_raw --map map.yaml --output camera.tum",
+    "A sequence folder, such as room_blur, brings its own camera and map, a bag with CameraInfo messages "
+    "its\n"
+    "camera."};
 
 std::filesystem::path camera_file(const TrackArguments& arguments) {
-  return file_or_own(arguments.camera, sequence_camera_file(arguments.input), "--camera", "camera.yaml");
+  return file_or_own("", camera_source(arguments.camera, arguments.input), "--camera", "camera.yaml");
 }
 
 std::filesystem::path map_file(const TrackArguments& arguments) {
@@ -80,15 +84,21 @@ bool track_detections(const TrackArguments& arguments, const std::vector<FrameDe
   return was_interrupted;
 }
 
-SourceOptions source_options(const TrackArguments& arguments) {
+SourceOptions source_options(const TrackArguments& arguments, const Camera& camera) {
   return {.rate_hz = arguments.rate_hz,
           .bits = arguments.bits,
           .camera_name = arguments.camera_name,
+          .topic = arguments.input.empty() ? ""
+                                           : topic_of(arguments.input, arguments.topics, camera.name,
+                                                      camera_file(arguments), arguments.console),
+          .stamp_is = arguments.stamp_is,
+          .exposure_s = camera.exposure_s,
           .log = arguments.console.log()};
 }
 
 /// Where the camera file states none it is told by the map's tags in a sample of the frames.
-ResponseFinding find_response(const TrackArguments& arguments, const TagMap& map, Camera& camera) {
+ResponseFinding find_response(const TrackArguments& arguments, const TagMap& map,
+                              const SourceOptions& source_options, Camera& camera) {
   if (!arguments.detections.empty() || camera.response_origin == ResponseOrigin::kStated)
     return {camera.name, camera.response.name(), camera.response_origin};
   DetectorOptions detector = arguments.method_options().localizer.detector;
@@ -100,15 +110,15 @@ ResponseFinding find_response(const TrackArguments& arguments, const TagMap& map
   }
   detector.families.assign(families.begin(), families.end());
   detector.camera_model = camera.model;
-  const std::vector<SampledInput> inputs = {{arguments.input, source_options(arguments)}};
+  const std::vector<SampledInput> inputs = {{arguments.input, source_options}};
   return estimate_by_sample(inputs, detector, sizes, arguments.options.num_threads, arguments.console,
                             camera);
 }
 
-bool track_images(const TrackArguments& arguments, const Camera& camera, const Method& method,
-                  TrackRecord& record, std::optional<TrackVideo>& video) {
+bool track_images(const TrackArguments& arguments, const SourceOptions& source_options, const Camera& camera,
+                  const Method& method, TrackRecord& record, std::optional<TrackVideo>& video) {
   const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
-  const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options(arguments));
+  const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options);
   const std::string exposure_of_camera =
       fmt::format("{}: {}.exposure_time", camera_file(arguments).string(), camera.name);
   ExposureCheck exposures(arguments.console);
@@ -282,12 +292,14 @@ std::string told_of_frame_log(const TrackArguments& arguments, bool is_written) 
 
 void run(const CLI::App& command, const TrackArguments& arguments) {
   check_track_arguments(command, arguments);
-  const CameraRig rig = read_cameras_to_estimate(camera_file(arguments), arguments.console.log()).rig;
+  const CameraRig rig =
+      read_rig(camera_file(arguments), topic_without_camera(arguments.topics), arguments.console).rig;
   Camera camera = arguments.camera_name.empty() ? rig.cameras.front()
                                                 : camera_named(rig, arguments.camera_name, "--camera-name");
   const TagMap map = read_tag_map(map_file(arguments));
   if (const auto warning = rolling_shutter_warning(camera)) arguments.console.warning(*warning);
-  const ResponseFinding response = find_response(arguments, map, camera);
+  const SourceOptions of_source = source_options(arguments, camera);
+  const ResponseFinding response = find_response(arguments, map, of_source, camera);
   const Method method = make_method(arguments.method_options(), camera, map, arguments.console);
 
   TrackRecord record;
@@ -300,7 +312,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   std::optional<TrackVideo> video;
   if (!arguments.video.empty())
     video.emplace(arguments.video, camera, map, arguments.method_options().localizer.mode);
-  const bool was_interrupted = has_images ? track_images(arguments, camera, method, record, video)
+  const bool was_interrupted = has_images ? track_images(arguments, of_source, camera, method, record, video)
                                           : track_detections(arguments, detections, method, record);
   if (has_images) tell(response, arguments.console);
   warn_of_contradictions(record, arguments.method(), arguments.console);

@@ -13,6 +13,7 @@
 #include "inputs.h"
 #include "option_checks.h"
 #include "outputs.h"
+#include "topics.h"
 
 namespace apriltrack::app {
 namespace {
@@ -56,8 +57,8 @@ void check_track_arguments(const CLI::App& command, const TrackArguments& argume
       throw invalid_input("--detections",
                           fmt::format("is for --method pnp: '{}' looks at images", arguments.method()));
     }
-    refuse_beside_detections(command,
-                             {"--rate", "--bits", "--decimate", "--min-margin", "--max-hamming", "--video"});
+    refuse_beside_detections(command, {"--rate", "--bits", "--topic", "--stamp-is", "--decimate",
+                                       "--min-margin", "--max-hamming", "--video"});
   }
   refuse_options_of_other_methods(command, arguments.method());
   if (!arguments.input.empty()) check_input(arguments.input);
@@ -73,10 +74,12 @@ void check_track_arguments(const CLI::App& command, const TrackArguments& argume
 }
 
 void add_track_options(CLI::App& command, TrackArguments& arguments) {
-  command.add_option("INPUT", arguments.input,
-                     "Sequence folder, folder of images, glob, EuRoC mav0 folder, video file, or camera:N");
+  command.add_option(
+      "INPUT", arguments.input,
+      "Sequence folder, folder of images, glob, EuRoC mav0 folder, video file, bag, or camera:N");
   command.add_option("--detections", arguments.detections, "detections.csv in place of INPUT");
-  command.add_option("--camera", arguments.camera, "Camera file; default: the sequence folder's own");
+  command.add_option("--camera", arguments.camera,
+                     "Camera file; default: the sequence folder's own, or what a bag says of its camera");
   command.add_option("--camera-name", arguments.camera_name,
                      "Which camera of a file, or of a EuRoC recording, with several; default: the first");
   command.add_option("--map", arguments.map, "Tag map; default: the sequence folder's own");
@@ -115,6 +118,7 @@ void add_track_options(CLI::App& command, TrackArguments& arguments) {
   command.add_option("--rate", arguments.rate_hz, "Frames a second, for images whose names are no times")
       ->check(rate());
   add_bits_option(command, arguments.bits);
+  add_bag_options(command, arguments.topics, arguments.stamp_is);
   command
       .add_option("--threads", arguments.options.num_threads,
                   "Frames looked at side by side; 0: one per core, 8 at most. Changes no pose, but latencies "

@@ -2,7 +2,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "apriltrack/source/frame_source.h"
 #include "console.h"
 #include "track_methods.h"
 
@@ -26,6 +28,8 @@ struct TrackArguments {
   std::string report;
   std::optional<double> rate_hz;
   std::optional<int> bits;  ///< As SourceOptions'.
+  std::vector<std::string> topics;
+  StampIs stamp_is = StampIs::kMiddle;
   MethodOptions options;
   Console console;
 

@@ -14,4 +14,9 @@ find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio)
 # disk; Debian's libopencv-dev brings it.
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavformat libavcodec libswscale libavutil)
+# Of bags: how their chunks are packed, and the files that rosbag2 writes by default.
+pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+find_package(BZip2 REQUIRED)  # without a pkg-config file on Debian 12
+pkg_check_modules(SQLITE3 REQUIRED IMPORTED_TARGET sqlite3)
 find_package(CLI11 REQUIRED)

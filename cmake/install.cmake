@@ -3,7 +3,8 @@
 #
 # A component is what a user asks for; each brings the outside libraries of its own and no others:
 #   track   localise and track: no OpenCV, no Ceres         calib   build tag maps (Ceres)
-#   source  read images and videos (OpenCV, FFmpeg)                 eval, sim     scoring, rendering
+#   source  read images, videos (OpenCV, FFmpeg) and bags (LZ4, zstd, bzip2, SQLite)
+#   eval, sim  scoring, rendering
 #   report  draw pictures, videos and pages (OpenCV, FFmpeg)
 
 include(CMakePackageConfigHelpers)
@@ -13,13 +14,14 @@ set(modules_of_track base geometry image io camera tags detect motion filter pho
 foreach(component calib source eval sim report)
   set(modules_of_${component} ${component})
 endforeach()
+set(modules_of_source bag source)
 
 # Outside libraries without a pkg-config file of their own, or whose own names far more than is used (opencv4).
 set(pc_requires_of_track "eigen3 fmt yaml-cpp apriltag libhwy")
-set(pc_requires_of_source "libavformat libavcodec libswscale libavutil")
+set(pc_requires_of_source "libavformat libavcodec libswscale libavutil liblz4 libzstd sqlite3")
 set(pc_requires_of_report "libavformat libavcodec libswscale libavutil")
 set(pc_libraries_of_calib "-lceres -lglog")
-set(pc_libraries_of_source "-lopencv_videoio -lopencv_imgcodecs -lopencv_imgproc -lopencv_core")
+set(pc_libraries_of_source "-lopencv_videoio -lopencv_imgcodecs -lopencv_imgproc -lopencv_core -lbz2")
 set(pc_libraries_of_report "-lopencv_imgcodecs -lopencv_imgproc -lopencv_core")
 
 set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/apriltrack)

@@ -7,6 +7,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/auto_response.h"
 #include "apriltrack/camera/camera.h"
+#include "apriltrack/camera/ros_topics.h"
 #include "support/pose_matchers.h"
 #include "support/shared_data.h"
 
@@ -64,6 +65,14 @@ cam1:
   x_serial: 17
 x_note: anything
 )";
+
+TEST(RosTopics, AreThoseOfTheCamerasThatHaveOne) {
+  using ::testing::Pair;
+  EXPECT_THAT(ros_topics(write_text("camera.yaml", kStereo)), ElementsAre(Pair("cam0", "/left/image_raw")));
+  EXPECT_THAT(
+      ros_topics(write_text("other.yaml", "camera_matrix: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nrostopic: /a\n")),
+      IsEmpty());
+}
 
 TEST(ReadCameras, ReadsKalibrsCamchain) {
   const CameraRig rig = read_cameras(write_text("camera.yaml", kStereo));

@@ -66,6 +66,23 @@ TEST(ReadImage, WeighsColourByRec601AndIgnoresAlpha) {
   }
 }
 
+/// libpng's own conversion cuts fractions off: 0.5 grey levels on average.
+TEST(ReadImage, GivesColoursOneGreyWhateverTheFormat) {
+  cv::Mat picture(kHeight, kWidth, CV_8UC3);
+  cv::randu(picture, 0, 256);
+  for (const std::string ending : {".png", ".ppm", ".bmp", ".tiff"}) {
+    const auto path = temporary_folder() / ("any" + ending);
+    write_text(path, encoded(ending, picture));
+    const GrayImage image = read_image(path);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const auto& bgr = picture.at<cv::Vec3b>(y, x);
+        ASSERT_NEAR(image(x, y), 0.299 * bgr[2] + 0.587 * bgr[1] + 0.114 * bgr[0], 0.51) << ending;
+      }
+    }
+  }
+}
+
 TEST(ReadImage, ScalesSixteenBitsDown) {
   cv::Mat deep(1, 3, CV_16UC1);
   deep.at<std::uint16_t>(0, 0) = 0;

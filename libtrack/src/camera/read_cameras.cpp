@@ -11,6 +11,7 @@
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/camera/camera_formats.h"
 #include "apriltrack/camera/response_tables.h"
+#include "apriltrack/camera/ros_topics.h"
 #include "apriltrack/io/atomic_file.h"
 #include "camera_fields.h"
 #include "formats/readers.h"
@@ -175,6 +176,17 @@ UnestimatedRig read_cameras_to_estimate(const std::filesystem::path& path, const
   tell_oddities(file, path.string(), log);
   result.rig = file.rig;
   return result;
+}
+
+std::map<std::string, std::string> ros_topics(const std::filesystem::path& camera_file) {
+  const YamlNode root = read_tree(camera_file);
+  std::map<std::string, std::string> topics;
+  if (!root.is_map()) return topics;
+  for (const auto& [name, camera] : root.entries()) {
+    const auto topic = is_camera_name(name) && camera.is_map() ? camera.find("rostopic") : std::nullopt;
+    if (topic && topic->is_scalar() && !topic->is_null()) topics[name] = topic->as_string();
+  }
+  return topics;
 }
 
 std::vector<std::filesystem::path> response_tables(const std::filesystem::path& camera_file) {

@@ -11,6 +11,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/source/bag_input.h"
 #include "image_inputs.h"
 #include "image_names.h"
 #include "video_source.h"
@@ -54,7 +55,14 @@ std::unique_ptr<SkippableSource> list_source(const std::string& input, std::vect
   return std::make_unique<ImageListSource>(input, std::move(entries), options);
 }
 
+void refuse_topic(const std::string& input, const SourceOptions& options) {
+  if (options.topic.empty()) return;
+  throw invalid_input("--topic", fmt::format("is of a bag, and '{}' is none: leave it out", input));
+}
+
 std::unique_ptr<SkippableSource> open_folder(const std::string& input, const SourceOptions& options) {
+  if (is_bag_input(input)) return open_bag_source(input, options);
+  refuse_topic(input, options);
   if (is_sequence_folder(input))
     return list_source(input, list_sequence(input, options.rate_hz, options.log), options);
   if (const auto camera = find_euroc_camera(input, options.camera_name))
@@ -82,6 +90,8 @@ bool is_text(const std::string& start) {
 
 std::unique_ptr<SkippableSource> open_file(const std::string& input, const SourceOptions& options) {
   const std::string start = read_start(input);
+  if (is_bag_input(input)) return open_bag_source(input, options);
+  refuse_topic(input, options);
   if (has_image_ending(input)) return list_source(input, list_single_image(input), options);
   if (start.empty()) throw io_error(input, "the file is empty (0 bytes)");
   if (is_text(start)) throw io_error(input, "is a text file, neither an image nor a video");
@@ -99,6 +109,7 @@ std::unique_ptr<SkippableSource> open_any(const std::string& input, const Source
   const fs::file_status status = fs::status(input, error);
   if (fs::is_directory(status)) return open_folder(input, options);
   if (fs::exists(status)) return open_file(input, options);
+  refuse_topic(input, options);
   if (is_glob(input)) return list_source(input, list_glob(input, options.rate_hz), options);
   if (status.type() == fs::file_type::not_found) throw io_error(input, "no such file or folder");
   throw io_error(input, fmt::format("cannot be read: {}", error.message()));

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -33,7 +34,7 @@ void check_regular_file(const std::filesystem::path& path) {
   if (status.type() == std::filesystem::file_type::not_found) throw io_error(path.string(), "no such file");
 }
 
-ImageIntegrity checked(const std::string& bytes, const std::string& where) {
+ImageIntegrity checked(std::string_view bytes, const std::string& where) {
   const ImageIntegrity found = inspect_image(bytes);
   if (!found.damage.empty()) throw io_error(where, found.damage);
   // Divided, not multiplied: both sides come from the file and may be as large as 32 bits allow.
@@ -45,14 +46,25 @@ ImageIntegrity checked(const std::string& bytes, const std::string& where) {
 }
 
 /// Whether the file may hold 16 bits without saying how many of them count.
-bool may_be_deep(const std::string& bytes, const ImageIntegrity& found) {
+bool may_be_deep(std::string_view bytes, const ImageIntegrity& found) {
   const bool is_tiff =
       bytes.starts_with(std::string_view("II*\0", 4)) || bytes.starts_with(std::string_view("MM\0*", 4));
   return is_tiff || found.bits_per_sample == 16;
 }
 
+/// Colour by one formula whatever the file, and the same as of video frames and of messages: OpenCV's own
+/// decoders of PNG and PPM have others (libpng cuts fractions off, half a grey level on average). JPEG holds
+/// the grey picture itself.
+cv::Mat decode_gray(const cv::Mat& bytes, bool is_jpeg) {
+  const cv::Mat picture = cv::imdecode(bytes, is_jpeg ? cv::IMREAD_GRAYSCALE : cv::IMREAD_ANYCOLOR);
+  if (picture.channels() == 1) return picture;
+  cv::Mat gray;
+  cv::cvtColor(picture, gray, cv::COLOR_BGR2GRAY);
+  return gray;
+}
+
 /// Empty where OpenCV cannot make a picture of the bytes.
-ImageValues decode(const std::string& bytes, const ImageIntegrity& found, const std::string& where) {
+ImageValues decode(std::string_view bytes, const ImageIntegrity& found, const std::string& where) {
   // OpenCV takes a mutable header over constant bytes; it does not write to them.
   const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
   const int full_scale = found.full_scale;
@@ -67,9 +79,9 @@ ImageValues decode(const std::string& bytes, const ImageIntegrity& found, const 
     }
     if (full_scale == 65535 || may_be_deep(bytes, found)) {
       const cv::Mat numbers = cv::imdecode(view, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
-      if (numbers.type() == CV_16UC1 || numbers.type() == CV_8UC1) return {numbers};
+      if (numbers.type() == CV_16UC1) return {numbers};
     }
-    return {cv::imdecode(view, cv::IMREAD_GRAYSCALE)};
+    return {decode_gray(view, bytes.starts_with("\xff\xd8\xff"))};
   } catch (const cv::Exception& error) {
     throw io_error(where, fmt::format("cannot be decoded: {}", error.err));
   }
@@ -87,7 +99,10 @@ std::string lower_case_ending(const std::filesystem::path& path) {
 ImageValues read_values(const std::filesystem::path& path) {
   const std::string where = path.string();
   check_regular_file(path);
-  const std::string bytes = read_file(path);
+  return decode_image(read_file(path), where);
+}
+
+ImageValues decode_image(std::string_view bytes, const std::string& where) {
   if (bytes.size() > INT32_MAX) throw io_error(where, "is larger than 2 GiB: no image");
   const ImageValues values = decode(bytes, checked(bytes, where), where);
   if (values.pixels.empty()) throw io_error(where, "is not an image that can be decoded, or is damaged");

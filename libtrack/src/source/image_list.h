@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apriltrack/source/frame_source.h"
-#include "image_values.h"
+#include "picture_scaling.h"
 #include "sampled_source.h"
 
 namespace apriltrack {
@@ -26,26 +26,22 @@ class ImageListSource : public SkippableSource {
  public:
   /// Of the options: bits and log.
   ImageListSource(std::string name, std::vector<ImageEntry> entries, const SourceOptions& options = {})
-      : name_(std::move(name)), entries_(std::move(entries)), bits_(options.bits), log_(options.log) {}
+      : name_(name), entries_(std::move(entries)), scaling_(std::move(name), options) {}
 
   std::optional<SourceFrame> next() override;
   bool pass_over() override;
   std::optional<std::size_t> num_frames() const override { return entries_.size(); }
-  std::optional<ValueRange> value_range() const override { return range_; }
+  std::optional<ValueRange> value_range() const override { return scaling_.range(); }
   std::string name() const override { return name_; }
+  bool tells_all_exposures() const override;
 
  private:
   GrayImage read(const std::filesystem::path& path);
-  ValueRange find_range() const;
-  void tell_of_range(const ValueRange& range) const;
-  void check_range(const ImageValues& values, const std::filesystem::path& path);
+  ValueCounts count_sample() const;
 
   std::string name_;
   std::vector<ImageEntry> entries_;
-  std::optional<int> bits_;
-  LogSink log_;
-  std::optional<ValueRange> range_;  ///< Of 16-bit pictures, once one has come.
-  bool has_warned_ = false;
+  PictureScaling scaling_;
   std::size_t position_ = 0;
 };
 

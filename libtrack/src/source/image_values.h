@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <string>
+#include <string_view>
 
 #include "apriltrack/image/image.h"
 #include "value_range.h"
@@ -17,6 +19,8 @@ struct ImageValues {
 
 /// Throws as read_image() does.
 ImageValues read_values(const std::filesystem::path& path);
+/// The same of the bytes of such a file. where: what messages call it; may be empty.
+ImageValues decode_image(std::string_view bytes, const std::string& where);
 
 /// range: of deep pictures; numbers beyond it are black or white.
 GrayImage gray_of(const ImageValues& values, const ValueRange& range);

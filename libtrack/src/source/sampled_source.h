@@ -11,13 +11,15 @@ class SkippableSource : public FrameSource {
  public:
   /// False at the end.
   virtual bool pass_over() = 0;
+  /// Whether every frame brings its own exposure.
+  virtual bool tells_all_exposures() const { return false; }
 };
 
-/// `skip`, `step` and `max_frames` over any source.
+/// `skip`, `step`, `max_frames` and `stamp_is` over any source.
 class SampledSource : public FrameSource {
  public:
-  SampledSource(std::unique_ptr<SkippableSource> source, const SourceOptions& options)
-      : source_(std::move(source)), options_(options) {}
+  /// Throws Error(kInvalidInput) where times are to be moved by an exposure that nothing tells.
+  SampledSource(std::unique_ptr<SkippableSource> source, const SourceOptions& options);
 
   std::optional<SourceFrame> next() override;
   std::optional<std::size_t> num_frames() const override;

@@ -21,4 +21,8 @@ std::unique_ptr<SkippableSource> open_video(const std::filesystem::path& path, s
 /// run forward is unreadable. where: what messages call it. Throws Error(kIo) when it cannot be opened.
 std::unique_ptr<SkippableSource> open_live_camera(int number, const std::string& where);
 
+/// A bag's topic of pictures; messages are read, and turned grey, one by one. Of the options: topic, rate_hz
+/// (for headers without a time), bits and log. Throws as open_source() does.
+std::unique_ptr<SkippableSource> open_bag_source(const std::string& input, const SourceOptions& options);
+
 }  // namespace apriltrack

@@ -16,7 +16,7 @@ struct SourceFrame {
   Timestamp timestamp;
   std::optional<double> exposure_s;
   double gain = 1.0;
-  std::string name;            ///< File, or video and frame number: what a message calls this frame.
+  std::string name;            ///< File, or video, or topic, and number: what a message calls this frame.
   std::string exposure_where;  ///< File, line and column that tell the exposure; empty where none does.
   std::string error;           ///< Why it could not be decoded, without its name; empty for a good frame.
 
@@ -24,6 +24,9 @@ struct SourceFrame {
   /// A view for the library's functions; this object must outlive it.
   Frame frame(int camera_index = 0) const;
 };
+
+/// Which moment of a frame's exposure its recorded time is.
+enum class StampIs { kStart, kMiddle, kEnd };
 
 struct SourceOptions {
   /// For images whose names are no times; in [1e-3, 1e6]. Names of digits must agree with it, or be frame
@@ -38,8 +41,14 @@ struct SourceOptions {
   /// Which camera's folder of a EuRoC/ASL recording with several; empty: cam0. All other inputs, a single
   /// camera folder among them, have one camera whatever its name.
   std::string camera_name = {};
+  /// Which topic of a bag; empty: the only one with pictures. Of other inputs it is an error.
+  std::string topic = {};
+  /// Frames' times are moved by half the exposure to its middle: by the frame's own where it is told, else by
+  /// exposure_s, which is required then.
+  StampIs stamp_is = StampIs::kMiddle;
+  std::optional<double> exposure_s = std::nullopt;  ///< Of the camera's file. For stamp_is alone.
   /// Hears of a recording that is not as its own files say: frames that its frames.csv does not know, a video
-  /// that ends before its header's count.
+  /// that ends before its header's count, a bag that is damaged.
   LogSink log = silent_log();
 };
 
@@ -71,10 +80,12 @@ class FrameSource {
 };
 
 /// A sequence folder, a folder of images, a glob, a EuRoC/ASL `mav0` folder (or one camera folder of it), a
-/// video file, `camera:N` or a V4L2 path. A live camera's times are the driver's own (of arrival where it
-/// tells none), not corrected to the middle of the exposure. Throws Error(kIo) when there is nothing to read,
-/// Error(kInvalidInput) when images need a rate and none is given, a recording has no camera of the name
-/// asked for, its frames.csv knows none of its frames, or an option is out of its range.
+/// video file, a bag (ROS 1 bag, MCAP, rosbag2: apriltrack/bag/bag_reader.h), `camera:N` or a V4L2 path.
+/// Times of a bag's frames are those of their headers. A live camera's times are the driver's own (of arrival
+/// where it tells none), not corrected to the middle of the exposure. Throws Error(kIo) when there is nothing
+/// to read, Error(kInvalidInput) when images need a rate and none is given, a recording has no camera of the
+/// name asked for, its frames.csv knows none of its frames, a bag has no topic with pictures or several and
+/// none is named, or an option is out of its range.
 std::unique_ptr<FrameSource> open_source(const std::string& input, const SourceOptions& options = {});
 
 /// Files that a sequence folder brings with it; nullopt where it does not, or INPUT is no such folder.

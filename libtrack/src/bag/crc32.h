@@ -1,0 +1,11 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace apriltrack {
+
+/// CRC-32 of IEEE 802.3 (reflected polynomial EDB88320), as zlib and MCAP have it.
+std::uint32_t crc32(std::string_view bytes);
+
+}  // namespace apriltrack

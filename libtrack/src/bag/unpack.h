@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "byte_buffer.h"
+
+namespace apriltrack {
+
+enum class Packing { kNone, kBz2, kLz4, kZstd };
+
+/// "none" and "" are kNone; nullopt for what is not known.
+std::optional<Packing> packing_of(std::string_view name);
+
+/// What zstd packed begins so.
+inline constexpr std::string_view kZstdMagic("\x28\xB5\x2F\xFD", 4);
+
+/// Larger chunks and messages are not unpacked: usual chunks have 1 to 16 MB.
+inline constexpr std::uint64_t kMostUnpackedBytes = std::uint64_t{1} << 30;
+
+struct Unpacked {
+  std::string error;    ///< Empty when all is well.
+  bool is_cut = false;  ///< The error is that the packed bytes end too soon.
+};
+
+/// Unpacks a whole stream (of bz2, LZ4 frames or zstd frames; not kNone). expected: how many bytes are said
+/// to come, a hint only: room grows as they do come. What came before an error is in `into`. What follows the
+/// stream's end is passed over.
+Unpacked unpack(Packing packing, std::string_view packed, std::uint64_t expected, ByteBuffer& into);
+
+}  // namespace apriltrack

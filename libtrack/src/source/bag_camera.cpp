@@ -1,0 +1,133 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/source/bag_input.h"
+#include "bag_topics.h"
+#include "ros_message.h"
+
+namespace apriltrack {
+namespace {
+
+constexpr std::size_t kMostLookedAt = 9;
+constexpr std::uint32_t kMostPixelsPerSide = 100'000;
+
+/// Some of the topic's messages, evenly spread; those that cannot be read are left out.
+std::vector<RosCameraInfo> sample_infos(BagReader& bag, std::size_t topic) {
+  bag.choose({topic});
+  const std::size_t count = bag.num_messages(), num_looked_at = std::min(kMostLookedAt, count);
+  std::vector<RosCameraInfo> infos;
+  std::size_t position = 0;
+  for (std::size_t i = 0; i < num_looked_at; ++i) {
+    const std::size_t wanted = num_looked_at == 1 ? 0 : i * (count - 1) / (num_looked_at - 1);
+    for (; position < wanted; ++position) bag.pass_over();
+    const auto message = bag.next();
+    ++position;
+    if (!message || !message->error.empty()) continue;
+    try {
+      infos.push_back(read_camera_info_message(bag.topics()[topic], message->bytes));
+    } catch (const BadMessage&) {
+      continue;
+    }
+  }
+  return infos;
+}
+
+/// A pinhole of the full sensor's pixels for those of a picture that shows a region of it, and of which each
+/// pixel joins some of its own. Pixel 0 of the picture covers pixels 0 to binning - 1 of the region.
+struct Axis {
+  double focal = 0.0;
+  double centre = 0.0;
+  int size = 0;
+};
+
+Axis axis_of(double focal, double centre, std::uint32_t size, std::uint32_t offset, std::uint32_t region,
+             std::uint32_t binning) {
+  const double joined = std::max<std::uint32_t>(1, binning);
+  const std::uint32_t shown = region == 0 ? size : region;
+  return {focal / joined, (centre - offset - 0.5 * (joined - 1.0)) / joined,
+          static_cast<int>(shown / std::max<std::uint32_t>(1, binning))};
+}
+
+Distortion lens_of(const RosCameraInfo& info, const std::string& where) {
+  std::vector<double> d = info.d;
+  const std::string& model = info.distortion_model;
+  if (std::ranges::any_of(d, [](double value) { return !std::isfinite(value); }))
+    throw invalid_input(where, "D holds a number that is not finite");
+  if (d.empty()) return NoDistortion();
+  if (model == "equidistant" || model == "fisheye") {
+    if (d.size() != 4)
+      throw invalid_input(where, fmt::format("{} takes 4 coefficients (D has {})", model, d.size()));
+    return EquidistantDistortion(d);
+  }
+  if (model != "plumb_bob" && model != "rational_polynomial" && model != "radtan")
+    throw invalid_input(where, fmt::format("distortion_model '{}' is not supported; supported are plumb_bob, "
+                                           "rational_polynomial, equidistant and fisheye: give --camera FILE",
+                                           model));
+  constexpr std::size_t kMost = 8;  // thin prisms and tilted sensors follow
+  if (d.size() > kMost && std::all_of(d.begin() + kMost, d.end(), [](double value) { return value == 0.0; }))
+    d.resize(kMost);
+  if (d.size() != 4 && d.size() != 5 && d.size() != kMost)
+    throw invalid_input(
+        where, fmt::format("{} takes 4, 5 or 8 coefficients that are not zero (D has {})", model, d.size()));
+  return RadtanDistortion(d);
+}
+
+bool is_uncalibrated(const std::vector<double>& matrix) {
+  return std::ranges::all_of(matrix, [](double value) { return value == 0.0; });
+}
+
+void check_numbers(const RosCameraInfo& info, const std::vector<double>& matrix, const std::string& where) {
+  for (const double value : {matrix[0], matrix[2], matrix[4], matrix[5]})
+    if (!std::isfinite(value)) throw invalid_input(where, "its matrix holds a number that is not finite");
+  if (!(matrix[0] > 0.0 && matrix[4] > 0.0))
+    throw invalid_input(
+        where, fmt::format("focal lengths must be > 0 pixels (are {} and {})", matrix[0], matrix[4]));
+  if (info.width > kMostPixelsPerSide || info.height > kMostPixelsPerSide)
+    throw invalid_input(where, fmt::format("claims {} x {} pixels", info.width, info.height));
+}
+
+/// By the matrix, 3 x 3, of the pictures that are published.
+Camera camera_of(const RosCameraInfo& info, const std::vector<double>& k, const Distortion& lens) {
+  const Axis x = axis_of(k[0], k[2], info.width, info.roi_x, info.roi_width, info.binning_x);
+  const Axis y = axis_of(k[4], k[5], info.height, info.roi_y, info.roi_height, info.binning_y);
+  return {.name = "cam0",
+          .model = CameraModel({x.focal, y.focal, x.centre, y.centre}, lens),
+          .width = x.size,
+          .height = y.size,
+          .response_origin = ResponseOrigin::kAssumed};
+}
+
+}  // namespace
+
+std::optional<Camera> bag_camera(const std::string& input, const std::string& topic, const LogSink& log) {
+  const auto bag = open_bag(input);
+  const BagTopic images = bag->topics()[choose_image_topic(*bag, input, topic)];
+  const auto info_topic = camera_info_topic(*bag, images);
+  if (!info_topic || !is_read_encoding(bag->topics()[*info_topic].encoding)) return std::nullopt;
+  const std::vector<RosCameraInfo> infos = sample_infos(*bag, *info_topic);
+  if (infos.empty()) return std::nullopt;
+  const std::string where = fmt::format("{} {}", input, bag->topics()[*info_topic].name);
+  const auto odd =
+      std::ranges::find_if(infos, [&](const RosCameraInfo& info) { return info != infos.front(); });
+  if (odd != infos.end())
+    log(LogLevel::kWarning,
+        fmt::format("{}: the camera's description changes within the bag; the first one is "
+                    "used: give --camera FILE if another one holds",
+                    where));
+  const RosCameraInfo& info = infos.front();
+  const std::vector<double> rectified = {info.p[0], info.p[1], info.p[2], info.p[4], info.p[5],
+                                         info.p[6], 0,         0,         1};
+  const std::vector<double>& matrix = is_rectified(images) ? rectified : info.k;
+  if (is_uncalibrated(info.k) || matrix[0] == 0.0) {
+    log(LogLevel::kWarning, fmt::format("{}: the camera was not calibrated ({} is zero)", where,
+                                        is_rectified(images) ? "P" : "K"));
+    return std::nullopt;
+  }
+  check_numbers(info, matrix, where);
+  return camera_of(info, matrix, is_rectified(images) ? Distortion(NoDistortion()) : lens_of(info, where));
+}
+
+}  // namespace apriltrack

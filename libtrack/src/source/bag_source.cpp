@@ -1,0 +1,202 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "apriltrack/bag/bag_reader.h"
+#include "apriltrack/base/error.h"
+#include "apriltrack/source/bag_input.h"
+#include "bag_topics.h"
+#include "forward_clock.h"
+#include "image_inputs.h"
+#include "image_names.h"
+#include "picture_scaling.h"
+#include "ros_message.h"
+#include "ros_pixels.h"
+#include "video_source.h"
+
+namespace apriltrack {
+namespace {
+
+struct StampedValues {
+  Timestamp stamp;
+  ImageValues values;
+};
+
+StampedValues read_picture(const BagTopic& topic, std::string_view bytes) {
+  if (short_type(topic.type) == "sensor_msgs/Image") {
+    const RosImage image = read_image_message(topic, bytes);
+    return {image.stamp, values_of(image)};
+  }
+  const RosCompressedImage image = read_compressed_image_message(topic, bytes);
+  return {image.stamp, values_of(image)};
+}
+
+Timestamp read_stamp(const BagTopic& topic, std::string_view bytes) {
+  if (short_type(topic.type) == "sensor_msgs/Image") return read_image_message(topic, bytes).stamp;
+  return read_compressed_image_message(topic, bytes).stamp;
+}
+
+class BagSource : public SkippableSource {
+ public:
+  BagSource(const std::string& input, const SourceOptions& options)
+      : input_(input),
+        rate_hz_(options.rate_hz),
+        log_(options.log),
+        scaling_(input, options),
+        bag_(open_bag(input, options.log)),
+        topic_index_(choose_image_topic(*bag_, input, options.topic)),
+        topic_(bag_->topics()[topic_index_]) {
+    bag_->choose({topic_index_});
+    num_messages_ = bag_->num_messages();
+    tell_of_damage();
+    pending_ = bag_->next();
+    if (!pending_)
+      throw io_error(input, fmt::format("topic {} has no message that can be read", topic_.name));
+    if (pending_->error.empty()) check_first(pending_->bytes);
+  }
+
+  std::optional<SourceFrame> next() override {
+    const auto message = pending_ ? std::exchange(pending_, std::nullopt) : bag_->next();
+    if (!message) {
+      tell_of_damage();
+      return std::nullopt;
+    }
+    SourceFrame frame;
+    frame.name = fmt::format("{} {} message {}", input_, topic_.name, num_passed_);
+    frame.error = message->error;
+    std::optional<Timestamp> told;
+    if (frame.error.empty()) read(*message, frame, told);
+    set_time(*message, told, frame);
+    ++num_passed_;
+    return frame;
+  }
+
+  bool pass_over() override {
+    if (!std::exchange(pending_, std::nullopt) && !bag_->pass_over()) {
+      tell_of_damage();
+      return false;
+    }
+    ++num_passed_;
+    return true;
+  }
+
+  std::optional<std::size_t> num_frames() const override { return num_messages_; }
+  std::optional<ValueRange> value_range() const override { return scaling_.range(); }
+  std::string name() const override { return input_; }
+
+ private:
+  /// What is wrong with the first message is so with all: said before the work.
+  void check_first(std::string_view bytes) {
+    try {
+      if (read_stamp(topic_, bytes) == Timestamp{}) has_times_ = false;
+    } catch (const BadMessage&) {
+      return;  // a frame that cannot be read, as others may be
+    }
+    try {
+      read_picture(topic_, bytes);
+    } catch (const BadMessage& bad) {
+      throw invalid_input(input_, fmt::format("topic {}: {}", topic_.name, bad.what()));
+    }
+    if (!has_times_ && !rate_hz_)
+      throw invalid_input(input_,
+                          fmt::format("topic {}: its messages carry no times (header.stamp is 0): give the "
+                                      "frame rate with --rate HZ",
+                                      topic_.name));
+  }
+
+  void read(const BagMessage& message, SourceFrame& frame, std::optional<Timestamp>& told) {
+    try {
+      told = read_stamp(topic_, message.bytes);
+      const StampedValues picture = read_picture(topic_, message.bytes);
+      frame.pixels = scaling_.to_gray(picture.values, frame.name, [&] { return count_sample(); });
+    } catch (const BadMessage& bad) {
+      frame.error = bad.what();
+    }
+  }
+
+  /// Of a message that is lost, only the log time is known, which is later than the header's.
+  void set_time(const BagMessage& message, std::optional<Timestamp> told, SourceFrame& frame) {
+    if (!has_times_) told = advance({}, static_cast<double>(num_passed_) / *rate_hz_);
+    if (!told && is_first_) told = message.log_time;
+    is_first_ = false;
+    const std::string time_error = clock_.take(told);
+    if (frame.error.empty()) frame.error = time_error;
+    if (!frame.error.empty()) frame.pixels = GrayImage();
+    frame.timestamp = clock_.time();
+  }
+
+  ValueCounts count_sample() const {
+    ValueCounts counts;
+    const auto bag = open_bag(input_);
+    bag->choose({topic_index_});
+    const std::size_t size = std::min(PictureScaling::kMostInSample, bag->num_messages());
+    std::size_t position = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const std::size_t place = PictureScaling::place_in_sample(i, size, num_messages_);
+      for (; position < place; ++position) bag->pass_over();
+      const auto message = bag->next();
+      ++position;
+      if (!message || !message->error.empty()) continue;
+      try {
+        const StampedValues picture = read_picture(topic_, message->bytes);
+        if (picture.values.is_deep()) counts.add(picture.values.pixels);
+      } catch (const BadMessage&) {
+        continue;  // it will be told of when its turn comes
+      }
+    }
+    return counts;
+  }
+
+  void tell_of_damage() {
+    const std::string damage = bag_->damage();
+    if (damage.empty() || damage == told_damage_) return;
+    told_damage_ = damage;
+    log_(LogLevel::kWarning, fmt::format("{}: the bag is cut off or damaged: {}", input_, damage));
+  }
+
+  std::string input_;
+  std::optional<double> rate_hz_;
+  LogSink log_;
+  PictureScaling scaling_;
+  std::unique_ptr<BagReader> bag_;
+  std::size_t topic_index_;
+  BagTopic topic_;
+  std::size_t num_messages_ = 0;
+  std::optional<BagMessage> pending_;
+  bool has_times_ = true;
+  std::size_t num_passed_ = 0;
+  bool is_first_ = true;
+  ForwardClock clock_;
+  std::string told_damage_;
+};
+
+}  // namespace
+
+bool is_bag_input(const std::string& input) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (!fs::is_directory(input, ignored)) return is_bag(input);
+  // Beside another kind of recording, or pictures, a bag is no more than a file there.
+  const fs::path folder = input;
+  const bool has_recording = is_sequence_folder(folder) || fs::exists(folder / "mav0", ignored) ||
+                             fs::exists(folder / "data.csv", ignored);
+  if (has_recording || !is_bag(folder)) return false;
+  return fs::exists(folder / "metadata.yaml", ignored) || list_images(folder).empty();
+}
+
+std::vector<BagImageTopic> bag_image_topics(const std::string& input) {
+  const auto bag = open_bag(input);
+  std::vector<BagImageTopic> topics;
+  for (const std::size_t i : image_topics(*bag))
+    topics.push_back({bag->topics()[i].name, bag->topics()[i].type, bag->topics()[i].count});
+  return topics;
+}
+
+std::unique_ptr<SkippableSource> open_bag_source(const std::string& input, const SourceOptions& options) {
+  return std::make_unique<BagSource>(input, options);
+}
+
+}  // namespace apriltrack

@@ -1,0 +1,152 @@
+#include "ros_message.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cstddef>
+
+namespace apriltrack {
+namespace {
+
+/// Reads the fields of a message one after the other, as ROS 1 serialises them (little-endian, packed) or as
+/// CDR does (OMG DDS-XTypes 1.3, section 7.4, encoding version 1: either byte order, numbers aligned to their
+/// size, counted from behind the four bytes that tell the encoding; strings end with a zero).
+class MessageFields {
+ public:
+  MessageFields(const BagTopic& topic, std::string_view bytes)
+      : bytes_(bytes), is_cdr_(topic.encoding == "cdr") {
+    if (is_cdr_) read_encapsulation();
+  }
+
+  bool is_cdr() const { return is_cdr_; }
+
+  template <class T>
+  T number() {
+    align(sizeof(T));
+    const std::string_view taken = take(sizeof(T));
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < sizeof(T); ++i)
+      value = value << 8 | static_cast<unsigned char>(taken[is_big_endian_ ? i : sizeof(T) - 1 - i]);
+    return static_cast<T>(value);
+  }
+  double real() { return std::bit_cast<double>(number<std::uint64_t>()); }
+
+  std::string_view text() {
+    const auto size = number<std::uint32_t>();
+    std::string_view text = take(size);
+    if (is_cdr_ && text.ends_with('\0')) text.remove_suffix(1);
+    return text;
+  }
+  std::string_view bytes() {
+    const auto size = number<std::uint32_t>();
+    return take(size);
+  }
+  std::vector<double> reals(std::size_t count) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < count; ++i) values.push_back(real());
+    return values;
+  }
+  std::vector<double> reals() {
+    const auto count = number<std::uint32_t>();
+    if (count > bytes_.size() / sizeof(double)) throw BadMessage("ends too soon");
+    return reals(count);
+  }
+
+ private:
+  void read_encapsulation() {
+    const std::string_view header = take(4);
+    if (header[0] != 0 || (header[1] != 0 && header[1] != 1))
+      throw BadMessage(fmt::format("is CDR of an encoding that is not read ({:02x}{:02x}; 0000 and 0001 are)",
+                                   static_cast<unsigned char>(header[0]),
+                                   static_cast<unsigned char>(header[1])));
+    is_big_endian_ = header[1] == 0;
+    start_ = position_;
+  }
+
+  void align(std::size_t size) {
+    if (!is_cdr_) return;
+    const std::size_t over = (position_ - start_) % size;
+    if (over != 0) take(size - over);
+  }
+
+  std::string_view take(std::size_t size) {
+    if (size > bytes_.size() - position_) throw BadMessage("ends too soon");
+    const std::string_view taken = bytes_.substr(position_, size);
+    position_ += size;
+    return taken;
+  }
+
+  std::string_view bytes_;
+  bool is_cdr_;
+  bool is_big_endian_ = false;
+  std::size_t position_ = 0;
+  std::size_t start_ = 0;
+};
+
+/// std_msgs/Header: that of ROS 1 begins with a number; its seconds have no sign.
+Timestamp take_header(MessageFields& fields) {
+  if (!fields.is_cdr()) fields.number<std::uint32_t>();
+  const auto seconds = fields.number<std::uint32_t>();
+  const std::int64_t signed_seconds =
+      fields.is_cdr() ? std::int64_t{std::bit_cast<std::int32_t>(seconds)} : seconds;
+  const std::int64_t nanoseconds = fields.number<std::uint32_t>();
+  fields.text();  // frame_id
+  return {signed_seconds * 1'000'000'000 + nanoseconds};
+}
+
+}  // namespace
+
+std::string short_type(std::string_view type) {
+  constexpr std::string_view kMiddle = "/msg/";
+  const std::size_t at = type.find(kMiddle);
+  if (at == std::string_view::npos) return std::string(type);
+  return std::string(type.substr(0, at)) + "/" + std::string(type.substr(at + kMiddle.size()));
+}
+
+bool is_read_encoding(std::string_view encoding) {
+  return encoding == "ros1" || encoding == "cdr";
+}
+
+RosImage read_image_message(const BagTopic& topic, std::string_view bytes) {
+  MessageFields fields(topic, bytes);
+  RosImage image;
+  image.stamp = take_header(fields);
+  image.height = fields.number<std::uint32_t>();
+  image.width = fields.number<std::uint32_t>();
+  image.encoding = fields.text();
+  image.is_big_endian = fields.number<std::uint8_t>() != 0;
+  image.step = fields.number<std::uint32_t>();
+  image.data = fields.bytes();
+  return image;
+}
+
+RosCompressedImage read_compressed_image_message(const BagTopic& topic, std::string_view bytes) {
+  MessageFields fields(topic, bytes);
+  RosCompressedImage image;
+  image.stamp = take_header(fields);
+  image.format = fields.text();
+  image.data = fields.bytes();
+  return image;
+}
+
+RosCameraInfo read_camera_info_message(const BagTopic& topic, std::string_view bytes) {
+  MessageFields fields(topic, bytes);
+  RosCameraInfo info;
+  take_header(fields);
+  info.height = fields.number<std::uint32_t>();
+  info.width = fields.number<std::uint32_t>();
+  info.distortion_model = fields.text();
+  info.d = fields.reals();
+  info.k = fields.reals(9);
+  fields.reals(9);  // R, the rectifying rotation
+  info.p = fields.reals(12);
+  info.binning_x = fields.number<std::uint32_t>();
+  info.binning_y = fields.number<std::uint32_t>();
+  info.roi_x = fields.number<std::uint32_t>();
+  info.roi_y = fields.number<std::uint32_t>();
+  info.roi_height = fields.number<std::uint32_t>();
+  info.roi_width = fields.number<std::uint32_t>();
+  return info;
+}
+
+}  // namespace apriltrack

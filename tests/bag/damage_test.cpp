@@ -1,0 +1,305 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <random>
+#include <sstream>
+
+#include "apriltrack/bag/bag_reader.h"
+#include "apriltrack/base/error.h"
+#include "recording.h"
+#include "support/shared_data.h"
+
+namespace apriltrack::test {
+namespace {
+
+/// What another reader says of a chunk (make_fixtures.py): its bytes, and when its messages were logged.
+struct KnownChunk {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  std::vector<std::int64_t> log_times_ns;
+};
+
+std::vector<KnownChunk> known_chunks(const std::string& name) {
+  std::vector<KnownChunk> chunks;
+  std::ifstream file(fixture("chunks.csv"));
+  std::string line;
+  while (std::getline(file, line)) {
+    std::ranges::replace(line, ',', ' ');
+    std::istringstream words(line);
+    std::string of;
+    KnownChunk chunk;
+    words >> of >> chunk.begin >> chunk.end;
+    if (of != name) continue;
+    for (std::int64_t time_ns = 0; words >> time_ns;) chunk.log_times_ns.push_back(time_ns + kFirstStamp_ns);
+    chunks.push_back(chunk);
+  }
+  return chunks;
+}
+
+/// Of formats without chunks, each message is its own: where its payload is in the file, and room for the
+/// record before it.
+std::vector<KnownChunk> known_messages(const std::string& bytes) {
+  constexpr std::size_t kMostBefore = 120;
+  std::vector<KnownChunk> chunks;
+  for (const Expected& message : expected_messages()) {
+    if (message.topic == "/camera/camera_info") continue;  // two have the same payload
+    const std::size_t at = bytes.find(message.payload);
+    EXPECT_NE(at, std::string::npos) << message.topic;
+    chunks.push_back(
+        {at - std::min(at, kMostBefore), at + message.payload.size() + 1, {message.log_time_ns}});
+  }
+  return chunks;
+}
+
+/// What a reader makes of damaged bytes.
+struct Outcome {
+  bool is_refused = false;
+  std::vector<Given> given;
+  std::string damage;
+};
+
+Outcome read_damaged(const std::string& bytes) {
+  const std::string path = (temporary_folder() / "damaged").string();
+  write_bytes(path, bytes);
+  Outcome outcome;
+  try {
+    const auto reader = open_bag(path);
+    outcome.given = read_all(*reader);
+    outcome.damage = reader->damage();
+  } catch (const Error& error) {
+    outcome.is_refused = true;
+    outcome.damage = error.what();
+  }
+  return outcome;
+}
+
+std::map<std::int64_t, Expected> expected_by_time() {
+  std::map<std::int64_t, Expected> all;
+  for (const Expected& one : expected_messages()) all[one.log_time_ns] = one;
+  return all;
+}
+
+/// Log times of the messages that were given as they were recorded, each once. Their topics' names are not
+/// looked at, which no checksum of ROS 1 guards; no two messages were logged at one time.
+std::set<std::int64_t> right_ones(const Outcome& outcome) {
+  static const auto all = expected_by_time();
+  std::set<std::int64_t> times;
+  for (const Given& given : outcome.given) {
+    const auto expected = all.find(given.log_time_ns);
+    if (expected == all.end() || !has_payload(given, expected->second)) continue;
+    EXPECT_TRUE(times.insert(given.log_time_ns).second) << "given twice: " << given.log_time_ns;
+  }
+  return times;
+}
+
+std::size_t num_wrong(const Outcome& outcome) {
+  const auto num_bad =
+      std::ranges::count_if(outcome.given, [](const Given& one) { return !one.error.empty(); });
+  return outcome.given.size() - right_ones(outcome).size() - static_cast<std::size_t>(num_bad);
+}
+
+/// Messages of the chunks that `is_whole` holds of must all be given.
+template <class IsWhole>
+void expect_whole_chunks(const std::vector<KnownChunk>& chunks, const Outcome& outcome,
+                         const IsWhole& is_whole, std::size_t& num_checked) {
+  const std::set<std::int64_t> right = right_ones(outcome);
+  for (const KnownChunk& chunk : chunks) {
+    if (!is_whole(chunk)) continue;
+    for (const std::int64_t time_ns : chunk.log_times_ns) {
+      EXPECT_TRUE(right.contains(time_ns))
+          << "lost: " << time_ns << " of the chunk at " << chunk.begin << "; told: " << outcome.damage;
+      ++num_checked;
+    }
+  }
+}
+
+struct Damageable {
+  std::string name;
+  std::size_t magic_bytes = 0;
+  bool has_checksums = true;
+};
+
+void PrintTo(const Damageable& fixture, std::ostream* out) {
+  *out << fixture.name;
+}
+
+class EveryChunkedFormat : public testing::TestWithParam<Damageable> {};
+
+INSTANTIATE_TEST_SUITE_P(Bags, EveryChunkedFormat,
+                         testing::Values(Damageable{"plain.bag", 13, false}, Damageable{"bz2.bag", 13},
+                                         Damageable{"lz4.bag", 13}, Damageable{"plain.mcap", 8},
+                                         Damageable{"lz4.mcap", 8}, Damageable{"zstd.mcap", 8},
+                                         Damageable{"ros1_zstd.mcap", 8}));
+
+TEST_P(EveryChunkedFormat, GivesEveryWholeChunkOfACutFile) {
+  const std::string whole = read_bytes(fixture(GetParam().name));
+  const std::vector<KnownChunk> chunks = known_chunks(GetParam().name);
+  ASSERT_GE(chunks.size(), 4u);
+  std::mt19937 random(20);
+  std::size_t num_checked = 0;
+  for (int i = 0; i < 20; ++i) {
+    const std::size_t size = random() % whole.size();
+    SCOPED_TRACE(size);
+    const Outcome outcome = read_damaged(whole.substr(0, size));
+    expect_whole_chunks(
+        chunks, outcome, [&](const KnownChunk& chunk) { return chunk.end <= size; }, num_checked);
+    EXPECT_EQ(num_wrong(outcome), 0u);
+    EXPECT_NE(outcome.damage, "");
+  }
+  EXPECT_GT(num_checked, 200u);
+}
+
+TEST_P(EveryChunkedFormat, LosesNoOtherChunkByAFlippedBit) {
+  const std::string whole = read_bytes(fixture(GetParam().name));
+  const std::vector<KnownChunk> chunks = known_chunks(GetParam().name);
+  std::mt19937 random(100);
+  std::size_t num_checked = 0, num_lost = 0;
+  for (int i = 0; i < 100; ++i) {
+    const std::size_t at = GetParam().magic_bytes + random() % (whole.size() - GetParam().magic_bytes);
+    const int bit = static_cast<int>(random() % 8);
+    SCOPED_TRACE(testing::Message() << "byte " << at << " bit " << bit);
+    std::string bytes = whole;
+    bytes[at] = static_cast<char>(bytes[at] ^ (1 << bit));
+    const Outcome outcome = read_damaged(bytes);
+    const auto is_whole = [&](const KnownChunk& chunk) { return at < chunk.begin || at >= chunk.end; };
+    expect_whole_chunks(chunks, outcome, is_whole, num_checked);
+    EXPECT_TRUE(num_wrong(outcome) == 0 || !GetParam().has_checksums);
+    const bool is_something_lost = right_ones(outcome).size() < expected_messages().size();
+    num_lost += is_something_lost;
+    EXPECT_TRUE(!is_something_lost || !GetParam().has_checksums || !outcome.damage.empty());
+  }
+  EXPECT_GT(num_checked, 4000u);
+  EXPECT_GT(num_lost, 5u);
+}
+
+class EveryUnchunkedFormat : public testing::TestWithParam<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Bags, EveryUnchunkedFormat, testing::Values("without_chunks.mcap"));
+
+TEST_P(EveryUnchunkedFormat, GivesEveryWholeMessageOfACutFile) {
+  const std::string whole = read_bytes(fixture(GetParam()));
+  const std::vector<KnownChunk> messages = known_messages(whole);
+  std::mt19937 random(21);
+  std::size_t num_checked = 0;
+  for (int i = 0; i < 20; ++i) {
+    const std::size_t size = random() % whole.size();
+    SCOPED_TRACE(size);
+    const Outcome outcome = read_damaged(whole.substr(0, size));
+    expect_whole_chunks(
+        messages, outcome, [&](const KnownChunk& one) { return one.end <= size; }, num_checked);
+    EXPECT_EQ(num_wrong(outcome), 0u);
+    EXPECT_NE(outcome.damage, "");
+  }
+  EXPECT_GT(num_checked, 200u);
+}
+
+TEST_P(EveryUnchunkedFormat, LosesNoOtherMessageByAFlippedBit) {
+  const std::string whole = read_bytes(fixture(GetParam()));
+  const std::vector<KnownChunk> messages = known_messages(whole);
+  std::mt19937 random(101);
+  std::size_t num_checked = 0;
+  for (int i = 0; i < 100; ++i) {
+    // In a message: topics are told between the first of them.
+    const KnownChunk& hit = messages[random() % messages.size()];
+    const std::size_t at = hit.end - 1 - random() % 24;
+    std::string bytes = whole;
+    bytes[at] = static_cast<char>(bytes[at] ^ (1 << random() % 8));
+    const Outcome outcome = read_damaged(bytes);
+    SCOPED_TRACE(at);
+    const auto is_whole = [&](const KnownChunk& one) { return at < one.begin || at >= one.end; };
+    expect_whole_chunks(messages, outcome, is_whole, num_checked);
+  }
+  EXPECT_GT(num_checked, 4000u);
+}
+
+TEST(DamagedBag, SurvivesAnyDamageWithoutAnIndex) {
+  const std::string whole = read_bytes(fixture("without_index.mcap"));
+  std::mt19937 random(102);
+  std::size_t num_right = 0;
+  for (int i = 0; i < 200; ++i) {
+    std::string bytes = whole.substr(0, 8 + random() % (whole.size() - 8));
+    bytes[8 + random() % (bytes.size() - 8)] ^= static_cast<char>(1 << random() % 8);
+    const Outcome outcome = read_damaged(bytes);
+    EXPECT_EQ(num_wrong(outcome), 0u);
+    num_right += right_ones(outcome).size();
+  }
+  EXPECT_GT(num_right, 200u * 5u);
+}
+
+TEST(DamagedBag, TellsOfItsCutInWords) {
+  const std::string whole = read_bytes(fixture("zstd.mcap"));
+  const std::vector<KnownChunk> chunks = known_chunks("zstd.mcap");
+  const std::size_t size = (chunks.back().begin + chunks.back().end) / 2;
+  const Outcome outcome = read_damaged(whole.substr(0, size));
+  EXPECT_THAT(outcome.damage,
+              testing::HasSubstr("ends within the record at byte " + std::to_string(chunks.back().begin)));
+}
+
+TEST(DamagedBag, TellsOfALostChunk) {
+  std::string bytes = read_bytes(fixture("plain.mcap"));
+  const KnownChunk chunk = known_chunks("plain.mcap")[2];
+  bytes[chunk.end - 1] = static_cast<char>(bytes[chunk.end - 1] ^ 1);
+  const Outcome outcome = read_damaged(bytes);
+  EXPECT_THAT(outcome.damage, testing::HasSubstr("1 chunk cannot be read (the first, at byte " +
+                                                 std::to_string(chunk.begin) + ": its CRC-32"));
+  const auto num_errors =
+      std::ranges::count_if(outcome.given, [](const Given& one) { return !one.error.empty(); });
+  EXPECT_EQ(static_cast<std::size_t>(num_errors), chunk.log_times_ns.size());
+}
+
+/// A header may claim any size: what is not there takes no memory.
+TEST(DamagedBag, BelievesNoSizeWithoutBytes) {
+  std::string bytes = read_bytes(fixture("zstd.mcap"));
+  const KnownChunk chunk = known_chunks("zstd.mcap")[1];
+  // unpacked_size stands behind opcode, length and two times.
+  for (std::size_t i = 0; i < 8; ++i) bytes[chunk.begin + 9 + 16 + i] = '\x7f';
+  const Outcome outcome = read_damaged(bytes);
+  EXPECT_EQ(right_ones(outcome).size(), expected_messages().size());
+}
+
+/// SQLite's pages, of 1024 bytes here: damage to one costs the messages of that one.
+TEST(DamagedSqlite, LosesNoOtherPageByAFlippedBit) {
+  constexpr std::size_t kPage = 1024;
+  const std::string whole = read_bytes(fixture("plain.db3"));
+  const std::vector<KnownChunk> messages = known_messages(whole);
+  std::set<std::size_t> pages;
+  for (const KnownChunk& one : messages) pages.insert((one.end - 2) / kPage);
+  ASSERT_GE(pages.size(), 3u);
+  std::mt19937 random(103);
+  std::size_t num_checked = 0;
+  for (int i = 0; i < 100; ++i) {
+    const std::size_t at = random() % whole.size();
+    std::string bytes = whole;
+    bytes[at] = static_cast<char>(bytes[at] ^ (1 << random() % 8));
+    const Outcome outcome = read_damaged(bytes);
+    SCOPED_TRACE(at);
+    if (!pages.contains(at / kPage)) continue;  // the list of tables, or of pages
+    const auto is_whole = [&](const KnownChunk& one) { return (one.end - 2) / kPage != at / kPage; };
+    expect_whole_chunks(messages, outcome, is_whole, num_checked);
+  }
+  EXPECT_GT(num_checked, 500u);
+}
+
+TEST(DamagedSqlite, GivesTheWholePagesOfACutFile) {
+  constexpr std::size_t kPage = 1024;
+  const std::string whole = read_bytes(fixture("plain.db3"));
+  const std::vector<KnownChunk> messages = known_messages(whole);
+  std::mt19937 random(22);
+  std::size_t num_checked = 0;
+  for (int i = 0; i < 20; ++i) {
+    const std::size_t size =
+        whole.size() - 1 - random() % (5 * kPage);  // tables and their roots stand before
+    SCOPED_TRACE(size);
+    const Outcome outcome = read_damaged(whole.substr(0, size));
+    EXPECT_NE(outcome.damage, "");
+    const auto is_whole = [&](const KnownChunk& one) { return one.end <= size / kPage * kPage; };
+    expect_whole_chunks(messages, outcome, is_whole, num_checked);
+    EXPECT_EQ(num_wrong(outcome), 0u);
+  }
+  EXPECT_GT(num_checked, 100u);
+}
+
+}  // namespace
+}  // namespace apriltrack::test

@@ -1,0 +1,225 @@
+// Bags as INPUT: what is filmed is the same, whatever it is kept in.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <set>
+
+#include "apriltrack/camera/camera.h"
+#include "bag/bag_writers.h"
+#include "program.h"
+#include "support/shared_data.h"
+
+namespace apriltrack::test {
+namespace {
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// A simulated recording, and bags with its pictures.
+class Bags : public ::testing::Test {
+ protected:
+  static constexpr int kFrames = 12;
+
+  void SetUp() override { folder_ = temporary_folder(); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  void simulate(const std::string& scene, int frames = kFrames) const {
+    run_for_json({"simulate", "--scene", scene, "--frames", std::to_string(frames), "--exposure", "0.004",
+                  "--output", path(scene)});
+  }
+
+  std::set<std::int64_t> times_of(const std::string& scene) const {
+    std::set<std::int64_t> times_ns;
+    for (const auto& image : fs::directory_iterator(path(scene) + "/frames"))
+      times_ns.insert(std::stoll(image.path().stem()));
+    return times_ns;
+  }
+
+  static std::string bytes_of(const cv::Mat& picture) {
+    return {reinterpret_cast<const char*>(picture.data), picture.total() * picture.elemSize()};
+  }
+
+  /// The pictures of a scene, logged 30 ms late, their stamps moved by shift_ns.
+  std::vector<TestMessage> pictures_of(const std::string& scene, const std::string& topic, Wire wire,
+                                       std::int64_t shift_ns = 0) const {
+    std::vector<TestMessage> messages;
+    for (const std::int64_t time_ns : times_of(scene)) {
+      const cv::Mat picture =
+          cv::imread(path(scene) + "/frames/" + std::to_string(time_ns) + ".png", cv::IMREAD_GRAYSCALE);
+      const ImageFields fields{.stamp_ns = time_ns + shift_ns,
+                               .width = picture.cols,
+                               .height = picture.rows,
+                               .encoding = "mono8",
+                               .step = picture.cols,
+                               .data = bytes_of(picture)};
+      messages.push_back({topic, "sensor_msgs/Image", time_ns + 30'000'000, image_message(wire, fields)});
+    }
+    return messages;
+  }
+
+  TestMessage camera_info_of(const std::string& scene, const std::string& topic, Wire wire) const {
+    const Camera camera = read_cameras(path(scene) + "/camera.yaml").cameras.front();
+    const Pinhole& p = camera.model.pinhole();
+    const CameraInfoFields fields{
+        .width = camera.width,
+        .height = camera.height,
+        .model = "plumb_bob",
+        .d = std::visit([](const auto& lens) { return lens.coefficients(); }, camera.model.distortion()),
+        .k = {p.fx, 0, p.cx, 0, p.fy, p.cy, 0, 0, 1}};
+    return {topic, "sensor_msgs/CameraInfo", 1, camera_info_message(wire, fields)};
+  }
+
+  /// Tracks and gives the trajectory, byte for byte.
+  std::string track(const std::string& input, std::vector<std::string> more = {}) const {
+    std::vector<std::string> words = {"track",    input,          "--map", path("single/map.yaml"),
+                                      "--output", path("out.tum")};
+    words.insert(words.end(), more.begin(), more.end());
+    const nlohmann::json answer = run_for_json(words);
+    EXPECT_GT(answer.value("poses", answer.value("frames", 0)), 0);
+    return read_text(path("out.tum"));
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(Bags, OfEachFormatGiveTheTrajectoryOfTheFolder) {
+  simulate("single");
+  const std::vector<std::string> camera = {"--camera", path("single/camera.yaml")};
+  const std::string expected = track(path("single"));
+  ASSERT_NE(expected, "");
+  write_ros1_bag(path("a.bag"), pictures_of("single", "/camera/image_raw", Wire::kRos1));
+  write_mcap(path("a.mcap"), Wire::kCdr, pictures_of("single", "/camera/image_raw", Wire::kCdr));
+  write_db3(path("a.db3"), pictures_of("single", "/camera/image_raw", Wire::kCdr));
+  for (const char* name : {"a.bag", "a.mcap", "a.db3"})
+    EXPECT_EQ(track(path(name), camera), expected) << name;
+  fs::create_directories(path("rosbag2"));
+  fs::rename(path("a.db3"), path("rosbag2/rosbag2_0.db3"));
+  write_text(path("rosbag2/metadata.yaml"),
+             "rosbag2_bagfile_information:\n  storage_identifier: sqlite3\n"
+             "  relative_file_paths: [rosbag2_0.db3]\n");
+  EXPECT_EQ(track(path("rosbag2"), camera), expected);
+}
+
+TEST_F(Bags, BringTheirCamera) {
+  simulate("single");
+  // A CameraInfo tells neither exposure nor response.
+  std::string camera = read_text(path("single/camera.yaml"));
+  std::string bare;
+  for (std::size_t begin = 0; begin < camera.size();) {
+    const std::size_t end = camera.find('\n', begin);
+    const std::string line = camera.substr(begin, end - begin);
+    if (line.find("exposure_time") == std::string::npos && line.find("response") == std::string::npos)
+      bare += line + "\n";
+    if (end == std::string::npos) break;
+    begin = end + 1;
+  }
+  write_text(path("bare.yaml"), bare);
+  const std::string expected = track(path("single"), {"--camera", path("bare.yaml")});
+  auto messages = pictures_of("single", "/camera/image_raw", Wire::kCdr);
+  messages.push_back(camera_info_of("single", "/camera/camera_info", Wire::kCdr));
+  write_mcap(path("a.mcap"), Wire::kCdr, messages);
+  EXPECT_EQ(track(path("a.mcap")), expected);
+
+  write_mcap(path("b.mcap"), Wire::kCdr, pictures_of("single", "/camera/image_raw", Wire::kCdr));
+  EXPECT_THAT(
+      run_program({"track", path("b.mcap"), "--map", path("single/map.yaml"), "--output", path("o.tum")}),
+      EndsWith(2, "no sensor_msgs/CameraInfo"));
+}
+
+TEST_F(Bags, HaveTheirStampsMovedToTheMiddle) {
+  simulate("single");
+  const std::string expected = track(path("single"));
+  // exposure_time is 4 ms.
+  write_mcap(path("start.mcap"), Wire::kCdr, pictures_of("single", "/image", Wire::kCdr, -2'000'000));
+  write_mcap(path("end.mcap"), Wire::kCdr, pictures_of("single", "/image", Wire::kCdr, 2'000'000));
+  const std::string camera = path("single/camera.yaml");
+  EXPECT_EQ(track(path("start.mcap"), {"--camera", camera, "--stamp-is", "start"}), expected);
+  EXPECT_EQ(track(path("end.mcap"), {"--camera", camera, "--stamp-is", "end"}), expected);
+  EXPECT_THAT(run_program({"detect", path("end.mcap"), "--stamp-is", "end", "--output", path("o.csv")}),
+              EndsWith(2, "--stamp-is: 'end' moves times by half the exposure, which nothing tells"));
+}
+
+TEST_F(Bags, AreReadByDetectAndDoctor) {
+  simulate("single");
+  write_ros1_bag(path("a.bag"), pictures_of("single", "/camera/image_raw", Wire::kRos1));
+  const auto detected = run_for_json(
+      {"detect", path("a.bag"), "--camera", path("single/camera.yaml"), "--output", path("o.csv")});
+  EXPECT_EQ(detected["frames"], kFrames);
+  run_for_json({"detect", path("single"), "--output", path("expected.csv")});
+  EXPECT_EQ(read_text(path("o.csv")), read_text(path("expected.csv")));
+  const ProgramRun looked = run_program({"doctor", path("a.bag"), "--json"});
+  EXPECT_EQ(nlohmann::json::parse(looked.out)["recordings"][0]["frames"], kFrames) << looked.err;
+}
+
+TEST_F(Bags, AskForTheTopic) {
+  simulate("single", 3);
+  auto messages = pictures_of("single", "/left/image_raw", Wire::kCdr);
+  for (const TestMessage& one : pictures_of("single", "/right/image_raw", Wire::kCdr))
+    messages.push_back(one);
+  write_db3(path("two.db3"), messages);
+  const std::vector<std::string> detect = {"detect", path("two.db3"), "--output", path("o.csv")};
+  EXPECT_THAT(run_program(detect), EndsWith(2,
+                                            "/left/image_raw (sensor_msgs/msg/Image, 3 messages), "
+                                            "/right/image_raw (sensor_msgs/msg/Image, 3 messages)"));
+  auto with_topic = detect;
+  with_topic.insert(with_topic.end(), {"--topic", "/right/image_raw"});
+  EXPECT_EQ(run_for_json(with_topic)["frames"], 3);
+  EXPECT_THAT(run_program({"detect", path("single"), "--topic", "/image", "--output", path("o.csv")}),
+              EndsWith(2, "--topic: is of a bag, and no INPUT is one"));
+}
+
+/// Both cameras at one place: the same pictures.
+TEST_F(Bags, OfSeveralCamerasCalibrateAsTheirFolders) {
+  simulate("room-small", 24);
+  const std::string camera = read_text(path("room-small/camera.yaml"));
+  const std::string apart = "\n  T_cn_cnm1: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n";
+  write_text(path("rig.yaml"), camera + "\ncam1" + camera.substr(4) + apart);
+  write_text(path("rig_with_topics.yaml"), camera + "\n  rostopic: /left/image_raw\ncam1" + camera.substr(4) +
+                                               apart + "  rostopic: /right/image_raw\n");
+  auto messages = pictures_of("room-small", "/left/image_raw", Wire::kCdr);
+  for (const TestMessage& one : pictures_of("room-small", "/right/image_raw", Wire::kCdr))
+    messages.push_back(one);
+  write_mcap(path("two.mcap"), Wire::kCdr, messages);
+  const auto calibrate = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all = {"calibrate",   "--tag-size", "0.096",
+                                    "--no-refine", "--output",   path("map.yaml")};
+    all.insert(all.end(), words.begin(), words.end());
+    run_for_json(all);
+    return read_text(path("map.detections.csv"));
+  };
+  const std::string frames = path("room-small");
+  const std::string expected = calibrate({"cam0=" + frames, "cam1=" + frames, "--camera", path("rig.yaml")});
+  EXPECT_EQ(calibrate({path("two.mcap"), "--camera", path("rig.yaml"), "--topic", "cam0=/left/image_raw",
+                       "--topic", "cam1=/right/image_raw"}),
+            expected);
+  EXPECT_EQ(calibrate({path("two.mcap"), "--camera", path("rig_with_topics.yaml")}), expected);
+  EXPECT_THAT(
+      run_program({"calibrate", path("two.mcap"), "--tag-size", "0.096", "--output", path("map.yaml"),
+                   "--topic", "cam0=/left/image_raw", "--topic", "cam1=/right/image_raw"}),
+      EndsWith(2, "--camera: is required: CameraInfo messages do not tell where several cameras sit"));
+}
+
+TEST_F(Bags, ThatAreCutGiveWhatIsThere) {
+  simulate("single");
+  write_mcap(path("a.mcap"), Wire::kCdr, pictures_of("single", "/image", Wire::kCdr));
+  fs::resize_file(path("a.mcap"), fs::file_size(path("a.mcap")) * 5 / 6);
+  const ProgramRun run = run_program({"detect", path("a.mcap"), "--output", path("o.csv"), "--json"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("a.mcap: the bag is cut off or damaged: it ends within the record at byte"));
+  const nlohmann::json answer = nlohmann::json::parse(run.out);
+  EXPECT_GE(answer["frames"], 8);
+  EXPECT_LT(answer["frames"], kFrames);
+}
+
+TEST_F(Bags, ThatAreStubsAreRefused) {
+  write_text(path("stub.bag"), "#ROSBAG V2.0\n" + std::string(2000, '\0'));
+  EXPECT_THAT(run_program({"detect", path("stub.bag"), "--output", path("o.csv")}),
+              EndsWith(3, "stub.bag: is a bag without a topic or a message"));
+  EXPECT_FALSE(fs::exists(path("o.csv")));
+}
+
+}  // namespace
+}  // namespace apriltrack::test
