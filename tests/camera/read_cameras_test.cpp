@@ -74,6 +74,20 @@ TEST(RosTopics, AreThoseOfTheCamerasThatHaveOne) {
       IsEmpty());
 }
 
+TEST(RosTopics, GoByTheCamerasLabel) {
+  using ::testing::Pair;
+  std::string labelled = kStereo;
+  labelled.insert(labelled.find("  rostopic"), "  label: left\n");
+  EXPECT_THAT(ros_topics(write_text("camera.yaml", labelled)), ElementsAre(Pair("left", "/left/image_raw")));
+}
+
+TEST(RosTopics, AreNotInFilesThatAreNoYaml) {
+  const auto path = write_text(
+      "cameras.txt", "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n1 PINHOLE 640 480 500 501 320 240\n");
+  EXPECT_EQ(read_cameras(path).cameras.size(), 1U);
+  EXPECT_THAT(ros_topics(path), IsEmpty());
+}
+
 TEST(ReadCameras, ReadsKalibrsCamchain) {
   const CameraRig rig = read_cameras(write_text("camera.yaml", kStereo));
   ASSERT_EQ(rig.cameras.size(), 2U);

@@ -152,6 +152,15 @@ void tell_oddities(const CameraFile& file, const std::string& where, const LogSi
   for (const Camera& camera : file.rig.cameras) warn_of_oddities(camera, where, log);
 }
 
+/// Of a file that is YAML or JSON: its mapping; nullopt of other kinds, which have neither responses nor
+/// topics.
+std::optional<YamlNode> mapping_in(const std::filesystem::path& camera_file) {
+  const CameraText file{camera_file.string(), read_file(camera_file)};
+  if (is_ros_ini(file) || is_colmap(file) || is_mrcal(file)) return std::nullopt;
+  const YamlNode root = read_tree(file);
+  return root.is_map() ? std::optional(root) : std::nullopt;
+}
+
 }  // namespace
 
 CameraFile read_camera_file(const std::filesystem::path& path, const LogSink& log, BeyondOurLenses beyond) {
@@ -179,23 +188,23 @@ UnestimatedRig read_cameras_to_estimate(const std::filesystem::path& path, const
 }
 
 std::map<std::string, std::string> ros_topics(const std::filesystem::path& camera_file) {
-  const YamlNode root = read_tree(camera_file);
+  const auto root = mapping_in(camera_file);
   std::map<std::string, std::string> topics;
-  if (!root.is_map()) return topics;
-  for (const auto& [name, camera] : root.entries()) {
-    const auto topic = is_camera_name(name) && camera.is_map() ? camera.find("rostopic") : std::nullopt;
-    if (topic && topic->is_scalar() && !topic->is_null()) topics[name] = topic->as_string();
+  if (!root || !is_kalibr_camchain(*root)) return topics;
+  for (const auto& [key, camera] : root->entries()) {
+    const auto topic = is_camera_name(key) && camera.is_map() ? camera.find("rostopic") : std::nullopt;
+    if (!topic || !topic->is_scalar() || topic->is_null()) continue;
+    const auto label = camera.find("label");
+    topics[label ? label->as_string() : key] = topic->as_string();
   }
   return topics;
 }
 
 std::vector<std::filesystem::path> response_tables(const std::filesystem::path& camera_file) {
-  const CameraText file{camera_file.string(), read_file(camera_file)};
+  const auto root = mapping_in(camera_file);
   std::vector<std::filesystem::path> tables;
-  if (is_ros_ini(file) || is_colmap(file) || is_mrcal(file)) return tables;  // no YAML, and without responses
-  const YamlNode root = read_tree(file);
-  if (!root.is_map()) return tables;
-  for (const auto& [key, camera] : root.entries()) {
+  if (!root) return tables;
+  for (const auto& [key, camera] : root->entries()) {
     const auto response = camera.is_map() ? camera.find("response") : std::nullopt;
     if (!response || response->is_map() || response->is_list()) continue;
     const std::filesystem::path table = camera_file.parent_path() / response->as_string();

@@ -3,7 +3,8 @@
 // The version of these headers. CMakeLists.txt reads it here, so that it stands in one place.
 
 #if !defined(_MSVC_LANG) && __cplusplus < 202002L
-#error "AprilTrack needs C++20: compile with -std=c++20, or link the CMake target apriltrack::track, which asks for it."
+#error \
+    "AprilTrack needs C++20: compile with -std=c++20, or link the CMake target apriltrack::track, which asks for it."
 #endif
 
 #define APRILTRACK_VERSION_MAJOR 0
@@ -16,8 +17,8 @@
 
 namespace apriltrack {
 
-/// "0.1.0": of the library that the program is linked with. Before 1.0 a new minor version may change the interface, and
-/// no version promises the binary interface of the one before.
+/// "0.1.0": of the library that the program is linked with. Before 1.0 a new minor version may change the
+/// interface, and no version promises the binary interface of the one before.
 const char* version();
 
 }  // namespace apriltrack
