@@ -4,13 +4,13 @@
 # A component is what a user asks for; each brings the outside libraries of its own and no others:
 #   track   localise and track: no OpenCV, no Ceres         calib   build tag maps (Ceres)
 #   source  read images and videos (OpenCV, FFmpeg)                 eval, sim     scoring, rendering
-#   report  draw pictures, videos and pages (OpenCV, FFmpeg)
+#   report  draw pictures, videos and pages (OpenCV, FFmpeg)        export        maps for viewers and simulators
 
 include(CMakePackageConfigHelpers)
 
-set(components track calib source eval sim report)
+set(components track calib source eval sim report export)
 set(modules_of_track base geometry image io camera tags detect motion filter photometric tracker)
-foreach(component calib source eval sim report)
+foreach(component calib source eval sim report export)
   set(modules_of_${component} ${component})
 endforeach()
 
