@@ -285,7 +285,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   const CameraRig rig = read_cameras_to_estimate(camera_file(arguments), arguments.console.log()).rig;
   Camera camera = arguments.camera_name.empty() ? rig.cameras.front()
                                                 : camera_named(rig, arguments.camera_name, "--camera-name");
-  const TagMap map = read_tag_map(map_file(arguments));
+  const TagMap map = read_map_input(map_file(arguments).string(), arguments.map_input, arguments.console);
   if (const auto warning = rolling_shutter_warning(camera)) arguments.console.warning(*warning);
   const ResponseFinding response = find_response(arguments, map, camera);
   const Method method = make_method(arguments.method_options(), camera, map, arguments.console);

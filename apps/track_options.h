@@ -4,6 +4,7 @@
 #include <string>
 
 #include "console.h"
+#include "map_input.h"
 #include "track_methods.h"
 
 namespace CLI {
@@ -19,6 +20,7 @@ struct TrackArguments {
   std::string camera;
   std::string camera_name;
   std::string map;
+  MapInputOptions map_input;
   std::string mode = "ego";
   std::string output;
   std::string frames_csv;
