@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "evaluate_report.h"
 #include "inputs.h"
+#include "map_input.h"
 
 namespace apriltrack::app {
 namespace {
@@ -32,6 +33,7 @@ struct EvaluateOptions {
   std::string camera;
   std::string camera_name;
   std::string map;
+  MapInputOptions map_input;
   std::string frames_csv;
   bool align = false;
   Console console;
@@ -69,7 +71,7 @@ std::optional<CornerScene> read_scene(const Inputs& inputs, const EvaluateOption
   const Camera camera = read_camera(inputs.camera, options.camera_name, options.console);
   const bool has_images = fs::is_directory(options.truth);
   return CornerScene{has_images ? with_resolution_of_images(camera, options.truth) : camera,
-                     read_tag_map(inputs.map)};
+                     read_map_input(inputs.map.string(), options.map_input, options.console)};
 }
 
 std::ptrdiff_t count_frames_with_tags(const Trajectory& truth, const CornerScene& scene,
@@ -214,6 +216,7 @@ void add_evaluate_command(CLI::App& app) {
   command.add_option("--camera-name", options->camera_name,
                      "Which camera of a rig's file, such as cam1 (default: the first)");
   command.add_option("--map", options->map, "True tag map, for corner errors");
+  add_map_input_options(command, options->map_input);
   command.add_option(
       "--frames-csv", options->frames_csv,
       "Frame log of the tracker: adds statuses, latency, silent failures, honesty of the covariance");

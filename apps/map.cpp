@@ -30,12 +30,14 @@ std::pair<CLI::App*, std::shared_ptr<MapOptions>> add_map_verb(CLI::App& map_com
 
 void add_map_command(CLI::App& app) {
   CLI::App& command = add_command(app, "map",
-                                  {"Shows, compares, joins and prints tag maps.",
+                                  {"Shows, converts, compares, joins and prints tag maps.",
                                    "apriltrack map show map.yaml\n"
+                                   "apriltrack map convert 2024-crescendo.json map.yaml --tag-size 0.1651\n"
                                    "apriltrack map diff true.yaml estimate.yaml",
                                    ""});
   command.require_subcommand(1);
   add_map_show(command);
+  add_map_convert(command);
   add_map_diff(command);
   add_map_align(command);
   add_map_merge(command);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "apriltrack/tags/tag_map.h"
 #include "command_help.h"
 #include "console.h"
+#include "map_input.h"
 
 namespace apriltrack::app {
 
@@ -22,6 +24,9 @@ struct MapOptions {
   std::string first;
   std::string second;
   std::string output;
+  std::string to;
+  MapInputOptions input;
+  std::optional<double> field_length_m, field_width_m;
   double conflict_mm = 10.0;
   double conflict_deg = 2.0;
   Console console;
@@ -36,8 +41,7 @@ std::pair<CLI::App*, std::shared_ptr<MapOptions>> add_map_verb(CLI::App& map_com
 /// the library knows of none.
 template <class Action>
 auto with_both_maps(const MapOptions& options, const Action& action) {
-  const TagMap first = read_tag_map(options.first);
-  const TagMap second = read_tag_map(options.second);
+  const auto [first, second] = read_map_inputs(options.first, options.second, options.input, options.console);
   try {
     return action(first, second);
   } catch (const Error& error) {
@@ -46,6 +50,7 @@ auto with_both_maps(const MapOptions& options, const Action& action) {
 }
 
 void add_map_show(CLI::App& map_command);
+void add_map_convert(CLI::App& map_command);
 void add_map_diff(CLI::App& map_command);
 void add_map_align(CLI::App& map_command);
 void add_map_merge(CLI::App& map_command);

@@ -91,6 +91,7 @@ void add_map_diff(CLI::App& map_command) {
                    {"Compares the tags of two maps after the best rigid motion, without scale.",
                     "apriltrack map diff true.yaml estimate.yaml", ""},
                    run_diff);
+  add_map_input_options(*verb, options->input);
   verb->add_option("TRUE", options->first, "True tag map")->required();
   verb->add_option("ESTIMATE", options->second, "Tag map that is judged")->required();
 }

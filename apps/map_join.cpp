@@ -109,6 +109,7 @@ void add_map_align(CLI::App& map_command) {
                    {"Moves a map into another one's frame by their common tags.",
                     "apriltrack map align reference.yaml map.yaml --output aligned.yaml", ""},
                    run_align);
+  add_map_input_options(*verb, options->input);
   verb->add_option("REFERENCE", options->first, "Tag map whose frame is taken")->required();
   verb->add_option("MAP", options->second, "Tag map that is moved")->required();
   verb->add_option("--output", options->output, "Tag map to write")->required();
@@ -120,6 +121,7 @@ void add_map_merge(CLI::App& map_command) {
                    {"Adds the second map's tags to the first, joined by their common tags.",
                     "apriltrack map merge hall.yaml corridor.yaml --output building.yaml", ""},
                    run_merge);
+  add_map_input_options(*verb, options->input);
   verb->add_option("BASE", options->first, "Tag map that is kept as it is")->required();
   verb->add_option("ADDITION", options->second, "Tag map whose further tags are added")->required();
   verb->add_option("--output", options->output, "Tag map to write")->required();

@@ -20,7 +20,7 @@ PrintPage page_of(const MapTag& tag) {
 }
 
 void run_print(const MapOptions& options) {
-  const TagMap map = read_tag_map(options.first);
+  const TagMap map = read_map_input(options.first, options.input, options.console);
   std::vector<std::pair<fs::path, std::string>>
       pages;  // all are drawn before any is written: a tag may not fit
   for (const MapTag& tag : map.tags) {
@@ -49,6 +49,7 @@ void add_map_print(CLI::App& map_command) {
                     "apriltrack map print maps/wall_3x4.yaml --output pages",
                     "Pages are SVG files in millimetres, to be printed at 100 %. The poses do not matter."},
                    run_print);
+  add_map_input_options(*verb, options->input);
   verb->add_option("MAP", options->first, "Tag map: families, ids and sizes are taken")->required();
   verb->add_option("--output", options->output, "Folder for the pages")->required();
 }

@@ -79,7 +79,7 @@ std::string to_text(const TagMap& map) {
 }
 
 void run_show(const MapOptions& options) {
-  const TagMap map = read_tag_map(options.first);
+  const TagMap map = read_map_input(options.first, options.input, options.console);
   options.console.finish(to_json(map), to_text(map));
 }
 
@@ -90,6 +90,7 @@ void add_map_show(CLI::App& map_command) {
       map_command, "show",
       {"Lists a map's tags with sizes, poses, accuracy and origin.", "apriltrack map show map.yaml", ""},
       run_show);
+  add_map_input_options(*verb, options->input);
   verb->add_option("MAP", options->first, "Tag map")->required();
 }
 

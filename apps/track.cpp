@@ -296,7 +296,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
       read_rig(camera_file(arguments), topic_without_camera(arguments.topics), arguments.console).rig;
   Camera camera = arguments.camera_name.empty() ? rig.cameras.front()
                                                 : camera_named(rig, arguments.camera_name, "--camera-name");
-  const TagMap map = read_tag_map(map_file(arguments));
+  const TagMap map = read_map_input(map_file(arguments).string(), arguments.map_input, arguments.console);
   if (const auto warning = rolling_shutter_warning(camera)) arguments.console.warning(*warning);
   const SourceOptions of_source = source_options(arguments, camera);
   const ResponseFinding response = find_response(arguments, map, of_source, camera);

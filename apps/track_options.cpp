@@ -63,7 +63,8 @@ void check_track_arguments(const CLI::App& command, const TrackArguments& argume
   refuse_options_of_other_methods(command, arguments.method());
   if (!arguments.input.empty()) check_input(arguments.input);
   std::vector<std::string> read = camera_inputs(arguments.camera, {arguments.input});
-  read.insert(read.end(), {arguments.input, arguments.detections, arguments.map});
+  read.insert(read.end(),
+              {arguments.input, arguments.detections, arguments.map, arguments.map_input.tag_sizes});
   check_outputs({{arguments.output, "--output"},
                  {arguments.frames_csv, "--frames-csv"},
                  {arguments.video, "--video"},
@@ -82,7 +83,10 @@ void add_track_options(CLI::App& command, TrackArguments& arguments) {
                      "Camera file; default: the sequence folder's own, or what a bag says of its camera");
   command.add_option("--camera-name", arguments.camera_name,
                      "Which camera of a file, or of a EuRoC recording, with several; default: the first");
-  command.add_option("--map", arguments.map, "Tag map; default: the sequence folder's own");
+  command.add_option(
+      "--map", arguments.map,
+      "Tag map, or layout of another project (see `map convert`); default: the sequence folder's own");
+  add_map_input_options(command, arguments.map_input);
   command.add_option("--mode", arguments.mode, "ego: T_world_camera; joint: T_camera_body")
       ->check(CLI::IsMember({"ego", "joint"}))
       ->capture_default_str();

@@ -6,6 +6,7 @@
 
 #include "apriltrack/source/frame_source.h"
 #include "console.h"
+#include "map_input.h"
 #include "track_methods.h"
 
 namespace CLI {
@@ -21,6 +22,7 @@ struct TrackArguments {
   std::string camera;
   std::string camera_name;
   std::string map;
+  MapInputOptions map_input;
   std::string mode = "ego";
   std::string output;
   std::string frames_csv;

@@ -4,14 +4,14 @@
 # A component is what a user asks for; each brings the outside libraries of its own and no others:
 #   track   localise and track: no OpenCV, no Ceres         calib   build tag maps (Ceres)
 #   source  read images, videos (OpenCV, FFmpeg) and bags (LZ4, zstd, bzip2, SQLite)
-#   eval, sim  scoring, rendering
+#   eval, sim  scoring, rendering                           export  maps for viewers and simulators
 #   report  draw pictures, videos and pages (OpenCV, FFmpeg)
 
 include(CMakePackageConfigHelpers)
 
-set(components track calib source eval sim report)
+set(components track calib source eval sim report export)
 set(modules_of_track base geometry image io camera tags detect motion filter photometric tracker)
-foreach(component calib source eval sim report)
+foreach(component calib source eval sim report export)
   set(modules_of_${component} ${component})
 endforeach()
 set(modules_of_source bag source)
@@ -64,7 +64,7 @@ foreach(component IN LISTS components)
   configure_file(${PROJECT_SOURCE_DIR}/cmake/apriltrack.pc.in ${generated_folder}/apriltrack-${component}.pc @ONLY)
   install(FILES ${generated_folder}/apriltrack-${component}.pc DESTINATION ${pkgconfig_folder})
 endforeach()
-set(pc_all_components calib report eval sim source track)  # users of others before those
+set(pc_all_components calib export report eval sim source track)  # users of others before those
 list(TRANSFORM pc_all_components PREPEND apriltrack-)
 list(JOIN pc_all_components " " pc_all_components)
 configure_file(${PROJECT_SOURCE_DIR}/cmake/apriltrack-all.pc.in ${generated_folder}/apriltrack.pc @ONLY)

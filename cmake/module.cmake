@@ -3,8 +3,8 @@
 #
 #   apriltrack_add_module(camera DEPENDS geometry image io PRIVATE_LIBRARIES yaml-cpp)
 #
-# builds libtrack/src/camera/*.cpp, and those of its rooms, libtrack/src/camera/*/*.cpp, into libapriltrack_camera.a, known as
-# apriltrack::camera.
+# builds libtrack/src/camera/*.cpp into libapriltrack_camera.a, known as apriltrack::camera. Folders in it are rooms of the module:
+# their files belong to it as well.
 function(apriltrack_add_module name)
   cmake_parse_arguments(ARG "" "SOURCE_DIR;INCLUDE_DIR" "DEPENDS;PRIVATE_LIBRARIES" ${ARGN})
   if(NOT ARG_SOURCE_DIR)

@@ -125,5 +125,34 @@ TEST(Rotation, LeftJacobianInverseIsItsInverse) {
   }
 }
 
+// Three turns about standing axes, x first, written out.
+TEST(Rotation, RollPitchYawTurnAboutStandingAxes) {
+  const double r = 0.3, p = -0.7, y = 2.1;
+  Eigen::Matrix3d about_x, about_y, about_z;
+  about_x << 1, 0, 0, 0, std::cos(r), -std::sin(r), 0, std::sin(r), std::cos(r);
+  about_y << std::cos(p), 0, std::sin(p), 0, 1, 0, -std::sin(p), 0, std::cos(p);
+  about_z << std::cos(y), -std::sin(y), 0, std::sin(y), std::cos(y), 0, 0, 0, 1;
+  const Eigen::Quaterniond rotation = rotation_of_roll_pitch_yaw({r, p, y});
+  EXPECT_LT((rotation.toRotationMatrix() - about_z * about_y * about_x).norm(), 1e-15);
+  EXPECT_LT((roll_pitch_yaw_of(rotation) - Eigen::Vector3d(r, p, y)).norm(), 1e-14);
+}
+
+TEST(Rotation, RollPitchYawGiveTheRotationAtThePoles) {
+  RandomStream random(209);
+  int poles = 0;
+  for (const double pitch : {0.5 * std::numbers::pi, -0.5 * std::numbers::pi}) {
+    for (const double off : {0.0, 1e-16, 1e-12, 1e-9, 1e-8, 1e-6}) {
+      for (int i = 0; i < 20; ++i, ++poles) {
+        const Eigen::Quaterniond rotation = rotation_of_roll_pitch_yaw(
+            {random.uniform(-3.0, 3.0), pitch - std::copysign(off, pitch), random.uniform(-3.0, 3.0)});
+        const Eigen::Vector3d angles = roll_pitch_yaw_of(rotation);
+        EXPECT_LT(rotation_log(rotation.conjugate() * rotation_of_roll_pitch_yaw(angles)).norm(), 1e-14);
+        EXPECT_LE(std::abs(angles.y()), 0.5 * std::numbers::pi);
+      }
+    }
+  }
+  EXPECT_EQ(poles, 240);
+}
+
 }  // namespace
 }  // namespace apriltrack

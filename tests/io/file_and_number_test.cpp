@@ -9,6 +9,8 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/io/quoted_text.h"
+#include "apriltrack/io/yaml_reader.h"
 #include "support/shared_data.h"
 
 namespace apriltrack {
@@ -152,6 +154,27 @@ TEST(Numbers, ReadWholeTextsOnly) {
   EXPECT_EQ(parse_integer("-9223372036854775808"), std::numeric_limits<long long>::min());
   for (const char* text : {"", "1.0", "9223372036854775808", "1e3", "0x1"})
     EXPECT_FALSE(parse_integer(text)) << text;
+}
+
+TEST(Numbers, DecimalPointMovesWithoutRounding) {
+  EXPECT_EQ(shift_decimal(165.1, -3), 0.1651);  // 165.1 / 1000 may be another double
+  EXPECT_EQ(shift_decimal(0.1651, 3), 165.1);
+  EXPECT_EQ(shift_decimal(-1e-5, 3), -0.01);
+  EXPECT_EQ(shift_decimal(1.5e300, -3), 1.5e297);
+  EXPECT_EQ(shift_decimal(0.0, 3), 0.0);
+  for (int i = 1; i < 2000; ++i) {  // what is written with up to fifteen digits comes back
+    const std::string digits = std::to_string(123456789012345LL - 54321098765LL * i);
+    const double value = *parse_double(digits + "e-" + std::to_string(i % 25));
+    EXPECT_EQ(shift_decimal(value, 3), *parse_double(digits + "e" + std::to_string(3 - i % 25))) << digits;
+    EXPECT_EQ(shift_decimal(shift_decimal(value, 3), -3), value) << digits;
+  }
+}
+
+TEST(QuotedText, IsWhatJsonAndYamlRead) {
+  EXPECT_EQ(quoted_text("a \"b\" \\ c\n\x01"), "\"a \\\"b\\\" \\\\ c\\u000A\\u0001\"");
+  const std::string odd = "tab\t, quote \", backslash \\, bell \a, caf\xC3\xA9";
+  EXPECT_EQ(YamlNode::read_text(quoted_text(odd), "x").as_string(), odd);
+  EXPECT_EQ(YamlNode::read_json_text("[" + quoted_text(odd) + "]", "x").items()[0].as_string(), odd);
 }
 
 TEST(Numbers, ExactTextReadsBack) {

@@ -86,31 +86,25 @@ class PlantedBreach(unittest.TestCase):
         place = self.plant("libtrack/src/sim/new.cpp", '#include "../detect/merge.h"')
         self.expect_breach(place + ":", "neither apriltrack/")
 
-    def make_room(self):
-        (self.root / "libtrack/src/sim/room").mkdir()
-        self.plant("libtrack/src/sim/room/inner.h", "#pragma once")
-
-    def test_room_of_a_module_may_be_used_by_it_and_use_it(self):
-        self.make_room()
-        self.plant("libtrack/src/sim/room/new.cpp", '#include "inner.h"\n#include "../lens.h"')
-        self.plant("libtrack/src/sim/new.cpp", '#include "room/inner.h"')
+    def test_room_of_a_module_uses_the_modules_private_headers(self):
+        self.plant("libtrack/src/tags/formats/new.cpp", '#include "../tag_fields.h"')
+        self.plant("libtrack/src/tags/formats/new.cpp", '#include "foreign_map.h"')
         run = self.check()
         self.assertEqual(run.returncode, 0, run.stdout)
 
     def test_room_of_another_module(self):
-        self.make_room()
-        place = self.plant("libtrack/src/eval/new.cpp", '#include "../sim/room/inner.h"')
+        place = self.plant("libtrack/src/tags/formats/new.cpp", '#include "../../io/yaml_tree.h"')
         self.expect_breach(place + ":", "neither apriltrack/")
 
-    def test_other_module_from_a_room(self):
-        self.make_room()
-        place = self.plant("libtrack/src/sim/room/new.cpp", '#include "../../detect/merge.h"')
+    def test_room_entered_beside_its_door(self):
+        place = self.plant("libtrack/src/tags/new.cpp", '#include "formats/foreign_map.h"')
+        self.expect_breach(place + ":", "neither apriltrack/")
+        place = self.plant("libtrack/src/sim/new.cpp", '#include "../tags/formats/formats.h"')
         self.expect_breach(place + ":", "neither apriltrack/")
 
-    def test_upper_floor_from_a_room(self):
-        self.make_room()
-        place = self.plant("libtrack/src/sim/room/new.cpp", '#include "apriltrack/tracker/localizer.h"')
-        self.expect_breach(place + ":", "sim may not include tracker")
+    def test_room_that_goes_upwards(self):
+        place = self.plant("libtrack/src/tags/formats/new.cpp", '#include "apriltrack/detect/detector.h"')
+        self.expect_breach(place + ":", "tags may not include detect")
 
     def test_private_header_beside_the_one_that_is_excepted(self):
         place = self.plant("libtrack/src/detect/library_detector.cpp", '#include "../tags/tag_fields.h"')

@@ -85,8 +85,8 @@ TEST(CommandLine, AMissingOrUnknownCommandIs2AndListsThoseThereAre) {
   EXPECT_THAT(run_program({"teleport"}),
               EndsWith(2, "apriltrack: there is no command 'teleport'; there are: simulate"));
   EXPECT_THAT(run_program({"map", "fold"}),
-              EndsWith(2, "map: there is no command 'fold'; there are: show, diff"));
-  EXPECT_THAT(run_program({"map"}), EndsWith(2, "map: a command is missing; there are: show, diff"));
+              EndsWith(2, "map: there is no command 'fold'; there are: show, convert"));
+  EXPECT_THAT(run_program({"map"}), EndsWith(2, "map: a command is missing; there are: show, convert"));
 }
 
 TEST(CommandLine, WrongWordsEndWithStatus2AndAHint) {

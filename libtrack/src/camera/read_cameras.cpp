@@ -14,7 +14,7 @@
 #include "apriltrack/camera/ros_topics.h"
 #include "apriltrack/io/atomic_file.h"
 #include "camera_fields.h"
-#include "formats/readers.h"
+#include "formats/formats.h"
 
 namespace apriltrack {
 namespace {

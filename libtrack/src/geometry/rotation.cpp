@@ -58,4 +58,21 @@ Eigen::Matrix3d rotation_left_jacobian_inverse(const Eigen::Vector3d& w) {
   return Eigen::Matrix3d::Identity() - 0.5 * W + c * W * W;
 }
 
+Eigen::Quaterniond rotation_of_roll_pitch_yaw(const Eigen::Vector3d& roll_pitch_yaw_rad) {
+  return Eigen::AngleAxisd(roll_pitch_yaw_rad.z(), Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(roll_pitch_yaw_rad.y(), Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(roll_pitch_yaw_rad.x(), Eigen::Vector3d::UnitX());
+}
+
+Eigen::Vector3d roll_pitch_yaw_of(const Eigen::Quaterniond& rotation) {
+  const Eigen::Matrix3d R = rotation.toRotationMatrix();
+  const double pitch = std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2)));
+  const double roll = std::atan2(R(2, 1), R(2, 2));
+  // Of what is left once that roll is taken back: where roll and yaw turn about one axis, roll is anything,
+  // and the yaw that goes with it still gives the rotation.
+  const double yaw = std::atan2(std::sin(roll) * R(0, 2) - std::cos(roll) * R(0, 1),
+                                std::cos(roll) * R(1, 1) - std::sin(roll) * R(1, 2));
+  return {roll, pitch, yaw};
+}
+
 }  // namespace apriltrack

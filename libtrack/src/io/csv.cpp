@@ -76,9 +76,13 @@ void require_header(const std::string& where, const std::vector<std::string>& he
 
 CsvTable CsvTable::read_file(const std::filesystem::path& path,
                              const std::vector<std::string>& required_columns) {
-  const std::string text = apriltrack::read_file(path);
+  return read_text(apriltrack::read_file(path), path.string(), required_columns);
+}
+
+CsvTable CsvTable::read_text(std::string_view text, const std::string& name,
+                             const std::vector<std::string>& required_columns) {
   CsvTable table;
-  table.name_ = path.string();
+  table.name_ = name;
   std::size_t header_line = 0;
   for_each_line(text, [&](std::size_t number, std::string_view line) {
     if (header_line == 0) {

@@ -30,4 +30,11 @@ std::string format_exact(double value) {
   return fmt::format("{}", value);
 }
 
+double shift_decimal(double value, int exponent) {
+  const std::string text = format_exact(value);
+  const std::size_t e = text.find('e');
+  const long long own = e == std::string::npos ? 0 : parse_integer(text.substr(e + 1)).value_or(0);
+  return parse_double(fmt::format("{}e{}", text.substr(0, e), own + exponent)).value_or(value);
+}
+
 }  // namespace apriltrack

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "aprilgrid_reader.h"
 #include "apriltrack/base/error.h"
-#include "apriltrack/io/yaml_reader.h"
 
 namespace apriltrack {
 namespace {
@@ -77,8 +77,7 @@ TagMap AprilGrid::map() const {
   return map;
 }
 
-AprilGrid read_aprilgrid(const std::filesystem::path& path) {
-  const YamlNode root = YamlNode::read_file(path);
+AprilGrid aprilgrid_of(const YamlNode& root) {
   root.expect_keys({"target_type", "tagRows", "tagCols", "tagSize", "tagSpacing", "codeOffset"});
   const YamlNode type = root.at("target_type");
   if (type.as_string() != "aprilgrid") {
@@ -105,6 +104,10 @@ AprilGrid read_aprilgrid(const std::filesystem::path& path) {
                           grid.columns, grid.first_id, num_codes - 1, kFamily));
   }
   return grid;
+}
+
+AprilGrid read_aprilgrid(const std::filesystem::path& path) {
+  return aprilgrid_of(YamlNode::read_file(path));
 }
 
 AprilGridPicture::AprilGridPicture(const AprilGrid& grid) : grid_(grid) {

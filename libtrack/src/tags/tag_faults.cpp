@@ -16,6 +16,9 @@ constexpr double kMaxSize_m = 100.0;  // as --tag-size: beyond, it was given in 
 /// Northings of UTM go up to this, coordinates of an Earth-centred frame to 6.4e6 m; doubles still resolve 2
 /// nm there. What is larger is no place, and squares of it are soon no number.
 constexpr double kMaxCoordinate_m = 1e7;
+/// Quaternions written with four decimals are as far from unit length as this; what is farther off is a
+/// mistake.
+constexpr double kMaxQuaternionNormError = 1e-3;
 /// Of covariances scaled to unit diagonal: what rounding to six digits leaves.
 constexpr double kCovarianceTolerance = 1e-6;
 
@@ -31,6 +34,13 @@ std::optional<std::string> fault_of_coordinate(double position_m) {
   if (std::abs(position_m) <= kMaxCoordinate_m) return std::nullopt;  // false for NaN
   return fmt::format("must lie in [{0:g}, {1:g}] metres (is {2:g})", -kMaxCoordinate_m, kMaxCoordinate_m,
                      position_m);
+}
+
+std::optional<std::string> fault_of_quaternion(const Eigen::Quaterniond& rotation) {
+  const double norm = rotation.coeffs().stableNorm();
+  if (std::abs(norm - 1.0) <= kMaxQuaternionNormError) return std::nullopt;  // false for NaN
+  return fmt::format("must be a quaternion of length 1, within {} (has length {:.6g})",
+                     kMaxQuaternionNormError, norm);
 }
 
 std::optional<std::string> fault_of_id(const TagKey& key) {

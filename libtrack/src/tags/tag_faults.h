@@ -17,6 +17,9 @@ std::optional<std::string> fault_of_size(double size_m);
 /// One coordinate of a tag's place, in metres: finite, and of this Earth.
 std::optional<std::string> fault_of_coordinate(double position_m);
 
+/// Unit length, but for rounding to a few decimals.
+std::optional<std::string> fault_of_quaternion(const Eigen::Quaterniond& rotation);
+
 /// Requires a known family.
 std::optional<std::string> fault_of_id(const TagKey& key);
 

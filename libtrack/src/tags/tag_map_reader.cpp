@@ -1,10 +1,9 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <map>
 
 #include "apriltrack/io/yaml_reader.h"
-#include "apriltrack/tags/tag_map.h"
+#include "own_map.h"
 #include "tag_faults.h"
 #include "tag_fields.h"
 
@@ -12,9 +11,6 @@ namespace apriltrack {
 namespace {
 
 constexpr int kSchemaVersion = 1;
-/// Quaternions written with four decimals are as far from unit length as this; what is farther off is a
-/// mistake.
-constexpr double kMaxQuaternionNormError = 1e-3;
 
 /// For mappings of which nothing but the known keys survives a round trip.
 void expect_only(const YamlNode& node, std::initializer_list<std::string_view> known) {
@@ -53,11 +49,7 @@ Pose read_pose(const YamlNode& node, const TagKey& tag) {
   const auto number = [](const YamlNode& from, std::string_view key) { return from.at(key).as_double(); };
   const Eigen::Quaterniond rotation(number(orientation, "w"), number(orientation, "x"),
                                     number(orientation, "y"), number(orientation, "z"));
-  const double norm = rotation.coeffs().stableNorm();
-  if (!(std::abs(norm - 1.0) <= kMaxQuaternionNormError)) {
-    orientation.fail(fmt::format("must be a quaternion of length 1, within {} (has length {:.6g})",
-                                 kMaxQuaternionNormError, norm));
-  }
+  if (const auto fault = fault_of_quaternion(rotation)) orientation.fail(*fault);
   return {rotation, translation};
 }
 
@@ -133,8 +125,7 @@ void expect_schema_version(const YamlNode& root) {
 
 }  // namespace
 
-TagMap read_tag_map(const std::filesystem::path& path) {
-  const YamlNode root = YamlNode::read_file(path);
+TagMap own_map_of(const YamlNode& root) {
   expect_schema_version(root);
   root.expect_keys({"apriltrack_map", "frame", "default_family", "provenance", "tags"});
   TagMap map;

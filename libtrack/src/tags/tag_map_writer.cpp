@@ -6,7 +6,7 @@
 
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/numbers.h"
-#include "apriltrack/tags/tag_map.h"
+#include "own_map.h"
 
 namespace apriltrack {
 namespace {
@@ -82,8 +82,7 @@ void write_tag(std::string& out, const MapTag& tag, const std::string& default_f
 
 }  // namespace
 
-void write_tag_map(const std::filesystem::path& path, const TagMap& map) {
-  check_tag_map(map, path.string());  // what could not be read again must not be written
+std::string own_map_text(const TagMap& map) {
   std::string out(kHeader);
   out += fmt::format("apriltrack_map: 1\nframe: {}\ndefault_family: {}\n", yaml_text(map.frame),
                      yaml_text(map.default_family));
@@ -93,7 +92,12 @@ void write_tag_map(const std::filesystem::path& path, const TagMap& map) {
   for (const auto& [key, text] : map.extensions) out += fmt::format("{}: {}\n", key, text);
   out += "tags:\n";
   for (const MapTag& tag : map.tags) write_tag(out, tag, map.default_family);
-  write_file_atomically(path, out);
+  return out;
+}
+
+void write_tag_map(const std::filesystem::path& path, const TagMap& map) {
+  check_tag_map(map, path.string());  // what could not be read again must not be written
+  write_file_atomically(path, own_map_text(map));
 }
 
 }  // namespace apriltrack

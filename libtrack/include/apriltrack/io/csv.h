@@ -17,6 +17,9 @@ class CsvTable {
   /// are).
   static CsvTable read_file(const std::filesystem::path& path,
                             const std::vector<std::string>& required_columns);
+  /// The same of a text; name: what messages call it.
+  static CsvTable read_text(std::string_view text, const std::string& name,
+                            const std::vector<std::string>& required_columns);
 
   std::size_t num_rows() const { return rows_.size(); }
   bool has_column(std::string_view name) const { return column(name).has_value(); }

@@ -55,11 +55,13 @@ std::array<Eigen::Vector3d, 4> corners_in_map(const MapTag& tag);
 /// checked. where: what the message begins with.
 void check_tag_map(const TagMap& map, std::string_view where = "map");
 
-/// Throws Error(kIo) when the file cannot be read, Error(kInvalidInput) with file, line and key when it is
-/// wrong.
+/// Reads map.yaml, or a layout of any other project that states sizes and families or leaves only families
+/// open (tag36h11 then): map_formats.h says which, reads those without sizes, too, and tells what was
+/// assumed. Throws Error(kIo) when the file cannot be read, Error(kInvalidInput) with file, line and key when
+/// it is wrong.
 TagMap read_tag_map(const std::filesystem::path& path);
-/// Numbers are written so that reading them gives the same doubles back. Throws what check_tag_map() throws,
-/// and Error(kIo); an existing file is replaced only when the new one is complete.
+/// Writes map.yaml. Numbers are written so that reading them gives the same doubles back. Throws what
+/// check_tag_map() throws, and Error(kIo); an existing file is replaced only when the new one is complete.
 void write_tag_map(const std::filesystem::path& path, const TagMap& map);
 
 }  // namespace apriltrack

@@ -6,8 +6,8 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/numbers.h"
 #include "colmap.h"
+#include "formats.h"
 #include "lines.h"
-#include "readers.h"
 
 namespace apriltrack {
 namespace {

@@ -1,5 +1,5 @@
 #include "../camera_fields.h"
-#include "readers.h"
+#include "formats.h"
 
 namespace apriltrack {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "formats.h"
 #include "opencv_lens.h"
-#include "readers.h"
 
 namespace apriltrack {
 namespace {

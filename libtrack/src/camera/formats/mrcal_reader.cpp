@@ -4,7 +4,7 @@
 #include <array>
 
 #include "../camera_fields.h"
-#include "readers.h"
+#include "formats.h"
 
 namespace apriltrack {
 namespace {

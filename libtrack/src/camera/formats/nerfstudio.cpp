@@ -9,7 +9,7 @@
 
 #include "../camera_fields.h"
 #include "colmap.h"
-#include "readers.h"
+#include "formats.h"
 
 namespace apriltrack {
 namespace {

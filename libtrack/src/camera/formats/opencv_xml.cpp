@@ -9,8 +9,8 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/numbers.h"
+#include "formats.h"
 #include "lines.h"
-#include "readers.h"
 
 namespace apriltrack {
 namespace {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "../camera_fields.h"
-#include "readers.h"
+#include "formats.h"
 
 namespace apriltrack {
 namespace {

@@ -10,8 +10,8 @@
 #include "../camera_fields.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/numbers.h"
+#include "formats.h"
 #include "lines.h"
-#include "readers.h"
 
 namespace apriltrack {
 namespace {

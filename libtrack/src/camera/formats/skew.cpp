@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "readers.h"
+#include "formats.h"
 
 namespace apriltrack {
 namespace {

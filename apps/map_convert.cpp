@@ -1,0 +1,157 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <variant>
+
+#include "apriltrack/export/export_map.h"
+#include "apriltrack/tags/map_formats.h"
+#include "map_command.h"
+#include "map_loss_words.h"
+#include "option_checks.h"
+#include "outputs.h"
+
+namespace apriltrack::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What can be written.
+using OutputFormat = std::variant<MapFormat, ExportFormat>;
+
+/// Endings that are one format's; .json and .csv are several's.
+constexpr std::array<std::pair<std::string_view, MapFormat>, 4> kMapEndings = {
+    {{".yaml", MapFormat::kAprilTrack},
+     {".yml", MapFormat::kAprilTrack},
+     {".fmap", MapFormat::kLimelight},
+     {".ini", MapFormat::kRtabmap}}};
+
+std::vector<std::string> output_names() {
+  std::vector<std::string> names;
+  for (const MapFormatInfo& info : map_formats()) names.emplace_back(info.name);
+  for (const ExportFormatInfo& info : export_formats()) names.emplace_back(info.name);
+  return names;
+}
+
+std::optional<OutputFormat> format_called(std::string_view name) {
+  if (const auto format = map_format_named(name)) return OutputFormat(*format);
+  if (const auto format = export_format_named(name)) return OutputFormat(*format);
+  return std::nullopt;
+}
+
+std::optional<OutputFormat> format_of_ending(const fs::path& path) {
+  const std::string ending = path.extension().string();
+  for (const auto& [known, format] : kMapEndings) {
+    if (ending == known) return OutputFormat(format);
+  }
+  for (const ExportFormatInfo& info : export_formats()) {
+    if (!info.ending.empty() && ending == info.ending) return OutputFormat(info.format);
+  }
+  return std::nullopt;
+}
+
+OutputFormat output_format(const MapOptions& options) {
+  const std::string list = fmt::format("{}", fmt::join(output_names(), ", "));
+  if (!options.to.empty()) {
+    if (const auto format = format_called(options.to)) return *format;
+    throw invalid_input("--to",
+                        fmt::format("'{}' is no format that is known; known are {}", options.to, list));
+  }
+  if (const auto format = format_of_ending(options.second)) return *format;
+  throw invalid_input("--to",
+                      fmt::format("is required, for the name '{}' leaves the format open; known are {}",
+                                  options.second, list));
+}
+
+std::string_view name_of(const OutputFormat& output) {
+  return std::visit([](const auto format) { return info_of(format).name; }, output);
+}
+
+std::string_view title_of(const OutputFormat& output) {
+  return std::visit([](const auto format) { return info_of(format).title; }, output);
+}
+
+bool is_folder(const OutputFormat& output) {
+  const auto* format = std::get_if<ExportFormat>(&output);
+  return format && info_of(*format).is_folder;
+}
+
+std::optional<FieldSize> field_of(const MapOptions& options) {
+  if (options.field_length_m.has_value() != options.field_width_m.has_value())
+    throw invalid_input(options.field_length_m ? "--field-width" : "--field-length",
+                        "is required beside the other: a field has a length and a width");
+  if (!options.field_length_m) return std::nullopt;
+  return FieldSize{*options.field_length_m, *options.field_width_m};
+}
+
+std::vector<MapLoss> write_as(const OutputFormat& output, const std::string& path, const TagMap& map,
+                              const MapWriteOptions& options) {
+  if (const auto* format = std::get_if<MapFormat>(&output))
+    return write_tag_map_as(path, map, *format, options);
+  return write_exported_map(path, map, std::get<ExportFormat>(output));
+}
+
+void run_convert(const MapOptions& options) {
+  const OutputFormat output = output_format(options);
+  if (is_folder(output))
+    check_output_folder(options.second);
+  else
+    check_output(options.second, "OUT", {options.first, options.input.tag_sizes});
+  MapReadOptions read_options = options.input.read_options();
+  read_options.field = field_of(options);
+  const MapReading reading = read_tag_map(options.first, read_options);
+  const std::vector<MapLoss> losses =
+      write_as(output, options.second, reading.map, {.field = read_options.field});
+  const std::string_view from = info_of(reading.format).title;
+  tell_losses(reading.losses, LossStage::kRead, from, options.first, options.console);
+  tell_losses(losses, LossStage::kWrite, title_of(output), options.second, options.console);
+  nlohmann::json all = losses_json(reading.losses, LossStage::kRead, from);
+  for (const auto& loss : losses_json(losses, LossStage::kWrite, title_of(output))) all.push_back(loss);
+  options.console.finish({{"input", options.first},
+                          {"output", options.second},
+                          {"from", info_of(reading.format).name},
+                          {"to", name_of(output)},
+                          {"frame", reading.map.frame},
+                          {"tags", reading.map.tags.size()},
+                          {"losses", all}},
+                         fmt::format("{}: {} tags, a {} from a {}", options.second, reading.map.tags.size(),
+                                     title_of(output), from));
+}
+
+/// One line a format, for --help.
+std::string formats_text() {
+  std::string text = "Formats that are read, by their contents, and written:\n";
+  for (const MapFormatInfo& info : map_formats()) text += fmt::format("  {:<14}{}\n", info.name, info.title);
+  text += "Formats that are written:\n";
+  for (const ExportFormatInfo& info : export_formats())
+    text += fmt::format("  {:<14}{}{}\n", info.name, info.title, info.is_folder ? "; OUT is a folder" : "");
+  return text +
+         "Without --to the ending of OUT tells: .yaml (ours), .fmap, .ini, .gltf, .glb, .urdf, .sdf, .g2o.\n"
+         "What a format cannot hold, or does not say, is told on stderr, and under --json in `losses`.";
+}
+
+}  // namespace
+
+void add_map_convert(CLI::App& map_command) {
+  const auto [verb, options] =
+      add_map_verb(map_command, "convert",
+                   {"Reads a layout of tags of any known project, and writes it for another.",
+                    "apriltrack map convert 2024-crescendo.json map.yaml --tag-size 0.1651\n"
+                    "apriltrack map convert map.yaml tags.yaml --to apriltag_ros",
+                    formats_text()},
+                   run_convert);
+  verb->add_option("IN", options->first, "Tag map, or layout of tags of another project")->required();
+  verb->add_option("OUT", options->second, "File to write; of --to colmap a folder")->required();
+  verb->add_option("--to", options->to, fmt::format("Format to write: {}", fmt::join(output_names(), ", ")));
+  add_map_input_options(*verb, options->input);
+  verb->add_option(
+          "--field-length", options->field_length_m,
+          "Metres along x, of WPILib's and Limelight's fields: moves the origin between corner and centre")
+      ->check(number_between(0.01, 10'000.0));
+  verb->add_option("--field-width", options->field_width_m, "Metres along y")
+      ->check(number_between(0.01, 10'000.0));
+}
+
+}  // namespace apriltrack::app

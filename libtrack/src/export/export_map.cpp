@@ -1,0 +1,101 @@
+#include "apriltrack/export/export_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <system_error>
+
+#include "apriltrack/base/check.h"
+#include "apriltrack/base/error.h"
+#include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/staged_files.h"
+#include "writers.h"
+
+namespace apriltrack {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<ExportFormatInfo, 8> kExportFormats = {
+    {{ExportFormat::kGltf, "gltf", "glTF scene", ".gltf"},
+     {ExportFormat::kGlb, "glb", "binary glTF scene", ".glb"},
+     {ExportFormat::kUrdf, "urdf", "URDF robot", ".urdf"},
+     {ExportFormat::kSdf, "sdf", "SDFormat model", ".sdf"},
+     {ExportFormat::kColmap, "colmap", "COLMAP text model", "", true},
+     {ExportFormat::kG2o, "g2o", "g2o graph", ".g2o"},
+     {ExportFormat::kCornersCsv, "corners-csv", "table of corners (CSV)", ""},
+     {ExportFormat::kCornersJson, "corners-json", "table of corners (JSON)", ""}}};
+
+std::vector<ExportedFile> files_of(const TagMap& map, ExportFormat format) {
+  switch (format) {
+    case ExportFormat::kGltf:
+      return {{"", gltf_text(map)}};
+    case ExportFormat::kGlb:
+      return {{"", glb_bytes(map)}};
+    case ExportFormat::kUrdf:
+      return {{"", urdf_text(map)}};
+    case ExportFormat::kSdf:
+      return {{"", sdf_text(map)}};
+    case ExportFormat::kColmap:
+      return colmap_files(map);
+    case ExportFormat::kG2o:
+      return {{"", g2o_text(map)}};
+    case ExportFormat::kCornersCsv:
+      return {{"", corners_csv(map)}};
+    case ExportFormat::kCornersJson:
+      return {{"", corners_json(map)}};
+  }
+  return {};
+}
+
+MapHoldings holdings_of(ExportFormat format) {
+  const bool is_graph = format == ExportFormat::kG2o;
+  return {.sizes = !is_graph,
+          .families = true,
+          .covariances = is_graph,
+          .frame_name = format != ExportFormat::kCornersCsv && format != ExportFormat::kColmap && !is_graph};
+}
+
+}  // namespace
+
+std::span<const ExportFormatInfo> export_formats() {
+  return kExportFormats;
+}
+
+const ExportFormatInfo& info_of(ExportFormat format) {
+  const auto found = std::ranges::find(kExportFormats, format, &ExportFormatInfo::format);
+  APRILTRACK_CHECK(found != kExportFormats.end(), "every format is in the table");
+  return *found;
+}
+
+std::optional<ExportFormat> export_format_named(std::string_view name) {
+  const auto found = std::ranges::find(kExportFormats, name, &ExportFormatInfo::name);
+  return found == kExportFormats.end() ? std::nullopt : std::optional(found->format);
+}
+
+MapExport export_tag_map(const TagMap& map, ExportFormat format) {
+  MapExport result{files_of(map, format), {}};
+  add_left_out(map, holdings_of(format), result.losses);
+  return result;
+}
+
+std::vector<MapLoss> write_exported_map(const fs::path& path, const TagMap& map, ExportFormat format) {
+  check_tag_map(map, path.string());
+  MapExport result = export_tag_map(map, format);
+  if (!info_of(format).is_folder) {
+    write_file_atomically(path, result.files.front().contents);
+    return std::move(result.losses);
+  }
+  std::error_code failure;
+  fs::create_directories(path, failure);
+  if (failure) throw io_error(path.string(), fmt::format("cannot be made: {}", failure.message()));
+  StagedFiles staged;
+  for (const ExportedFile& file : result.files)
+    staged.write(path / file.name,
+                 [&](const fs::path& aside) { write_file_atomically(aside, file.contents); });
+  staged.commit();
+  return std::move(result.losses);
+}
+
+}  // namespace apriltrack

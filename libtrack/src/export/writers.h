@@ -1,0 +1,18 @@
+#pragma once
+
+#include "apriltrack/export/export_map.h"
+
+namespace apriltrack {
+
+// One for each format.
+
+std::string gltf_text(const TagMap& map);
+std::string glb_bytes(const TagMap& map);
+std::string urdf_text(const TagMap& map);
+std::string sdf_text(const TagMap& map);
+std::vector<ExportedFile> colmap_files(const TagMap& map);
+std::string g2o_text(const TagMap& map);
+std::string corners_csv(const TagMap& map);
+std::string corners_json(const TagMap& map);
+
+}  // namespace apriltrack
