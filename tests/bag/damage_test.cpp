@@ -249,6 +249,57 @@ TEST(DamagedBag, TellsOfALostChunk) {
   EXPECT_EQ(static_cast<std::size_t>(num_errors), chunk.log_times_ns.size());
 }
 
+/// The index records of a ROS 1 bag as python3-rosbag writes them: fields op, conn, ver, count, then entries
+/// of 12 bytes.
+struct Ros1IndexRecord {
+  std::size_t conn = 0;  ///< Where the numbers are in the file.
+  std::size_t count = 0;
+  std::size_t data_size = 0;
+  std::size_t entries = 0;
+};
+
+std::vector<Ros1IndexRecord> index_records(const std::string& bytes) {
+  std::vector<Ros1IndexRecord> records;
+  for (std::size_t at = bytes.find("op=\x04"); at != std::string::npos; at = bytes.find("op=\x04", at + 1))
+    records.push_back({at + 13, at + 39, at + 43, at + 47});
+  return records;
+}
+
+/// Its number alone is another connection's: told by the counts at the end of the file.
+TEST(DamagedBag, SeesThatAnIndexIsOfAnotherTopic) {
+  std::string bytes = read_bytes(fixture("plain.bag"));
+  const auto records = index_records(bytes);
+  const auto gyro = std::ranges::find_if(records, [&](const auto& one) { return bytes[one.count] > 4; });
+  ASSERT_NE(gyro, records.end());
+  for (char other = 0; other < 4; ++other) {
+    std::string damaged = bytes;
+    damaged[gyro->conn] = other;
+    const std::string path = (temporary_folder() / "damaged").string();
+    write_bytes(path, damaged);
+    EXPECT_EQ(read_all(*open_bag(path), {"/gyro"}).size(), 40u) << int{other};
+  }
+}
+
+/// An entry is missing, and nothing at the end of the file counts the messages.
+TEST(DamagedBag, SeesThatAnIndexLacksAMessage) {
+  std::string bytes = read_bytes(fixture("plain.bag"));
+  const auto records = index_records(bytes);
+  // Not of the first such chunk, which is looked into anyway: it tells of the topics.
+  const auto last =
+      std::find_if(records.rbegin(), records.rend(), [&](const auto& one) { return bytes[one.count] > 4; });
+  ASSERT_NE(last, records.rend());
+  const std::size_t end =
+      records.back().entries + 12 * static_cast<unsigned char>(bytes[records.back().count]);
+  bytes.resize(end);
+  const int count = static_cast<unsigned char>(bytes[last->count]);
+  bytes[last->count] = static_cast<char>(count - 1);
+  bytes[last->data_size] = static_cast<char>(12 * (count - 1));
+  bytes.erase(last->entries + 12 * static_cast<std::size_t>(count - 1), 12);
+  const std::string path = (temporary_folder() / "damaged").string();
+  write_bytes(path, bytes);
+  EXPECT_EQ(read_all(*open_bag(path), {"/gyro"}).size(), 40u);
+}
+
 /// A header may claim any size: what is not there takes no memory.
 TEST(DamagedBag, BelievesNoSizeWithoutBytes) {
   std::string bytes = read_bytes(fixture("zstd.mcap"));
