@@ -249,6 +249,38 @@ TEST(DamagedBag, TellsOfALostChunk) {
   EXPECT_EQ(static_cast<std::size_t>(num_errors), chunk.log_times_ns.size());
 }
 
+/// What a recorder of ROS 1 leaves when it is killed (.bag.active): the header knows of no index, and the
+/// last chunk's sizes are still zero, with what there is of it behind.
+std::string as_active(std::string bytes, const KnownChunk& last, std::size_t size) {
+  bytes.resize(size);
+  const auto zero = [&](std::size_t at, std::size_t count) {
+    bytes.replace(at, count, std::string(count, '\0'));
+  };
+  zero(bytes.find("index_pos=") + 10, 8);
+  zero(bytes.find("chunk_count=") + 12, 4);
+  zero(bytes.find("conn_count=") + 11, 4);
+  // Its fields are op, compression and size; the data's length follows them.
+  const std::size_t of_size = bytes.find("size=", last.begin) + 5;
+  zero(of_size, 8);
+  return bytes;
+}
+
+TEST(DamagedBag, ReadsWhatAKilledRecorderLeft) {
+  for (const char* name : {"plain.bag", "lz4.bag"}) {
+    const std::string whole = read_bytes(fixture(name));
+    const std::vector<KnownChunk> chunks = known_chunks(name);
+    const KnownChunk& last = chunks[4];
+    // All of the chunk's data, but neither its index nor what follows.
+    const Outcome outcome = read_damaged(as_active(whole, last, last.end));
+    std::size_t num_checked = 0;
+    expect_whole_chunks(
+        {chunks.begin(), chunks.begin() + 5}, outcome, [](const KnownChunk&) { return true; }, num_checked);
+    EXPECT_GT(num_checked, 20u) << name;
+    EXPECT_EQ(num_wrong(outcome), 0u);
+    EXPECT_THAT(outcome.damage, testing::HasSubstr("no whole index"));
+  }
+}
+
 /// The index records of a ROS 1 bag as python3-rosbag writes them: fields op, conn, ver, count, then entries
 /// of 12 bytes.
 struct Ros1IndexRecord {
