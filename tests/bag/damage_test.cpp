@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <random>
@@ -13,6 +15,7 @@
 
 namespace apriltrack::test {
 namespace {
+namespace fs = std::filesystem;
 
 /// What another reader says of a chunk (make_fixtures.py): its bytes, and when its messages were logged.
 struct KnownChunk {
@@ -345,6 +348,37 @@ TEST(DamagedBag, BelievesNoSizeWithoutBytes) {
   for (std::size_t i = 0; i < 8; ++i) bytes[chunk.begin + 9 + 16 + i] = '\x7f';
   const Outcome outcome = read_damaged(bytes);
   EXPECT_EQ(right_ones(outcome).size(), expected_messages().size());
+}
+
+/// A large file, most of it a hole, whose footer says that the summary begins at the file's beginning.
+TEST(DamagedBag, BringsNoLargeFileIntoMemory) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need more memory than the test allows";
+#endif
+  constexpr std::size_t kLarge = std::size_t{6} << 30;
+  constexpr std::size_t kMost = std::size_t{1} << 30;
+  const fs::path path = temporary_folder() / "large.mcap";
+  const std::string whole = read_bytes(fixture("zstd.mcap"));
+  constexpr std::size_t kTail = 37;  // footer and magic
+  std::string tail = whole.substr(whole.size() - kTail);
+  tail.replace(9, 8, std::string("\x08\0\0\0\0\0\0\0", 8));
+  write_bytes(path.string(), whole.substr(0, whole.size() - kTail));
+  fs::resize_file(path, kLarge);
+  std::ofstream(path, std::ios::binary | std::ios::app) << tail;
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
+  const rlimit limit{static_cast<rlim_t>(kMost), before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &limit), 0);
+  std::set<std::int64_t> right;
+  try {
+    Outcome outcome;
+    outcome.given = read_all(*open_bag(path));
+    right = right_ones(outcome);
+  } catch (const std::exception& error) {
+    ADD_FAILURE() << error.what();
+  }
+  setrlimit(RLIMIT_AS, &before);
+  EXPECT_EQ(right.size(), expected_messages().size());
 }
 
 /// SQLite's pages, of 1024 bytes here: damage to one costs the messages of that one.
