@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 
+#include "bag_writers.h"
 #include "recording.h"
 #include "support/error_message.h"
 #include "support/shared_data.h"
@@ -117,6 +118,19 @@ TEST(BagReader, ReadsAFolderWhoseRecorderWasKilled) {
   const auto reader = open_bag(folder, [&](LogLevel, std::string_view text) { told += text; });
   EXPECT_EQ(read_all(*reader).size(), expected_messages().size());
   EXPECT_THAT(told, HasSubstr("metadata.yaml"));
+}
+
+/// Two recorders at once.
+TEST(BagReader, JoinsFilesThatOverlapInTime) {
+  const fs::path folder = temporary_folder();
+  const auto message = [](std::int64_t time_ns) {
+    return TestMessage{"/notes", "std_msgs/String", time_ns, std::to_string(time_ns)};
+  };
+  write_mcap(folder / "a_0.mcap", Wire::kCdr, {message(10), message(30), message(50)});
+  write_mcap(folder / "a_1.mcap", Wire::kCdr, {message(20), message(40), message(60)});
+  std::string order;
+  for (const Given& given : read_all(*open_bag(folder))) order += given.bytes + " ";
+  EXPECT_EQ(order, "10 20 30 40 50 60 ");
 }
 
 TEST(BagReader, RefusesOtherStoragesAndCompressionsByName) {

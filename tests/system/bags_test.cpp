@@ -202,6 +202,38 @@ TEST_F(Bags, OfSeveralCamerasCalibrateAsTheirFolders) {
       EndsWith(2, "--camera: is required: CameraInfo messages do not tell where several cameras sit"));
 }
 
+TEST_F(Bags, OfSeveralCamerasAreLookedAtOneByOne) {
+  simulate("single", 4);
+  auto messages = pictures_of("single", "/left/image_raw", Wire::kCdr);
+  for (const TestMessage& one : pictures_of("single", "/right/image_raw", Wire::kCdr))
+    messages.push_back(one);
+  write_mcap(path("two.mcap"), Wire::kCdr, messages);
+  const ProgramRun run = run_program({"doctor", path("two.mcap"), "--topic", "cam0=/left/image_raw",
+                                      "--topic", "cam1=/right/image_raw", "--no-other-families", "--json"});
+  const nlohmann::json answer = nlohmann::json::parse(run.out);
+  ASSERT_EQ(answer["recordings"].size(), 2u) << run.err;
+  EXPECT_EQ(answer["recordings"][0]["input"], path("two.mcap") + " /left/image_raw");
+  EXPECT_EQ(answer["recordings"][1]["frames"], 4);
+}
+
+TEST_F(Bags, CalibrateByTheirOwnCamera) {
+  simulate("room-small", 24);
+  auto messages = pictures_of("room-small", "/left/image_raw", Wire::kRos1);
+  messages.push_back(camera_info_of("room-small", "/left/camera_info", Wire::kRos1));
+  write_ros1_bag(path("one.bag"), messages);
+  const std::vector<std::string> words = {"--tag-size", "0.096", "--no-refine", "--output", path("map.yaml")};
+  std::vector<std::string> of_bag = {"calibrate", path("one.bag")},
+                           of_folder = {"calibrate", path("room-small")};
+  of_bag.insert(of_bag.end(), words.begin(), words.end());
+  of_folder.insert(of_folder.end(), words.begin(), words.end());
+  run_for_json(of_bag);
+  // By the same lens and the same response: sRGB, which the pictures tell, and the folder's camera file
+  // states.
+  const std::string detections = read_text(path("map.detections.csv"));
+  run_for_json(of_folder);
+  EXPECT_EQ(detections, read_text(path("map.detections.csv")));
+}
+
 TEST_F(Bags, ThatAreCutGiveWhatIsThere) {
   simulate("single");
   write_mcap(path("a.mcap"), Wire::kCdr, pictures_of("single", "/image", Wire::kCdr));

@@ -14,6 +14,8 @@ namespace apriltrack {
 namespace {
 
 constexpr std::uint64_t kFooterBytes = kMcapPrefixBytes + 20;
+/// A chunk has some 200 bytes there; a damaged number must not bring the whole file into memory.
+constexpr std::uint64_t kMostSummaryBytes = std::uint64_t{1} << 28;
 
 /// The summary's bytes, and where they begin; nullopt where there is none, or it is damaged.
 struct SummaryBytes {
@@ -35,7 +37,8 @@ std::optional<SummaryBytes> find_summary(const RandomAccessFile& file, bool& is_
   fields.u64();  // of the offsets
   const std::uint32_t crc = fields.u32();
   is_closed = begin == 0;  // a summary may be left out
-  if (begin < kMcapMagic.size() || begin > footer_offset) return std::nullopt;
+  if (begin < kMcapMagic.size() || begin > footer_offset || footer_offset - begin > kMostSummaryBytes)
+    return std::nullopt;
   std::string summary = file.read(begin, file.size() - kMcapMagic.size() - sizeof(crc) - begin);
   if (crc != 0 && crc32(summary) != crc) return std::nullopt;
   is_closed = true;

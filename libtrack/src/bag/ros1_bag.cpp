@@ -16,6 +16,7 @@ namespace {
 constexpr std::string_view kVersion2 = "#ROSBAG V2.0\n";
 constexpr std::uint32_t kIndexVersion = 1;
 constexpr std::uint64_t kIndexEntryBytes = 12;
+constexpr std::uint32_t kMostSmallBytes = 1 << 26;
 
 /// A record of the file, its data left where they are.
 struct FileRecord {
@@ -106,9 +107,8 @@ class Ros1Bag : public ChunkedFormat {
         add_index(record, header, layout);
         return;
       case Ros1Op::kConnection:
-        layout.channels.insert_or_assign(
-            connection_id(header),
-            connection_channel(header, file_->read(record.data_offset, record.data_size)));
+        layout.channels.insert_or_assign(connection_id(header),
+                                         connection_channel(header, read_small(record)));
         return;
       case Ros1Op::kChunkInfo:
         counts_[header.u64("chunk_pos")] = read_counts(record, header);
@@ -124,7 +124,7 @@ class Ros1Bag : public ChunkedFormat {
   using CountOfChannel = std::map<std::uint32_t, std::uint32_t>;
 
   CountOfChannel read_counts(const FileRecord& record, const Ros1Fields& header) const {
-    const std::string bytes = file_->read(record.data_offset, record.data_size);
+    const std::string bytes = read_small(record);
     ByteCursor cursor(bytes);
     CountOfChannel counts;
     for (std::uint32_t i = header.u32("count"); i > 0; --i) {
@@ -143,6 +143,12 @@ class Ros1Bag : public ChunkedFormat {
       for (const IndexPlace& place : chunk.index) counts[place.channel] = place.count;
       if (counts != told->second) chunk.has_index = false;
     }
+  }
+
+  /// What is no chunk is small; a damaged length must not bring the whole file into memory.
+  std::string read_small(const FileRecord& record) const {
+    if (record.data_size > kMostSmallBytes) throw BadBytes("a record is too long");
+    return file_->read(record.data_offset, record.data_size);
   }
 
   void refuse_encrypted(const Ros1Fields& header) const {
@@ -169,7 +175,8 @@ class Ros1Bag : public ChunkedFormat {
     if (layout.chunks.empty()) throw BadBytes("an index without a chunk");
     Chunk& chunk = layout.chunks.back();
     const IndexPlace place = {header.u32("conn"), record.data_offset, header.u32("count")};
-    if (header.u32("ver") != kIndexVersion || record.data_size != kIndexEntryBytes * place.count)
+    if (header.u32("ver") != kIndexVersion || record.data_size > kMostSmallBytes ||
+        record.data_size != kIndexEntryBytes * place.count)
       throw BadBytes("an index is damaged");
     const bool is_there_already = std::ranges::count(chunk.index, place.channel, &IndexPlace::channel) > 0;
     if (is_there_already) throw BadBytes("an index is there twice");
