@@ -55,6 +55,22 @@ roi:
 ---
 )";
 
+/// The picture's pixel (i, j) joins 2 x 3 pixels of the sensor, those from (100 + 2 i, 60 + 3 j) on, whose
+/// centre is at (100.5 + 2 i, 61 + 3 j).
+TEST_F(ForeignCameraFile, EchoOfABinnedPartOfTheSensor) {
+  std::string echo = kEcho;
+  for (const auto& [from, to] : {std::pair("binning_x: 0", "binning_x: 2"),
+                                 {"binning_y: 0", "binning_y: 3"},
+                                 {"x_offset: 0", "x_offset: 100"},
+                                 {"y_offset: 0", "y_offset: 60"},
+                                 {"  width: 0", "  width: 320"},
+                                 {"  height: 0", "  height: 240"}})
+    echo.replace(echo.find(from), std::string(from).size(), to);
+  EXPECT_THAT(numbers_of("echo.yaml", echo),
+              ElementsAre(606.5 / 2, 608.75 / 3, (317.25 - 100.5) / 2, (255.5 - 61.0) / 3, 0.1, -0.2, 0.003,
+                          -0.004, 0.05, 160, 80));
+}
+
 TEST_F(ForeignCameraFile, EchoOfRos2) {
   EXPECT_THAT(numbers_of("echo.yaml", kEcho),
               ElementsAre(606.5, 608.75, 317.25, 255.5, 0.1, -0.2, 0.003, -0.004, 0.05, 641, 481));

@@ -29,12 +29,12 @@ std::vector<WrongForeignFile> wrong_foreign_files() {
   return {
       {"binned",
        "c.yaml",
-       matrix + "D: [0, 0, 0, 0]\nbinning_x: 2\nbinning_y: 2\n",
-       {"c.yaml:3: binning_x: pictures that are binned (by 2)"}},
+       matrix + "D: [0, 0, 0, 0]\nbinning_x: -2\nbinning_y: 2\n",
+       {"c.yaml:3: binning_x: must lie in [0, 100000] pixels (is -2)"}},
       {"part_of_the_sensor",
        "c.yaml",
-       matrix + "D: [0, 0, 0, 0]\nroi: {x_offset: 0, y_offset: 16, width: 640, height: 464}\n",
-       {"c.yaml:3: roi.y_offset", "16 pixels in"}},
+       matrix + "D: [0, 0, 0, 0]\nroi: {x_offset: 0, y_offset: 160000, width: 640, height: 464}\n",
+       {"c.yaml:3: roi.y_offset: must lie in [0, 100000] pixels (is 160000)"}},
       // COLMAP
       {"colmap_model",
        "cameras.txt",

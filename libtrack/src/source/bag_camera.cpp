@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/camera/sensor_window.h"
 #include "apriltrack/source/bag_input.h"
 #include "bag_topics.h"
 #include "ros_message.h"
@@ -33,22 +34,6 @@ std::vector<RosCameraInfo> sample_infos(BagReader& bag, std::size_t topic) {
     }
   }
   return infos;
-}
-
-/// A pinhole of the full sensor's pixels for those of a picture that shows a region of it, and of which each
-/// pixel joins some of its own. Pixel 0 of the picture covers pixels 0 to binning - 1 of the region.
-struct Axis {
-  double focal = 0.0;
-  double centre = 0.0;
-  int size = 0;
-};
-
-Axis axis_of(double focal, double centre, std::uint32_t size, std::uint32_t offset, std::uint32_t region,
-             std::uint32_t binning) {
-  const double joined = std::max<std::uint32_t>(1, binning);
-  const std::uint32_t shown = region == 0 ? size : region;
-  return {focal / joined, (centre - offset - 0.5 * (joined - 1.0)) / joined,
-          static_cast<int>(shown / std::max<std::uint32_t>(1, binning))};
 }
 
 Distortion lens_of(const RosCameraInfo& info, const std::string& where) {
@@ -87,17 +72,26 @@ void check_numbers(const RosCameraInfo& info, const std::vector<double>& matrix,
         where, fmt::format("focal lengths must be > 0 pixels (are {} and {})", matrix[0], matrix[4]));
   if (info.width > kMostPixelsPerSide || info.height > kMostPixelsPerSide)
     throw invalid_input(where, fmt::format("claims {} x {} pixels", info.width, info.height));
+  for (const std::uint32_t number :
+       {info.roi_x, info.roi_y, info.roi_width, info.roi_height, info.binning_x, info.binning_y})
+    if (number > kMostPixelsPerSide)
+      throw invalid_input(where, fmt::format("its roi or binning is {} pixels", number));
 }
 
 /// By the matrix, 3 x 3, of the pictures that are published.
 Camera camera_of(const RosCameraInfo& info, const std::vector<double>& k, const Distortion& lens) {
-  const Axis x = axis_of(k[0], k[2], info.width, info.roi_x, info.roi_width, info.binning_x);
-  const Axis y = axis_of(k[4], k[5], info.height, info.roi_y, info.roi_height, info.binning_y);
-  return {.name = "cam0",
-          .model = CameraModel({x.focal, y.focal, x.centre, y.centre}, lens),
-          .width = x.size,
-          .height = y.size,
-          .response_origin = ResponseOrigin::kAssumed};
+  const Camera whole{.name = "cam0",
+                     .model = CameraModel({k[0], k[4], k[2], k[5]}, lens),
+                     .width = static_cast<int>(info.width),
+                     .height = static_cast<int>(info.height),
+                     .response_origin = ResponseOrigin::kAssumed};
+  const auto joined = [](std::uint32_t binning) { return std::max(1, static_cast<int>(binning)); };
+  return camera_of_window(whole, {.x_offset = static_cast<int>(info.roi_x),
+                                  .y_offset = static_cast<int>(info.roi_y),
+                                  .width = static_cast<int>(info.roi_width),
+                                  .height = static_cast<int>(info.roi_height),
+                                  .binning_x = joined(info.binning_x),
+                                  .binning_y = joined(info.binning_y)});
 }
 
 }  // namespace

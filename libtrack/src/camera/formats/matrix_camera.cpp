@@ -5,6 +5,7 @@
 #include <span>
 
 #include "../camera_fields.h"
+#include "apriltrack/camera/sensor_window.h"
 #include "formats.h"
 
 namespace apriltrack {
@@ -79,29 +80,28 @@ Resolution read_size(const YamlNode& root) {
   return width ? read_resolution(*width, *height) : Resolution{};
 }
 
-/// The picture that a message of ROS comes with is a part of the sensor's, or was made smaller, where it says
-/// so; the matrix is of the whole (REP 104).
-void check_whole_picture(const YamlNode& root) {
-  for (const char* key : {"binning_x", "binning_y"}) {
-    const auto binning = root.find(key);
-    if (binning && binning->as_int() > 1) {
-      binning->fail(
-          fmt::format("pictures that are binned (by {}) are smaller than the calibration's; write a camera "
-                      "file of the binned pictures, without this key",
-                      binning->as_int()));
-    }
-  }
+/// 0 where the file does not say.
+int whole_number(const YamlNode& root, std::string_view key) {
+  const auto node = root.find(key);
+  if (!node) return 0;
+  const int value = node->as_int();
+  if (value < 0 || value > kMaxResolution)
+    node->fail(fmt::format("must lie in [0, {}] pixels (is {})", kMaxResolution, value));
+  return value;
+}
+
+/// What of the sensor the pictures show that a message of ROS comes with, where it says so; the matrix is of
+/// the whole.
+SensorWindow read_window(const YamlNode& root) {
+  SensorWindow window{.binning_x = std::max(1, whole_number(root, "binning_x")),
+                      .binning_y = std::max(1, whole_number(root, "binning_y"))};
   const auto roi = root.find("roi");
-  if (!roi || !roi->is_map()) return;
-  for (const char* key : {"x_offset", "y_offset"}) {
-    const auto offset = roi->find(key);
-    if (offset && offset->as_int() != 0) {
-      offset->fail(
-          fmt::format("the pictures are a part of the sensor's, {} pixels in; write a camera file of "
-                      "the part (principal point less the offset, the part's size), without roi",
-                      offset->as_int()));
-    }
-  }
+  if (!roi || !roi->is_map()) return window;
+  window.x_offset = whole_number(*roi, "x_offset");
+  window.y_offset = whole_number(*roi, "y_offset");
+  window.width = whole_number(*roi, "width");
+  window.height = whole_number(*roi, "height");
+  return window;
 }
 
 bool has_any(const YamlNode& root, std::initializer_list<std::string_view> keys) {
@@ -129,7 +129,6 @@ bool has_camera_matrix(const YamlNode& root) {
 
 CameraRig read_matrix_camera(const YamlNode& root, BeyondOurLenses beyond,
                              std::vector<LostCameraFact>& lost) {
-  check_whole_picture(root);
   check_lens_model(root);
   const YamlNode matrix = *find_any(root, kMatrixNames);
   const SkewedPinhole lens = read_pinhole_matrix(matrix);
@@ -145,7 +144,7 @@ CameraRig read_matrix_camera(const YamlNode& root, BeyondOurLenses beyond,
   camera.width = size.width;
   camera.height = size.height;
   pass_over_skew(lens.skew_px, camera, matrix, lost);
-  return {{camera}};
+  return {{camera_of_window(camera, read_window(root))}};
 }
 
 }  // namespace apriltrack
