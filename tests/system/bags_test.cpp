@@ -8,6 +8,7 @@
 #include <set>
 
 #include "apriltrack/camera/camera.h"
+#include "apriltrack/source/sequence_writer.h"
 #include "bag/bag_writers.h"
 #include "program.h"
 #include "support/shared_data.h"
@@ -48,7 +49,7 @@ class Bags : public ::testing::Test {
     std::vector<TestMessage> messages;
     for (const std::int64_t time_ns : times_of(scene)) {
       const cv::Mat picture =
-          cv::imread(path(scene) + "/frames/" + std::to_string(time_ns) + ".png", cv::IMREAD_GRAYSCALE);
+          cv::imread(path(scene) + "/frames/" + sequence_frame_name({time_ns}), cv::IMREAD_GRAYSCALE);
       const ImageFields fields{.stamp_ns = time_ns + shift_ns,
                                .width = picture.cols,
                                .height = picture.rows,

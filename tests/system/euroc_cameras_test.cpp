@@ -6,6 +6,7 @@
 #include <set>
 
 #include "apriltrack/detect/detections_csv.h"
+#include "apriltrack/source/sequence_writer.h"
 #include "program.h"
 #include "support/shared_data.h"
 
@@ -39,7 +40,7 @@ class EurocCameras : public ::testing::Test {
     }
     std::string table = "#timestamp [ns],filename\n";
     for (const std::int64_t time_ns : times_ns)
-      table += std::to_string(time_ns + delay_ns) + "," + std::to_string(time_ns) + ".png\n";
+      table += std::to_string(time_ns + delay_ns) + "," + sequence_frame_name({time_ns}) + "\n";
     write_text(data.parent_path() / "data.csv", table);
   }
 
