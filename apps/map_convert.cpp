@@ -93,6 +93,14 @@ std::vector<MapLoss> write_as(const OutputFormat& output, const std::string& pat
   return write_exported_map(path, map, std::get<ExportFormat>(output));
 }
 
+/// Of the map, without those that the format cannot hold.
+std::size_t num_written(const TagMap& map, const std::vector<MapLoss>& losses) {
+  std::size_t count = map.tags.size();
+  for (const MapLoss& loss : losses)
+    if (loss.kind == MapLossKind::kTags && loss.how == MapLossHow::kLeftOut) count -= loss.tags.size();
+  return count;
+}
+
 void run_convert(const MapOptions& options) {
   const OutputFormat output = output_format(options);
   if (is_folder(output))
@@ -114,10 +122,10 @@ void run_convert(const MapOptions& options) {
                           {"from", info_of(reading.format).name},
                           {"to", name_of(output)},
                           {"frame", reading.map.frame},
-                          {"tags", reading.map.tags.size()},
+                          {"tags", num_written(reading.map, losses)},
                           {"losses", all}},
-                         fmt::format("{}: {} tags, a {} from a {}", options.second, reading.map.tags.size(),
-                                     title_of(output), from));
+                         fmt::format("{}: {} tags, a {} from a {}", options.second,
+                                     num_written(reading.map, losses), title_of(output), from));
 }
 
 /// One line a format, for --help.

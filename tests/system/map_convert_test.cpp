@@ -124,6 +124,15 @@ TEST(MapConvert, WhatIsLostIsToldToPeopleAndMachines) {
                                          "write families left_out", "write extensions left_out"}));
 }
 
+TEST(MapConvert, CountsTheTagsThatAreWritten) {
+  const Paths paths;
+  run_for_json(
+      {"simulate", "--scene", "room", "--frames", "1", "--speed", "0", "--output", paths.of("room")});
+  const auto summary = run_for_json(
+      {"map", "convert", paths.of("room") + "/map.yaml", paths.of("priors.txt"), "--to", "rtabmap"});
+  EXPECT_EQ(summary["tags"], 13);  // RTAB-Map passes over id 0
+}
+
 TEST(MapConvert, MistakesOfTheCommandLineEndWith2) {
   const Paths paths;
   const std::string map = paths.file("map.yaml", kMap);

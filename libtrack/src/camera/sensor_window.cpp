@@ -12,7 +12,8 @@ double centre_in_window(double centre, int offset, int binning) {
 }  // namespace
 
 Camera camera_of_window(const Camera& whole, const SensorWindow& window) {
-  APRILTRACK_CHECK(window.binning_x >= 1 && window.binning_y >= 1, "a picture's pixel joins one of the sensor's or more");
+  APRILTRACK_CHECK(window.binning_x >= 1 && window.binning_y >= 1,
+                   "a picture's pixel joins one of the sensor's or more");
   const Pinhole& lens = whole.model.pinhole();
   Camera camera = whole;
   camera.model = CameraModel({lens.fx / window.binning_x, lens.fy / window.binning_y,
