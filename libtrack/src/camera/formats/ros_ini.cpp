@@ -56,8 +56,8 @@ IniFile read_sections(const CameraText& file) {
   return ini;
 }
 
-const IniValue& value_at(const IniFile& ini, const CameraText& file, const std::string& section,
-                         const std::string& key) {
+IniValue value_at(const IniFile& ini, const CameraText& file, const std::string& section,
+                  const std::string& key) {
   const auto found = ini.values.find({section, key});
   if (found != ini.values.end()) return found->second;
   throw invalid_input(file.name, fmt::format("'{}' is missing in [{}]", key, section));
@@ -74,7 +74,7 @@ YamlNode list_of(const IniValue& value) {
 }
 
 int read_side(const IniFile& ini, const CameraText& file, const std::string& key) {
-  const IniValue& value = value_at(ini, file, "image", key);
+  const IniValue value = value_at(ini, file, "image", key);
   if (value.words.size() != 1)
     throw invalid_input(value.key.where, fmt::format("{} must be one number", key));
   return side_of(value.words[0], value.key, key);

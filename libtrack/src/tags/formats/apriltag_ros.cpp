@@ -96,7 +96,7 @@ MapReading read_apriltag_ros(const MapText& text, const MapReadOptions& options)
   }
   if (bundles.empty()) fail_without_poses(text.file, "apriltag_ros", single_tags.size());
   std::vector<MapLoss> losses;
-  const TagBundle& bundle = chosen_bundle(bundles, options, text.file, "bundle", losses);
+  const TagBundle bundle = chosen_bundle(bundles, options, text.file, "bundle", losses);
   if (!single_tags.empty())
     losses.push_back({.kind = MapLossKind::kTags, .value = "standalone_tags, which have no place"});
   add_foreign_keys(foreign, losses);

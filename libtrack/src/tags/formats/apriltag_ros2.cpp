@@ -118,7 +118,7 @@ MapReading read_apriltag_ros2(const MapText& text, const MapReadOptions& options
   const std::size_t single_tags = num_single_tags(parameters);
   if (bundles.empty()) fail_without_poses(text.file, "apriltag_ros (ROS 2)", single_tags);
   std::vector<MapLoss> losses;
-  const TagBundle& bundle = chosen_bundle(bundles, options, text.file, "bundle", losses);
+  const TagBundle bundle = chosen_bundle(bundles, options, text.file, "bundle", losses);
   if (single_tags > 0)
     losses.push_back({.kind = MapLossKind::kTags, .value = "standalone tags, which have no place"});
   add_foreign_keys(foreign, losses);

@@ -9,9 +9,8 @@
 
 namespace apriltrack {
 
-const TagBundle& chosen_bundle(const std::vector<TagBundle>& bundles, const MapReadOptions& options,
-                               const std::string& file, const std::string& word,
-                               std::vector<MapLoss>& losses) {
+TagBundle chosen_bundle(const std::vector<TagBundle>& bundles, const MapReadOptions& options,
+                        const std::string& file, const std::string& word, std::vector<MapLoss>& losses) {
   std::vector<std::string> names;
   for (const TagBundle& bundle : bundles) names.push_back(bundle.name);
   const auto found = std::ranges::find(names, options.bundle);

@@ -17,8 +17,7 @@ struct TagBundle {
 /// The bundle called options.bundle, or the only one of at least one; others are told as left out. Throws
 /// Error(kInvalidInput) that lists the names when there are several and none is chosen, or the chosen one is
 /// not there. word: "bundle".
-const TagBundle& chosen_bundle(const std::vector<TagBundle>& bundles, const MapReadOptions& options,
-                               const std::string& file, const std::string& word,
-                               std::vector<MapLoss>& losses);
+TagBundle chosen_bundle(const std::vector<TagBundle>& bundles, const MapReadOptions& options,
+                        const std::string& file, const std::string& word, std::vector<MapLoss>& losses);
 
 }  // namespace apriltrack

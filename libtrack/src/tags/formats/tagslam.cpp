@@ -183,7 +183,7 @@ MapReading read_tagslam(const MapText& text, const MapReadOptions& options) {
   }
   std::vector<TagBundle> bundles;
   for (const TagSlamBody& body : bodies) bundles.push_back(body.bundle);
-  const TagBundle& bundle = chosen_bundle(bundles, options, text.file, "body", losses);
+  const TagBundle bundle = chosen_bundle(bundles, options, text.file, "body", losses);
   return map_of(MapFormat::kTagSlam, options, text.file, bundle.name, bundle.tags, std::move(losses));
 }
 
