@@ -2,36 +2,49 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <sstream>
+
+#include "help_text.h"
+#include "option_table.h"
+#include "text_flow.h"
 
 namespace apriltrack::app {
 namespace {
 
-std::string long_text(const CommandHelp& help) {
-  std::string text = "Example:\n";
-  std::istringstream examples(help.examples);
-  for (std::string line; std::getline(examples, line);) text += "  " + line + "\n";
-  text += "\n" + help.summary + "\n";
-  if (!help.details.empty()) text += "\n" + help.details + "\n";
-  return text + "\n";
+std::vector<std::string> parents_of(const CLI::App& command) {
+  std::vector<std::string> words;
+  for (const CLI::App* parent = command.get_parent(); parent != nullptr; parent = parent->get_parent())
+    words.insert(words.begin(), parent->get_name());
+  return words;
 }
 
-/// CLI11 shows one description both in the list of commands and in a command's own help.
-class CommandFormatter : public CLI::Formatter {
+class TableFormatter : public CLI::FormatterBase {
  public:
-  explicit CommandFormatter(const CommandHelp& help) : text_(long_text(help)) {}
-  std::string make_description(const CLI::App*) const override { return text_; }
+  explicit TableFormatter(CommandHelp help) : help_(std::move(help)) {}
+  std::string make_help(const CLI::App* command, std::string, CLI::AppFormatMode) const override {
+    return help_text(option_table(*command, parents_of(*command)), terminal_width());
+  }
+  const CommandHelp& help() const { return help_; }
 
  private:
-  std::string text_;
+  CommandHelp help_;
 };
 
 }  // namespace
 
+void set_help(CLI::App& command, const CommandHelp& help) {
+  command.description(help.summary);
+  command.formatter(std::make_shared<TableFormatter>(help));
+}
+
 CLI::App& add_command(CLI::App& parent, const std::string& name, const CommandHelp& help) {
   CLI::App& command = *parent.add_subcommand(name, help.summary);
-  command.formatter(std::make_shared<CommandFormatter>(help));
+  set_help(command, help);
   return command;
+}
+
+const CommandHelp* help_of(const CLI::App& command) {
+  const auto formatter = std::dynamic_pointer_cast<TableFormatter>(command.get_formatter());
+  return formatter == nullptr ? nullptr : &formatter->help();
 }
 
 }  // namespace apriltrack::app

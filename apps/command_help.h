@@ -17,4 +17,10 @@ struct CommandHelp {
 
 CLI::App& add_command(CLI::App& parent, const std::string& name, const CommandHelp& help);
 
+/// Lets `command` print its --help from its option table. add_command() does so, too.
+void set_help(CLI::App& command, const CommandHelp& help);
+
+/// What add_command() or set_help() was given; nullptr where it was neither.
+const CommandHelp* help_of(const CLI::App& command);
+
 }  // namespace apriltrack::app

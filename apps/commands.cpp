@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include "apriltrack/base/version.h"
+#include "command_help.h"
 #include "option_checks.h"
+#include "value_names.h"
 
 namespace apriltrack::app {
 namespace {
@@ -22,11 +24,13 @@ void refuse_empty_texts(CLI::App& command) {
 
 void add_all_commands(CLI::App& app) {
   app.name("apriltrack");  // not the path by which it was called
-  app.description(
-      "Fiducial tracking that keeps the pose through motion blur.\n"
-      "Start with: apriltrack demo --output demo-output");
+  set_help(app, {"Fiducial tracking that keeps the pose through motion blur.",
+                 "apriltrack demo --output demo-output\n"
+                 "apriltrack help track",
+                 ""});
   app.require_subcommand(1);
-  app.set_version_flag("--version", std::string("apriltrack ") + version());
+  app.set_version_flag("-v,--version", std::string("apriltrack ") + version(),
+                       "Print name and version, with --json as data");
   add_simulate_command(app);
   add_doctor_command(app);
   add_detect_command(app);
@@ -36,6 +40,9 @@ void add_all_commands(CLI::App& app) {
   add_map_command(app);
   add_camera_command(app);
   add_demo_command(app);
+  add_help_command(app);
+  add_completion_command(app);
+  name_values(app);
   refuse_empty_texts(app);
 }
 

@@ -21,6 +21,8 @@ void add_evaluate_command(CLI::App& app);
 void add_map_command(CLI::App& app);
 void add_camera_command(CLI::App& app);
 void add_demo_command(CLI::App& app);
+void add_help_command(CLI::App& app);
+void add_completion_command(CLI::App& app);
 
 void add_all_commands(CLI::App& app);
 

@@ -28,7 +28,7 @@ namespace apriltrack::app {
 namespace {
 
 const CommandHelp kDetectHelp = {
-    "Finds tags and writes their corners, for calibrate --detections and track --detections.",
+    "Finds tags and writes their corners, for --detections of other commands.",
     "apriltrack detect recording --camera camera.yaml --output detections.csv\n"
     "apriltrack detect recording.bag --topic /camera/image_raw --output detections.csv\n"
     "apriltrack detect 'photos/*.jpg' --rate 1 --family tag36h11 --family tag25h9 --output detections.csv",

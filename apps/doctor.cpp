@@ -16,7 +16,7 @@ namespace apriltrack::app {
 namespace {
 
 const CommandHelp kDoctorHelp = {
-    "Looks at a recording before anything is solved: will it calibrate, and if not, why?",
+    "Says before anything is solved whether a recording will calibrate, and why not.",
     "apriltrack doctor video.mp4 --camera camera.yaml\n"
     "apriltrack doctor 'photos/*.jpg'\n"
     "apriltrack doctor cam0=left cam1=right --camera rig.yaml --family tag36h11b2",

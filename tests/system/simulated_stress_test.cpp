@@ -90,7 +90,7 @@ TEST(SimulateOptions, TellTheirLimitsInTheHelp) {
   const std::string help = run_program({"simulate", "--help"}).out;
   const auto help_of = [&](const std::string& option) {
     const std::size_t start = help.find("\n  " + option + " ", help.find("Options:"));  // behind the examples
-    return start == std::string::npos ? "" : help.substr(start, help.find('\n', start + 1) - start);
+    return start == std::string::npos ? "" : help.substr(start, help.find("\n  -", start + 1) - start);
   };
   const std::pair<const char*, const char*> limits[] = {
       {"--frames", "1 to 1000000"}, {"--rate", "0.01 to 10000"}, {"--exposure", "from 1e-07"},
