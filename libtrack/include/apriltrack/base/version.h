@@ -8,17 +8,17 @@
 #endif
 
 #define APRILTRACK_VERSION_MAJOR 0
-#define APRILTRACK_VERSION_MINOR 1
+#define APRILTRACK_VERSION_MINOR 2
 #define APRILTRACK_VERSION_PATCH 0
 
-/// To be compared in #if: 0.1.0 is 100, and 1.2.3 is 10203.
+/// To be compared by the preprocessor: 0.2.0 is 200, and 1.2.3 is 10203.
 #define APRILTRACK_VERSION_NUMBER \
   (APRILTRACK_VERSION_MAJOR * 10000 + APRILTRACK_VERSION_MINOR * 100 + APRILTRACK_VERSION_PATCH)
 
 namespace apriltrack {
 
-/// "0.1.0": of the library that the program is linked with. Before 1.0 a new minor version may change the
-/// interface, and no version promises the binary interface of the one before.
+/// "0.2.0": of the library that the program is linked with. Before 1.0 a new minor version may change the
+/// interface; a patch version changes neither source nor binary interface (scripts/check_abi).
 const char* version();
 
 }  // namespace apriltrack

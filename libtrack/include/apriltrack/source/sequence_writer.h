@@ -14,7 +14,7 @@ namespace apriltrack {
 /// Requires a time of 0 or more.
 std::string sequence_frame_name(Timestamp time);
 
-/// Writes a sequence folder: frames/<timestamp_ns>.png, camera.yaml, map.yaml, frames.csv
+/// Writes a sequence folder: frames/TIMESTAMP_NS.png, camera.yaml, map.yaml, frames.csv
 /// (docs/file_formats.md). write_frame may be called from several threads at once.
 class SequenceWriter {
  public:

@@ -25,10 +25,11 @@ std::string to_string(const TagKey& key);
 std::optional<TagKey> parse_tag_key(std::string_view text);
 
 }  // namespace apriltrack
-
+/// @cond
 template <>
 struct std::hash<apriltrack::TagKey> {
   std::size_t operator()(const apriltrack::TagKey& key) const noexcept {
     return std::hash<std::string>()(key.family) * 31 + static_cast<std::size_t>(key.id);
   }
 };
+/// @endcond
