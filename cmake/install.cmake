@@ -6,6 +6,8 @@
 #   source  read images, videos (OpenCV, FFmpeg) and bags (LZ4, zstd, bzip2, SQLite)
 #   eval, sim  scoring, rendering                           export  maps for viewers and simulators
 #   report  draw pictures, videos and pages (OpenCV, FFmpeg)
+#
+# CMake's own install components are the packages: development (headers, libraries) and tools (program, pages, documents, maps).
 
 include(CMakePackageConfigHelpers)
 
@@ -46,7 +48,8 @@ foreach(component IN LISTS components)
   set(pc_own_libraries "")
   foreach(module IN LISTS modules_of_${component})
     list(REMOVE_ITEM unassigned apriltrack_${module})
-    install(TARGETS apriltrack_${module} EXPORT apriltrack-${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    install(TARGETS apriltrack_${module} EXPORT apriltrack-${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+      COMPONENT development)
     get_target_property(type apriltrack_${module} TYPE)
     if(NOT type STREQUAL "INTERFACE_LIBRARY")
       # Static libraries are searched once, from left to right: upper floors come first.
@@ -54,7 +57,7 @@ foreach(component IN LISTS components)
     endif()
   endforeach()
   install(EXPORT apriltrack-${component} NAMESPACE apriltrack:: DESTINATION ${config_folder}
-    FILE apriltrack-${component}-targets.cmake)
+    FILE apriltrack-${component}-targets.cmake COMPONENT development)
   set(pc_component ${component})
   set(pc_requires "${pc_requires_of_${component}}")
   if(NOT component STREQUAL "track")
@@ -62,13 +65,13 @@ foreach(component IN LISTS components)
   endif()
   set(pc_libraries "${pc_own_libraries}${pc_libraries_of_${component}}")
   configure_file(${PROJECT_SOURCE_DIR}/cmake/apriltrack.pc.in ${generated_folder}/apriltrack-${component}.pc @ONLY)
-  install(FILES ${generated_folder}/apriltrack-${component}.pc DESTINATION ${pkgconfig_folder})
+  install(FILES ${generated_folder}/apriltrack-${component}.pc DESTINATION ${pkgconfig_folder} COMPONENT development)
 endforeach()
 set(pc_all_components calib export report eval sim source track)  # users of others before those
 list(TRANSFORM pc_all_components PREPEND apriltrack-)
 list(JOIN pc_all_components " " pc_all_components)
 configure_file(${PROJECT_SOURCE_DIR}/cmake/apriltrack-all.pc.in ${generated_folder}/apriltrack.pc @ONLY)
-install(FILES ${generated_folder}/apriltrack.pc DESTINATION ${pkgconfig_folder})
+install(FILES ${generated_folder}/apriltrack.pc DESTINATION ${pkgconfig_folder} COMPONENT development)
 if(unassigned)
   message(FATAL_ERROR "cmake/install.cmake: no component installs ${unassigned}")
 endif()
@@ -79,8 +82,12 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/apriltrackConfig.cmake
 # Before 1.0 every minor version may change the interface.
 write_basic_package_version_file(${generated_folder}/apriltrackConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${generated_folder}/apriltrackConfig.cmake ${generated_folder}/apriltrackConfigVersion.cmake
-  DESTINATION ${config_folder})
+  DESTINATION ${config_folder} COMPONENT development)
 
 install(DIRECTORY libtrack/include/apriltrack calib/include/apriltrack DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-  FILES_MATCHING PATTERN "*.h")
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+  COMPONENT development FILES_MATCHING PATTERN "*.h")
+
+install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools PATTERN "decisions" EXCLUDE)
+install(DIRECTORY maps DESTINATION ${CMAKE_INSTALL_DATADIR}/apriltrack COMPONENT tools)
+include(cmake/manual.cmake)

@@ -6,6 +6,7 @@ option(APRILTRACK_BUILD_BENCHMARKS "Build the benchmarks" OFF)
 # For developers and CI alone: a user's compiler may warn of what ours does not know.
 option(APRILTRACK_WERROR "Treat warnings in our own code as errors" OFF)
 set(APRILTRACK_SANITIZE "" CACHE STRING "Sanitizers for our own code, as -fsanitize= takes them (address,undefined or thread)")
+option(APRILTRACK_PACKAGE "Let `cpack` make Debian packages (scripts/release)" OFF)
 option(APRILTRACK_COVERAGE "Instrument our own code for gcov" OFF)
 
 set(CMAKE_CXX_STANDARD 20)
