@@ -7,15 +7,16 @@
 
 #include "apriltrack/base/degrees.h"
 #include "apriltrack/eval/statistics.h"
+#include "json_units.h"
 
 namespace apriltrack::app {
 namespace {
 
 using nlohmann::json;
 
-json rounded(const std::optional<double>& value, int decimals, double factor = 1.0) {
+json rounded(const std::optional<double>& value, int decimals) {
   if (!value) return nullptr;
-  return round_to_decimals(factor * *value, decimals);
+  return round_to_decimals(*value, decimals);
 }
 
 json to_json(const ErrorSummary& summary) {
@@ -24,10 +25,10 @@ json to_json(const ErrorSummary& summary) {
           {"success_5px", rounded(summary.success_5px, 4)},
           {"median_px", rounded(summary.median_px, 4)},
           {"p95_px", rounded(summary.p95_px, 4)},
-          {"position_rmse_mm", rounded(summary.position_rmse_m, 3, 1e3)},
-          {"rotation_rmse_deg", rounded(summary.rotation_rmse_rad, 4, kDegPerRad)},
-          {"position_median_mm", rounded(summary.position_median_m, 3, 1e3)},
-          {"rotation_median_deg", rounded(summary.rotation_median_rad, 4, kDegPerRad)}};
+          {"position_rmse_m", rounded(summary.position_rmse_m, 6)},
+          {"rotation_rmse_rad", rounded(summary.rotation_rmse_rad, 7)},
+          {"position_median_m", rounded(summary.position_median_m, 6)},
+          {"rotation_median_rad", rounded(summary.rotation_median_rad, 7)}};
 }
 
 std::string bin_name(const BlurBin& bin) {
@@ -75,13 +76,13 @@ json to_json(const TrajectoryEvaluation& evaluation) {
   out["unmatched_estimates"] = evaluation.unmatched_estimates;
   out["aligned"] = evaluation.T_truth_estimate.has_value();
   if (evaluation.T_truth_estimate) out["T_truth_estimate"] = to_json(*evaluation.T_truth_estimate);
-  out["ate_mm"] = rounded(evaluation.aligned_position_rmse_m, 3, 1e3);
+  out["ate_m"] = rounded(evaluation.aligned_position_rmse_m, 6);
   if (const auto& relative = evaluation.relative) {
     out["rpe_1_frame"] = {{"pairs", relative->pairs},
-                          {"position_rmse_mm", rounded(relative->position_rmse_m, 3, 1e3)},
-                          {"rotation_rmse_deg", rounded(relative->rotation_rmse_rad, 4, kDegPerRad)}};
+                          {"position_rmse_m", rounded(relative->position_rmse_m, 6)},
+                          {"rotation_rmse_rad", rounded(relative->rotation_rmse_rad, 7)}};
   }
-  return out;
+  return with_older_units(std::move(out));
 }
 
 void add_log(json& out, const FrameLogEvaluation& log) {

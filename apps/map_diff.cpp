@@ -5,6 +5,7 @@
 
 #include "apriltrack/eval/compare_maps.h"
 #include "apriltrack/eval/statistics.h"
+#include "json_units.h"
 #include "map_command.h"
 
 namespace apriltrack::app {
@@ -12,18 +13,18 @@ namespace {
 
 using nlohmann::json;
 
-json to_json(const Distribution& d, double factor) {
-  return {{"rms", round_to_decimals(factor * d.rms, 4)},
-          {"median", round_to_decimals(factor * d.median, 4)},
-          {"max", round_to_decimals(factor * d.max, 4)}};
+json to_json(const Distribution& d) {
+  return {{"rms", round_to_decimals(d.rms, kMetreDecimals)},
+          {"median", round_to_decimals(d.median, kMetreDecimals)},
+          {"max", round_to_decimals(d.max, kMetreDecimals)}};
 }
 
 json to_json(const MapComparison& comparison) {
   json out = {{"compared", comparison.tags.size()},
               {"missing", ids_of(comparison.missing)},
               {"extra", ids_of(comparison.extra)},
-              {"position_mm", to_json(comparison.position_m, kMmPerM)},
-              {"rotation_deg", to_json(comparison.rotation_rad, kDegPerRad)},
+              {"position_m", to_json(comparison.position_m)},
+              {"rotation_rad", to_json(comparison.rotation_rad)},
               {"worst_tag", comparison.tags[comparison.worst].key.id},
               {"tags", json::array()}};
   if (comparison.scale) out["scale"] = round_to_decimals(*comparison.scale, 6);
@@ -38,13 +39,13 @@ json to_json(const MapComparison& comparison) {
   for (const TagDifference& tag : comparison.tags) {
     json entry = {{"family", tag.key.family},
                   {"id", tag.key.id},
-                  {"position_mm", round_to_decimals(kMmPerM * tag.position_m, 4)},
-                  {"rotation_deg", round_to_decimals(kDegPerRad * tag.rotation_rad, 4)},
-                  {"size_difference_mm", round_to_decimals(kMmPerM * tag.size_difference_m, 4)}};
+                  {"position_m", round_to_decimals(tag.position_m, kMetreDecimals)},
+                  {"rotation_rad", round_to_decimals(tag.rotation_rad, kMetreDecimals)},
+                  {"size_difference_m", round_to_decimals(tag.size_difference_m, kMetreDecimals)}};
     if (tag.nees_over_6) entry["nees_over_6"] = round_to_decimals(*tag.nees_over_6, 3);
     out["tags"].push_back(entry);
   }
-  return out;
+  return with_older_units(std::move(out));
 }
 
 std::string to_text(const MapComparison& comparison) {

@@ -4,6 +4,7 @@
 
 #include "apriltrack/eval/combine_maps.h"
 #include "apriltrack/eval/statistics.h"
+#include "json_units.h"
 #include "map_command.h"
 #include "option_checks.h"
 #include "outputs.h"
@@ -49,15 +50,16 @@ void run_align(const MapOptions& options) {
   write_tag_map(options.output, aligned.map);
   const double rms_mm = kMmPerM * aligned.fit.position_m.rms;
   const double rms_deg = kDegPerRad * aligned.fit.rotation_rad.rms;
-  options.console.finish({{"common_tags", aligned.common_tags},
-                          {"position_rms_mm", round_to_decimals(rms_mm, 4)},
-                          {"rotation_rms_deg", round_to_decimals(rms_deg, 4)},
-                          {"tags", aligned.map.tags.size()},
-                          {"output", options.output}},
-                         fmt::format("{}: {} tags, brought onto {} by {} common tags, which then differ by "
-                                     "{:.1f} mm and {:.2f} deg RMS",
-                                     options.output, aligned.map.tags.size(), options.first,
-                                     aligned.common_tags, rms_mm, rms_deg));
+  options.console.finish(
+      with_older_units({{"common_tags", aligned.common_tags},
+                        {"position_rms_m", round_to_decimals(aligned.fit.position_m.rms, kMetreDecimals)},
+                        {"rotation_rms_rad", round_to_decimals(aligned.fit.rotation_rad.rms, kMetreDecimals)},
+                        {"tags", aligned.map.tags.size()},
+                        {"output", options.output}}),
+      fmt::format("{}: {} tags, brought onto {} by {} common tags, which then differ by "
+                  "{:.1f} mm and {:.2f} deg RMS",
+                  options.output, aligned.map.tags.size(), options.first, aligned.common_tags, rms_mm,
+                  rms_deg));
 }
 
 json conflicts_json(const std::vector<MapConflict>& conflicts) {
@@ -65,10 +67,10 @@ json conflicts_json(const std::vector<MapConflict>& conflicts) {
   for (const MapConflict& conflict : conflicts) {
     out.push_back({{"family", conflict.key.family},
                    {"id", conflict.key.id},
-                   {"position_mm", round_to_decimals(kMmPerM * conflict.position_m, 4)},
-                   {"rotation_deg", round_to_decimals(kDegPerRad * conflict.rotation_rad, 4)}});
+                   {"position_m", round_to_decimals(conflict.position_m, kMetreDecimals)},
+                   {"rotation_rad", round_to_decimals(conflict.rotation_rad, kMetreDecimals)}});
   }
-  return out;
+  return with_older_units(std::move(out));
 }
 
 void warn_of(const MergedMap& merged, const Console& console) {

@@ -58,7 +58,8 @@ TEST(Pipeline, AnEstimateThatIsOffByOneCentimetreSaysSo) {
   shifted.close();
   const json score =
       run_for_json({"evaluate", "--truth", folder, "--estimate", folder / "shifted.tum", "--mode", "joint"});
-  EXPECT_NEAR(score["position_rmse_mm"].get<double>(), 10.0, 1e-3);
+  EXPECT_NEAR(score["position_rmse_m"].get<double>(), 0.010, 1e-6);
+  EXPECT_NEAR(score["position_rmse_mm"].get<double>(), 10.0, 1e-3);  // as 0.1 told it
 }
 
 TEST(Pipeline, TheOtherModeIsProposedWhereTheTruthSpeaksForIt) {
