@@ -9,8 +9,6 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/auto_response.h"
-#include "apriltrack/eval/frame_log.h"
-#include "apriltrack/io/staged_files.h"
 #include "camera_response.h"
 #include "command_help.h"
 #include "command_line.h"
@@ -24,14 +22,12 @@
 #include "topics.h"
 #include "track_methods.h"
 #include "track_options.h"
+#include "track_outputs.h"
 #include "track_record.h"
-#include "track_report.h"
 #include "track_video.h"
 
 namespace apriltrack::app {
 namespace {
-
-namespace fs = std::filesystem;
 
 const CommandHelp kTrackHelp = {
     "Localises a camera in a map of tags, or a body of tags before a camera.",
@@ -217,77 +213,6 @@ void warn_of_exposure(const TrackRecord& record, const Console& console) {
       "the exposure told, {:.3g} ms, is not what blur and motion show: {:.3g} ms, to {:.0f} %; is "
       "exposure_time right, or exposure_s of frames.csv?",
       1e3 * *last->told_s, 1e3 * last->exposure_s, 100.0 * last->sigma));
-}
-
-void finish(const TrackArguments& arguments, const TrackRecord& record, const ResponseFinding& response,
-            const CornerClaims& claims, bool was_interrupted) {
-  nlohmann::json summary = record.summary();
-  summary["mode"] = arguments.mode;
-  if (arguments.detections.empty())
-    summary["response"] = json_of(response);
-  else
-    summary["corner_claims"] = json_of(claims);
-  summary["method"] = arguments.method();
-  summary["interrupted"] = was_interrupted;
-  summary["output"] = arguments.output;
-  std::string text =
-      fmt::format("{}\n{}: {}", record.text(), arguments.mode == "ego" ? "T_world_camera" : "T_camera_body",
-                  arguments.output);
-  if (!arguments.frames_csv.empty()) {
-    summary["frames_csv"] = arguments.frames_csv;
-    text += "\nframe log: " + arguments.frames_csv;
-  }
-  if (!arguments.video.empty()) {
-    summary["video"] = arguments.video;
-    text += "\nvideo: " + arguments.video;
-  }
-  if (!arguments.report.empty()) {
-    summary["report"] = arguments.report;
-    text += "\nreport: " + arguments.report;
-  }
-  arguments.console.finish(summary, text);
-}
-
-/// Whether it is the log of a run that gave poses, or none at all: somebody may want to keep it.
-bool is_worth_keeping(const fs::path& frame_log) {
-  if (!fs::is_regular_file(frame_log) || fs::is_empty(frame_log)) return false;
-  try {
-    return std::ranges::any_of(read_frame_log(frame_log),
-                               [](const FrameLogRow& row) { return row.pose.has_value(); });
-  } catch (const Error&) {
-    return true;
-  }
-}
-
-/// To be asked before the log is written.
-bool writes_frame_log(const TrackArguments& arguments, const TrackRecord& record) {
-  if (arguments.frames_csv.empty()) return false;
-  return record.has_pose() || !is_worth_keeping(arguments.frames_csv);
-}
-
-/// A run without a pose leaves what says why, the page and the frame log; others all that was asked for, or
-/// nothing.
-void write_outputs(const TrackArguments& arguments, const TrackRun& tracked, bool with_frame_log,
-                   std::optional<TrackVideo>& video) {
-  const TrackRecord& record = tracked.record;
-  StagedFiles outputs;
-  if (!arguments.report.empty())
-    outputs.write(arguments.report, [&](const fs::path& path) { write_track_report(path, tracked); });
-  if (with_frame_log)
-    outputs.write(arguments.frames_csv, [&](const fs::path& path) { write_frame_log(path, record.rows()); });
-  if (record.has_pose()) {
-    outputs.write(arguments.output, [&](const fs::path& path) { write_tum(path, record.trajectory()); });
-    if (video) video->close(outputs);
-  }
-  outputs.commit();
-}
-
-/// Where a run without a pose says more than its error; as the end of that.
-std::string told_of_frame_log(const TrackArguments& arguments, bool is_written) {
-  if (arguments.frames_csv.empty()) return "";
-  return is_written
-             ? fmt::format(" (each frame's status: {})", arguments.frames_csv)
-             : fmt::format(" ({} is kept: of a run with poses, or no frame log)", arguments.frames_csv);
 }
 
 void run(const CLI::App& command, const TrackArguments& arguments) {

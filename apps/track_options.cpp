@@ -14,6 +14,7 @@
 #include "option_checks.h"
 #include "outputs.h"
 #include "topics.h"
+#include "track_outputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -39,6 +40,12 @@ void refuse_options_of_other_methods(const CLI::App& command, const std::string&
   }
 }
 
+std::vector<std::string> names_of_trajectory_formats() {
+  std::vector<std::string> names;
+  for (const TrajectoryFormatInfo& info : trajectory_formats()) names.emplace_back(info.name);
+  return names;
+}
+
 }  // namespace
 
 MethodOptions TrackArguments::method_options() const {
@@ -46,6 +53,12 @@ MethodOptions TrackArguments::method_options() const {
   given.name = method();
   given.localizer.mode = mode == "joint" ? TrackMode::kJoint : TrackMode::kEgo;
   return given;
+}
+
+TrajectoryFormat TrackArguments::trajectory_format() const {
+  const auto format =
+      output_format.empty() ? trajectory_format_of_ending(output) : trajectory_format_named(output_format);
+  return format.value_or(TrajectoryFormat::kTum);
 }
 
 void check_track_arguments(const CLI::App& command, const TrackArguments& arguments) {
@@ -65,11 +78,7 @@ void check_track_arguments(const CLI::App& command, const TrackArguments& argume
   std::vector<std::string> read = camera_inputs(arguments.camera, {arguments.input});
   read.insert(read.end(),
               {arguments.input, arguments.detections, arguments.map, arguments.map_input.tag_sizes});
-  check_outputs({{arguments.output, "--output"},
-                 {arguments.frames_csv, "--frames-csv"},
-                 {arguments.video, "--video"},
-                 {arguments.report, "--report"}},
-                read);
+  check_outputs(output_files(arguments), read);
   if (!arguments.video.empty() && std::filesystem::path(arguments.video).extension() != ".mp4")
     throw invalid_input("--video", fmt::format("'{}' must end in .mp4", arguments.video));
 }
@@ -111,8 +120,13 @@ void add_track_options(CLI::App& command, TrackArguments& arguments) {
                   "Of --method blur and paper: the same seed gives the same trajectory")
       ->check(seed())
       ->capture_default_str();
-  command.add_option("--output", arguments.output, "Trajectory, TUM format: timestamp tx ty tz qx qy qz qw")
+  command
+      .add_option("--output", arguments.output,
+                  "Trajectory: TUM's lines (timestamp tx ty tz qx qy qz qw); in a .csv EuRoC's, in a .kitti "
+                  "KITTI's, with the times beside it")
       ->required();
+  command.add_option("--output-format", arguments.output_format, "Format of --output, whatever its name is")
+      ->check(CLI::IsMember(names_of_trajectory_formats()));
   command.add_option("--frames-csv", arguments.frames_csv,
                      "Log with a line for every frame: status, pose, covariance");
   command.add_option("--video", arguments.video,

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/eval/trajectory_formats.h"
 #include "apriltrack/source/frame_source.h"
 #include "console.h"
 #include "map_input.h"
@@ -25,6 +26,7 @@ struct TrackArguments {
   MapInputOptions map_input;
   std::string mode = "ego";
   std::string output;
+  std::string output_format;  ///< Empty: by the ending of `output`.
   std::string frames_csv;
   std::string video;
   std::string report;
@@ -41,6 +43,8 @@ struct TrackArguments {
     return detections.empty() ? "blur" : "pnp";
   }
   MethodOptions method_options() const;
+  /// Of `output`: as asked for, or as its ending tells, else TUM.
+  TrajectoryFormat trajectory_format() const;
 };
 
 /// Adds all options of `track`, --json and --quiet among them; `arguments` must outlive the command.
