@@ -16,6 +16,7 @@
 #include "corner_claims.h"
 #include "exposure_check.h"
 #include "frame_loop.h"
+#include "frame_sinks.h"
 #include "inputs.h"
 #include "odd_picture_watch.h"
 #include "rig_detections.h"
@@ -24,7 +25,6 @@
 #include "track_options.h"
 #include "track_outputs.h"
 #include "track_record.h"
-#include "track_video.h"
 
 namespace apriltrack::app {
 namespace {
@@ -63,7 +63,8 @@ std::vector<FrameDetections> load_detections(const std::string& path, const Came
 
 /// Both return whether the user ended them early.
 bool track_detections(const TrackArguments& arguments, const std::vector<FrameDetections>& frames,
-                      const Method& method, TrackRecord& record) {
+                      const Method& method, const SightContext& context, TrackRecord& record,
+                      FrameSinks& sinks) {
   {
     Progress progress(arguments.console, "track", frames.size());
     for (const FrameDetections& frame : frames) {
@@ -72,6 +73,9 @@ bool track_detections(const TrackArguments& arguments, const std::vector<FrameDe
       without_image.timestamp = frame.timestamp;
       const TrackResult result = method.track(without_image, frame.detections);
       record.add(frame, result);
+      const std::vector<TagSight> sights = tag_sights(result, frame.detections, context);
+      record.add_sights(sights);
+      sinks.add(result, sights, nullptr);
       progress.advance();
     }
   }
@@ -111,8 +115,9 @@ ResponseFinding find_response(const TrackArguments& arguments, const TagMap& map
                             camera);
 }
 
-bool track_images(const TrackArguments& arguments, const SourceOptions& source_options, const Camera& camera,
-                  const Method& method, TrackRecord& record, std::optional<TrackVideo>& video) {
+bool track_images(const TrackArguments& arguments, const SourceOptions& source_options,
+                  const SightContext& context, const Method& method, TrackRecord& record, FrameSinks& sinks) {
+  const Camera& camera = context.camera;
   const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
   const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options);
   const std::string exposure_of_camera =
@@ -123,7 +128,7 @@ bool track_images(const TrackArguments& arguments, const SourceOptions& source_o
     const SourceFrame& image = detected.source;
     if (!image.is_readable()) {
       record.add_unreadable(image.timestamp);
-      if (video) video->add_unreadable(image.timestamp);
+      sinks.add_unreadable(image);
       return;
     }
     if (image.exposure_s)
@@ -139,7 +144,9 @@ bool track_images(const TrackArguments& arguments, const SourceOptions& source_o
     record.were_left_out(method.detector ? detected.left_out : result.left_out);
     watch.add(image.pixels.view(), frame.detections);
     record.add(frame, result, image.exposure_s);
-    if (video) video->add(image, result);
+    const std::vector<TagSight> sights = tag_sights(result, frame.detections, context);
+    record.add_sights(sights);
+    sinks.add(result, sights, &image);
   };
   const FrameCounts counts = detect_frames(*source, options, arguments.console, track);
   if (counts.are_all_blank()) record.found_all_blank();
@@ -234,11 +241,11 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   const CornerClaims claims =
       corner_claims_of_track(detections, arguments.method_options().localizer.corner_sigma_px);
   if (const std::string told = in_words(claims, "the poses"); !told.empty()) arguments.console.info(told);
-  std::optional<TrackVideo> video;
-  if (!arguments.video.empty())
-    video.emplace(arguments.video, camera, map, arguments.method_options().localizer.mode);
-  const bool was_interrupted = has_images ? track_images(arguments, of_source, camera, method, record, video)
-                                          : track_detections(arguments, detections, method, record);
+  FrameSinks sinks(arguments, camera, map);
+  const SightContext context{camera, map, arguments.method_options().localizer.mode};
+  const bool was_interrupted = has_images
+                                   ? track_images(arguments, of_source, context, method, record, sinks)
+                                   : track_detections(arguments, detections, method, context, record, sinks);
   if (has_images) tell(response, arguments.console);
   warn_of_contradictions(record, arguments.method(), arguments.console);
   warn_of_few_readings(record, map, arguments.console);
@@ -249,7 +256,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   write_outputs(arguments,
                 {command_line_of(command), arguments, camera_file(arguments), map_file(arguments), camera,
                  map, record, response, was_interrupted},
-                with_frame_log, video);
+                with_frame_log, sinks);
   if (!record.has_pose())
     throw no_result(has_images ? arguments.input : arguments.detections,
                     record.why_no_pose(map) + told_of_frame_log(arguments, with_frame_log));

@@ -26,8 +26,10 @@ struct TrackArguments {
   MapInputOptions map_input;
   std::string mode = "ego";
   std::string output;
-  std::string output_format;  ///< Empty: by the ending of `output`.
+  std::string output_format;   ///< Empty: by the ending of `output`.
+  bool output_images = false;  ///< The pictures go into the MCAP file, too.
   std::string frames_csv;
+  std::string tags_csv;
   std::string video;
   std::string report;
   std::optional<double> rate_hz;
@@ -43,7 +45,11 @@ struct TrackArguments {
     return detections.empty() ? "blur" : "pnp";
   }
   MethodOptions method_options() const;
-  /// Of `output`: as asked for, or as its ending tells, else TUM.
+  /// `output` is "-": poses go to stdout, each as soon as it is known.
+  bool streams_poses() const { return output == "-"; }
+  /// `output` is an MCAP file, as asked for, or as its ending tells.
+  bool writes_mcap() const;
+  /// Of `output` where it is none: as asked for, or as its ending tells, else TUM.
   TrajectoryFormat trajectory_format() const;
 };
 

@@ -28,8 +28,14 @@ bool is_worth_keeping(const fs::path& frame_log) {
   }
 }
 
+/// When the run is over, as a file of poses alone.
+bool writes_trajectory(const TrackArguments& arguments) {
+  return !arguments.streams_poses() && !arguments.writes_mcap();
+}
+
 /// What the trajectory's format does not hold, or wants and has not; told, and for machines.
 nlohmann::json tell_losses(const TrackArguments& arguments) {
+  if (!writes_trajectory(arguments)) return nlohmann::json::array();
   const TrajectoryFormat format = arguments.trajectory_format();
   const std::vector<TrajectoryLoss> losses = trajectory_losses(arguments.output, format);
   tell_losses(losses, info_of(format).title, arguments.output, arguments.console);
@@ -39,11 +45,13 @@ nlohmann::json tell_losses(const TrackArguments& arguments) {
 }  // namespace
 
 std::vector<OutputFile> output_files(const TrackArguments& arguments) {
-  std::vector<OutputFile> files = {{arguments.output, "--output"},
+  const bool is_file = !arguments.streams_poses();
+  std::vector<OutputFile> files = {{is_file ? arguments.output : "", "--output"},
                                    {arguments.frames_csv, "--frames-csv"},
+                                   {arguments.tags_csv, "--tags-csv"},
                                    {arguments.video, "--video"},
                                    {arguments.report, "--report"}};
-  if (arguments.trajectory_format() == TrajectoryFormat::kKitti)
+  if (writes_trajectory(arguments) && arguments.trajectory_format() == TrajectoryFormat::kKitti)
     files.push_back({kitti_times_of(arguments.output, "--output"), "--output"});
   return files;
 }
@@ -54,7 +62,7 @@ bool writes_frame_log(const TrackArguments& arguments, const TrackRecord& record
 }
 
 void write_outputs(const TrackArguments& arguments, const TrackRun& tracked, bool with_frame_log,
-                   std::optional<TrackVideo>& video) {
+                   FrameSinks& sinks) {
   const TrackRecord& record = tracked.record;
   StagedFiles outputs;
   if (!arguments.report.empty())
@@ -62,10 +70,12 @@ void write_outputs(const TrackArguments& arguments, const TrackRun& tracked, boo
   if (with_frame_log)
     outputs.write(arguments.frames_csv, [&](const fs::path& path) { write_frame_log(path, record.rows()); });
   if (record.has_pose()) {
-    stage_trajectory_as(outputs, arguments.output, record.trajectory(), arguments.trajectory_format());
-    if (video) video->close(outputs);
+    if (writes_trajectory(arguments))
+      stage_trajectory_as(outputs, arguments.output, record.trajectory(), arguments.trajectory_format());
+    sinks.close(outputs);
   }
   outputs.commit();
+  if (record.has_pose()) sinks.commit();
 }
 
 std::string told_of_frame_log(const TrackArguments& arguments, bool is_written) {
@@ -79,6 +89,7 @@ void finish(const TrackArguments& arguments, const TrackRecord& record, const Re
             const CornerClaims& claims, bool was_interrupted) {
   nlohmann::json summary = record.summary();
   summary["mode"] = arguments.mode;
+  summary["tags"] = record.tag_tally().json();
   if (arguments.detections.empty())
     summary["response"] = json_of(response);
   else
@@ -93,6 +104,10 @@ void finish(const TrackArguments& arguments, const TrackRecord& record, const Re
   if (!arguments.frames_csv.empty()) {
     summary["frames_csv"] = arguments.frames_csv;
     text += "\nframe log: " + arguments.frames_csv;
+  }
+  if (!arguments.tags_csv.empty()) {
+    summary["tags_csv"] = arguments.tags_csv;
+    text += "\ntag log: " + arguments.tags_csv;
   }
   if (!arguments.video.empty()) {
     summary["video"] = arguments.video;

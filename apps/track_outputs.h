@@ -1,16 +1,15 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "camera_response.h"
 #include "corner_claims.h"
+#include "frame_sinks.h"
 #include "outputs.h"
 #include "track_options.h"
 #include "track_record.h"
 #include "track_report.h"
-#include "track_video.h"
 
 namespace apriltrack::app {
 
@@ -26,7 +25,7 @@ std::string told_of_frame_log(const TrackArguments& arguments, bool is_written);
 /// A run without a pose leaves what says why, the page and the frame log; others all that was asked for, or
 /// nothing.
 void write_outputs(const TrackArguments& arguments, const TrackRun& tracked, bool with_frame_log,
-                   std::optional<TrackVideo>& video);
+                   FrameSinks& sinks);
 
 /// The answer.
 void finish(const TrackArguments& arguments, const TrackRecord& record, const ResponseFinding& response,
