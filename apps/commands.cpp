@@ -39,6 +39,7 @@ void add_all_commands(CLI::App& app) {
   add_evaluate_command(app);
   add_map_command(app);
   add_camera_command(app);
+  add_trajectory_command(app);
   add_demo_command(app);
   add_help_command(app);
   add_completion_command(app);

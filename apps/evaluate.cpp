@@ -9,6 +9,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/eval/evaluate_frame_log.h"
 #include "apriltrack/eval/evaluate_trajectory.h"
+#include "apriltrack/eval/trajectory_formats.h"
 #include "command_help.h"
 #include "commands.h"
 #include "evaluate_report.h"
@@ -152,8 +153,8 @@ void warn_of_another_recording(const TrajectoryEvaluation& evaluation, const Eva
 }
 
 TrajectoryEvaluation evaluate(const EvaluateOptions& options, const Inputs& inputs) {
-  const Trajectory truth = read_tum(inputs.truth);
-  const Trajectory estimate = read_tum(options.estimate);
+  const Trajectory truth = read_trajectory(inputs.truth);
+  const Trajectory estimate = read_trajectory(options.estimate);
   const std::optional<CornerScene> known_scene = read_scene(inputs, options);
   const CornerScene* scene = known_scene ? &*known_scene : nullptr;
   const TrajectoryKind kind = options.mode == "joint" ? TrajectoryKind::kJoint : TrajectoryKind::kEgo;
@@ -205,10 +206,13 @@ void add_evaluate_command(CLI::App& app) {
   CLI::App& command = add_command(app, "evaluate", kEvaluateHelp);
   auto options = std::make_shared<EvaluateOptions>();
   command
-      .add_option("--truth", options->truth,
-                  "Sequence folder, whose truth.tum, camera.yaml and map.yaml are taken, or a TUM file")
+      .add_option(
+          "--truth", options->truth,
+          "Sequence folder, whose truth.tum, camera.yaml and map.yaml are taken, or a trajectory: TUM, "
+          "EuRoC's csv, or KITTI's poses with their times beside them")
       ->required();
-  command.add_option("--estimate", options->estimate, "TUM file that is scored")->required();
+  command.add_option("--estimate", options->estimate, "Trajectory that is scored, of any of these formats")
+      ->required();
   command.add_option("--mode", options->mode, "ego: poses are T_world_camera; joint: T_camera_body")
       ->check(CLI::IsMember({"ego", "joint"}))
       ->capture_default_str();

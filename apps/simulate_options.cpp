@@ -118,7 +118,8 @@ void add_simulate_options(CLI::App& command, SimulateOptions& options) {
   command.add_option("--camera-name", options.camera_name,
                      "Which camera of a file with several; default: the first");
   command.add_option("--trajectory", options.trajectory,
-                     "Of --map: TUM file of T_world_camera, or of T_camera_body with --mode joint; a smooth "
+                     "Of --map: trajectory (TUM, EuRoC's csv, KITTI) of T_world_camera, or of T_camera_body "
+                     "with --mode joint; a smooth "
                      "curve leads through its poses");
   add_choice<TruthKind>(
       command, "--mode", options.mode, {{"ego", TruthKind::kEgo}, {"joint", TruthKind::kJoint}},
