@@ -27,7 +27,6 @@
 #include "command_help.h"
 #include "command_line.h"
 #include "commands.h"
-#include "config_file.h"
 #include "constraint_table.h"
 #include "corner_claims.h"
 #include "failure.h"
@@ -64,7 +63,7 @@ Sightings gather(const CalibrateOptions& a, const CameraRig& rig, const std::vec
   const bool is_response_open = std::ranges::any_of(
       rig.cameras, [](const Camera& camera) { return camera.response_origin == ResponseOrigin::kAssumed; });
   const bool with_patches = !a.no_refine || is_response_open;
-  return detect_in(recordings, rig, a.detector, a.source, a.num_threads, with_patches, a.console);
+  return detect_in(recordings, rig, a.detector, a.frames.source, a.num_threads, with_patches, a.console);
 }
 
 /// An id mistyped in the file leaves the tag that was meant with another size, and nothing else tells of it.
@@ -167,10 +166,10 @@ void tell_of_odd_pictures(const CalibrateOptions& a, const Sightings& sightings)
 void make_map(CLI::App& command, CalibrateOptions& a) {
   if (!a.constraints.empty()) a.calibration.constraints = read_map_constraints(a.constraints);
   const std::filesystem::path camera = camera_file(a);
-  auto [rig, to_estimate] = read_rig(camera, topic_without_camera(a.topics), a.console);
+  auto [rig, to_estimate] = read_rig(camera, topic_without_camera(a.frames.topics), a.console);
   const TagSizes sizes = tag_sizes(a);
   const std::vector<Recording> recordings =
-      with_topics(parse_recordings(a.inputs, rig, a.camera_name), a.topics, &rig, camera, a.console);
+      with_topics(parse_recordings(a.inputs, rig, a.camera_name), a.frames.topics, &rig, camera, a.console);
   warn_of_shutters(rig, a.camera_name, recordings, a.console);
   ResponseFindings responses = estimate_responses(a, camera, to_estimate, recordings, sizes, rig);
   Sightings sightings = gather(a, rig, recordings);
@@ -222,7 +221,6 @@ void leave_page(CLI::App& command, const CalibrateOptions& a, const Error& error
 }
 
 void run(CLI::App& command, CalibrateOptions& a) {
-  if (!a.config.empty()) apply_config_file(command, a.config);
   check(command, a);
   try {
     make_map(command, a);

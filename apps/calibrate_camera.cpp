@@ -58,12 +58,12 @@ Error without_file(const std::string& input, std::size_t num_inputs) {
 
 fs::path camera_file(const CalibrateOptions& a) {
   if (!a.camera.empty()) return a.camera;
-  if (a.topics.size() > 1)
+  if (a.frames.topics.size() > 1)
     throw invalid_input(
         "--camera",
         "is required: CameraInfo messages do not tell where several cameras sit on the rig: give "
         "Kalibr's camchain with T_cn_cnm1");
-  const std::string topic = topic_without_camera(a.topics);
+  const std::string topic = topic_without_camera(a.frames.topics);
   std::optional<fs::path> first;
   for (const std::string& input : a.inputs) {
     const auto own = camera_source("", split_input(input).input);

@@ -45,15 +45,7 @@ void add_input_options(CLI::App& command, CalibrateOptions& a) {
   command.add_option("--decimate", a.detector.decimate, "Search tags in an image this many times smaller")
       ->check(decimation())
       ->capture_default_str();
-  command.add_option("--rate", a.source.rate_hz, "Frames a second, for images whose names are no times")
-      ->check(rate());
-  add_bits_option(command, a.source.bits);
-  add_bag_options(command, a.topics, a.source.stamp_is);
-  command.add_option("--step", a.source.step, "Use every STEP-th frame")
-      ->check(whole_number(1))
-      ->capture_default_str();
-  command.add_option("--max-frames", a.source.max_frames, "Use so many frames of each input at most")
-      ->check(whole_number(1));
+  add_frame_options(command, a.frames);
 }
 
 /// What is taken as known, and what is solved for.
@@ -115,8 +107,7 @@ void add_calibrate_options(CLI::App& command, CalibrateOptions& a) {
   add_input_options(command, a);
   add_model_options(command, a);
   add_output_options(command, a);
-  command.add_option("--config", a.config,
-                     "YAML file of options, keys = their long names; the command line wins");
+  add_config_option(command, a.config);
   command.add_option("--threads", a.num_threads, "0 = as many as there are cores; changes no result")
       ->check(threads())
       ->capture_default_str();
@@ -218,9 +209,8 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
                         "corners are detected; for tag36h11 the outer edge of the black border");
   if (a.tag_size_m && !(*a.tag_size_m > 0.0 && *a.tag_size_m <= 100.0))
     throw invalid_input("--tag-size", fmt::format("must be in (0, 100] metres (is {})", *a.tag_size_m));
-  if (!a.detections.empty())
-    refuse_beside_detections(command, {"--step", "--max-frames", "--rate", "--bits", "--topic", "--stamp-is",
-                                       "--family", "--decimate", "--no-refine", "--response"});
+  if (!a.detections.empty()) refuse_beside_detections(command, kFrameOptionNames);
+  refuse_beside_detections(command, {"--family", "--decimate", "--no-refine", "--response"});
   check_families(a.detector.families);
   if (!a.held_tag.empty()) written_held_tag(a.held_tag);
   a.detector.check();

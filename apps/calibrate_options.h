@@ -8,6 +8,7 @@
 #include "apriltrack/calib/refine_map.h"
 #include "calibrate_input.h"
 #include "console.h"
+#include "frame_options.h"
 
 namespace apriltrack::app {
 
@@ -28,8 +29,7 @@ struct CalibrateOptions {
   std::string joint_covariance;
   int num_threads = 0;
   DetectorOptions detector;
-  SourceOptions source;
-  std::vector<std::string> topics;
+  FrameOptions frames;
   CalibrationOptions calibration;
   RefinementOptions refinement;
   std::optional<double> edge_offset_sigma_px;

@@ -27,23 +27,26 @@ std::vector<std::pair<std::string, std::string>> provenance(const CalibrateOptio
   std::tm utc{};
   gmtime_r(&now, &utc);
   const auto& inputs = a.detections.empty() ? a.inputs : a.detections;
-  return {{"tool", std::string("apriltrack ") + version()},
-          {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc)},
-          {"inputs", fmt::format("{}{}{}", fmt::join(inputs, ", "), a.topics.empty() ? "" : "; topics ",
-                                 fmt::join(a.topics, ", "))},
-          {"camera", camera.string() + (a.camera_name.empty() ? "" : " " + a.camera_name)},
-          {"options",
-           fmt::format(
-               "family {}; tag size {}; sizes file {}; constraints {}; min views {}; rate {}; step {}; "
-               "max frames {}; decimate {:g}; intrinsics {}; extrinsics {}; edge offset sigma {:g} px",
-               fmt::join(a.detector.families, " "), a.tag_size_m ? format_exact(*a.tag_size_m) : "-",
-               a.tag_sizes.empty() ? "-" : a.tag_sizes, a.constraints.empty() ? "-" : a.constraints,
-               a.calibration.min_views, a.source.rate_hz ? fmt::format("{:g} Hz", *a.source.rate_hz) : "-",
-               a.source.step, a.source.max_frames ? std::to_string(*a.source.max_frames) : "-",
-               a.detector.decimate, name_of_intrinsics(a.calibration.intrinsics),
-               a.calibration.refine_extrinsics ? "refine" : "keep", a.calibration.edge_offset_sigma_px)},
-          {"gauge", gauge},
-          {"observations", observations ? observations->filename().string() : "not written"}};
+  return {
+      {"tool", std::string("apriltrack ") + version()},
+      {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc)},
+      {"inputs", fmt::format("{}{}{}", fmt::join(inputs, ", "), a.frames.topics.empty() ? "" : "; topics ",
+                             fmt::join(a.frames.topics, ", "))},
+      {"camera", camera.string() + (a.camera_name.empty() ? "" : " " + a.camera_name)},
+      {"options",
+       fmt::format(
+           "family {}; tag size {}; sizes file {}; constraints {}; min views {}; rate {}; skip {}; step {}; "
+           "max frames {}; decimate {:g}; intrinsics {}; extrinsics {}; edge offset sigma {:g} px",
+           fmt::join(a.detector.families, " "), a.tag_size_m ? format_exact(*a.tag_size_m) : "-",
+           a.tag_sizes.empty() ? "-" : a.tag_sizes, a.constraints.empty() ? "-" : a.constraints,
+           a.calibration.min_views,
+           a.frames.source.rate_hz ? fmt::format("{:g} Hz", *a.frames.source.rate_hz) : "-",
+           a.frames.source.skip, a.frames.source.step,
+           a.frames.source.max_frames ? std::to_string(*a.frames.source.max_frames) : "-",
+           a.detector.decimate, name_of_intrinsics(a.calibration.intrinsics),
+           a.calibration.refine_extrinsics ? "refine" : "keep", a.calibration.edge_offset_sigma_px)},
+      {"gauge", gauge},
+      {"observations", observations ? observations->filename().string() : "not written"}};
 }
 
 void note_origin(const CalibrateOptions& a, const fs::path& camera, const FrameCounts& counts,

@@ -17,7 +17,7 @@ std::vector<SampledInput> inputs_of(const CalibrateOptions& a, const std::vector
   std::vector<SampledInput> inputs;
   for (const Recording& recording : recordings) {
     if (recording.camera != camera) continue;
-    inputs.push_back({recording.input, a.source});
+    inputs.push_back({recording.input, a.frames.source});
     inputs.back().source.topic = recording.topic;
     inputs.back().source.exposure_s = exposure_s;
     if (recording.is_named) inputs.back().source.camera_name = recording.camera;

@@ -16,6 +16,7 @@
 #include "command_help.h"
 #include "commands.h"
 #include "frame_loop.h"
+#include "frame_options.h"
 #include "inputs.h"
 #include "left_out_tags.h"
 #include "odd_picture_watch.h"
@@ -43,10 +44,8 @@ struct DetectArguments {
   std::string output;
   DetectorOptions detector;
   bool no_refine = false;
-  std::optional<double> rate_hz;
-  std::optional<int> bits;
-  std::vector<std::string> topics;
-  StampIs stamp_is = StampIs::kMiddle;
+  std::string config;
+  FrameOptions frames;
   int num_threads = 0;
   Console console;
 };
@@ -73,7 +72,8 @@ std::optional<Camera> load_camera(const DetectArguments& arguments) {
   const std::optional<std::filesystem::path> path = camera_source(arguments.camera, arguments.input);
   if (!path) return std::nullopt;
   if (is_bag_input(path->string()))
-    return bag_camera(arguments.input, topic_without_camera(arguments.topics), arguments.console.log());
+    return bag_camera(arguments.input, topic_without_camera(arguments.frames.topics),
+                      arguments.console.log());
   return read_camera(*path, arguments.camera_name, arguments.console, true);
 }
 
@@ -97,14 +97,13 @@ DetectorOptions detector_options(const DetectArguments& arguments, const std::op
 }
 
 SourceOptions source_options(const DetectArguments& arguments, const std::optional<Camera>& camera) {
-  return {.rate_hz = arguments.rate_hz,
-          .bits = arguments.bits,
-          .camera_name = arguments.camera_name,
-          .topic = topic_of(arguments.input, arguments.topics, camera ? camera->name : "cam0",
-                            camera_source(arguments.camera, arguments.input).value_or(""), arguments.console),
-          .stamp_is = arguments.stamp_is,
-          .exposure_s = camera ? camera->exposure_s : std::nullopt,
-          .log = arguments.console.log()};
+  SourceOptions options = arguments.frames.source;
+  options.camera_name = arguments.camera_name;
+  options.topic = topic_of(arguments.input, arguments.frames.topics, camera ? camera->name : "cam0",
+                           camera_source(arguments.camera, arguments.input).value_or(""), arguments.console);
+  options.exposure_s = camera ? camera->exposure_s : std::nullopt;
+  options.log = arguments.console.log();
+  return options;
 }
 
 /// What is said to be the response, by the option before the camera file; nullopt where it is to be told by
@@ -243,10 +242,8 @@ void add_detect_command(CLI::App& app) {
                   "codes (2 for tag36h11, 0 for tag16h5)")
       ->check(corrected_bits());
   command.add_flag("--no-refine", arguments->no_refine, "Leave the corners where the library found them");
-  command.add_option("--rate", arguments->rate_hz, "Frames per second, for images without times")
-      ->check(rate());
-  add_bits_option(command, arguments->bits);
-  add_bag_options(command, arguments->topics, arguments->stamp_is);
+  add_frame_options(command, arguments->frames);
+  add_config_option(command, arguments->config);
   command.add_option("--threads", arguments->num_threads, "Threads; 0 = one per core, up to 8")
       ->check(threads());
   arguments->console.add_options(command);

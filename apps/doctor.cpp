@@ -29,6 +29,7 @@ const CommandHelp kDoctorHelp = {
 struct DoctorOptions {
   std::vector<std::string> inputs;
   LookOptions look;
+  std::string config;
   bool no_other_families = false;
   Console console;
 };
@@ -93,15 +94,8 @@ void add_doctor_command(CLI::App& app) {
   command.add_option("--decimate", look.detector.decimate, "Search tags in an image this many times smaller")
       ->check(decimation())
       ->capture_default_str();
-  command.add_option("--rate", look.source.rate_hz, "Frames a second, for images whose names are no times")
-      ->check(rate());
-  add_bits_option(command, look.source.bits);
-  add_bag_options(command, look.topics, look.source.stamp_is);
-  command.add_option("--step", look.source.step, "Use every STEP-th frame")
-      ->check(whole_number(1))
-      ->capture_default_str();
-  command.add_option("--max-frames", look.source.max_frames, "Use so many frames of each input at most")
-      ->check(whole_number(1));
+  add_frame_options(command, look.frames);
+  add_config_option(command, options->config);
   command.add_option("--threads", look.num_threads, "0 = as many as there are cores; changes no result")
       ->check(threads())
       ->capture_default_str();

@@ -177,7 +177,7 @@ RecordingFacts look_at_one(const Recording& named, const LookOptions& options, c
                            bool& is_interrupted) {
   RecordingFacts facts{.input = named.name()};
   find_camera(named, options, console, facts);
-  SourceOptions source_options = options.source;
+  SourceOptions source_options = options.frames.source;
   source_options.log = console.log();
   source_options.camera_name = named.is_named ? named.camera : options.camera_name;
   source_options.topic = named.topic;
@@ -213,7 +213,8 @@ std::vector<Recording> recordings_of(const std::vector<std::string>& inputs, con
     if (recording.camera.empty() && rig) recording.camera = rig->cameras.front().name;
     recordings.push_back(std::move(recording));
   }
-  return with_topics(std::move(recordings), options.topics, rig ? &*rig : nullptr, options.camera, console);
+  return with_topics(std::move(recordings), options.frames.topics, rig ? &*rig : nullptr, options.camera,
+                     console);
 }
 
 /// Frames of several cameras belong to one moment where their times are equal.

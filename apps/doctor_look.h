@@ -8,6 +8,7 @@
 #include "calibrate_input.h"
 #include "console.h"
 #include "doctor_facts.h"
+#include "frame_options.h"
 
 namespace apriltrack::app {
 
@@ -15,8 +16,7 @@ struct LookOptions {
   std::string camera;  ///< File; empty: a sequence folder's own, where there is one.
   std::string camera_name;
   DetectorOptions detector;
-  SourceOptions source;
-  std::vector<std::string> topics;
+  FrameOptions frames;
   int num_threads = 0;
   bool tries_other_families = true;
 };

@@ -117,7 +117,7 @@ std::string zsh_action(const OptionRow& option) {
 }
 
 std::string zsh_value(const OptionRow& option) {
-  return option.value.empty() ? "" : ":" + zsh_quoted(option.value) + ":" + zsh_action(option);
+  return option.value.empty() ? "" : fmt::format(":{}:{}", zsh_quoted(option.value), zsh_action(option));
 }
 
 std::string zsh_options(const CommandTable& command) {

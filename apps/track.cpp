@@ -85,15 +85,14 @@ bool track_detections(const TrackArguments& arguments, const std::vector<FrameDe
 }
 
 SourceOptions source_options(const TrackArguments& arguments, const Camera& camera) {
-  return {.rate_hz = arguments.rate_hz,
-          .bits = arguments.bits,
-          .camera_name = arguments.camera_name,
-          .topic = arguments.input.empty() ? ""
-                                           : topic_of(arguments.input, arguments.topics, camera.name,
-                                                      camera_file(arguments), arguments.console),
-          .stamp_is = arguments.stamp_is,
-          .exposure_s = camera.exposure_s,
-          .log = arguments.console.log()};
+  SourceOptions options = arguments.frames.source;
+  options.camera_name = arguments.camera_name;
+  if (!arguments.input.empty())
+    options.topic = topic_of(arguments.input, arguments.frames.topics, camera.name, camera_file(arguments),
+                             arguments.console);
+  options.exposure_s = camera.exposure_s;
+  options.log = arguments.console.log();
+  return options;
 }
 
 /// Where the camera file states none it is told by the map's tags in a sample of the frames.
@@ -225,7 +224,7 @@ void warn_of_exposure(const TrackRecord& record, const Console& console) {
 void run(const CLI::App& command, const TrackArguments& arguments) {
   check_track_arguments(command, arguments);
   const CameraRig rig =
-      read_rig(camera_file(arguments), topic_without_camera(arguments.topics), arguments.console).rig;
+      read_rig(camera_file(arguments), topic_without_camera(arguments.frames.topics), arguments.console).rig;
   Camera camera = arguments.camera_name.empty() ? rig.cameras.front()
                                                 : camera_named(rig, arguments.camera_name, "--camera-name");
   const TagMap map = read_map_input(map_file(arguments).string(), arguments.map_input, arguments.console);

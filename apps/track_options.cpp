@@ -91,15 +91,16 @@ void check_track_arguments(const CLI::App& command, const TrackArguments& argume
       throw invalid_input("--detections",
                           fmt::format("is for --method pnp: '{}' looks at images", arguments.method()));
     }
-    refuse_beside_detections(command, {"--rate", "--bits", "--topic", "--stamp-is", "--decimate",
-                                       "--min-margin", "--max-hamming", "--video", "--output-images"});
+    refuse_beside_detections(command, kFrameOptionNames);
+    refuse_beside_detections(command,
+                             {"--decimate", "--min-margin", "--max-hamming", "--video", "--output-images"});
   }
   refuse_options_of_other_methods(command, arguments.method());
   if (arguments.streams_poses()) check_streaming(arguments);
   if (!arguments.input.empty()) check_input(arguments.input);
   std::vector<std::string> read = camera_inputs(arguments.camera, {arguments.input});
-  read.insert(read.end(),
-              {arguments.input, arguments.detections, arguments.map, arguments.map_input.tag_sizes});
+  read.insert(read.end(), {arguments.input, arguments.detections, arguments.map,
+                           arguments.map_input.tag_sizes, arguments.config});
   check_outputs(output_files(arguments), read);
   if (arguments.output_images && !arguments.writes_mcap())
     throw invalid_input(
@@ -165,10 +166,8 @@ void add_track_options(CLI::App& command, TrackArguments& arguments) {
                      "The recording with the tags outlined where the poses put them, H.264 in .mp4");
   command.add_option("--report", arguments.report,
                      "Web page about the run, one file: how far it can be trusted, where not, and why");
-  command.add_option("--rate", arguments.rate_hz, "Frames a second, for images whose names are no times")
-      ->check(rate());
-  add_bits_option(command, arguments.bits);
-  add_bag_options(command, arguments.topics, arguments.stamp_is);
+  add_frame_options(command, arguments.frames);
+  add_config_option(command, arguments.config);
   command
       .add_option("--threads", arguments.options.num_threads,
                   "Frames looked at side by side; 0: one per core, 8 at most. Changes no pose, but latencies "

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "apriltrack/eval/trajectory_formats.h"
-#include "apriltrack/source/frame_source.h"
 #include "console.h"
+#include "frame_options.h"
 #include "map_input.h"
 #include "track_methods.h"
 
@@ -32,10 +32,8 @@ struct TrackArguments {
   std::string tags_csv;
   std::string video;
   std::string report;
-  std::optional<double> rate_hz;
-  std::optional<int> bits;  ///< As SourceOptions'.
-  std::vector<std::string> topics;
-  StampIs stamp_is = StampIs::kMiddle;
+  std::string config;
+  FrameOptions frames;
   MethodOptions options;
   Console console;
 

@@ -48,7 +48,11 @@ HtmlTable settings_table(const TrackRun& run) {
   if (options.name == "paper") add("variant of the paper", options.paper_variant);
   if (options.name != "pnp") add("particles", particles(options));
   if (options.name != "pnp") add("seed", fmt::format("{}", options.seed));
-  if (arguments.rate_hz) add("frames a second", fmt::format("{:g}", *arguments.rate_hz));
+  const SourceOptions& source = arguments.frames.source;
+  if (source.rate_hz) add("frames a second", fmt::format("{:g}", *source.rate_hz));
+  if (source.skip > 0) add("frames left out at the start", fmt::format("{}", source.skip));
+  if (source.step > 1) add("frames used", fmt::format("one of {}", source.step));
+  if (source.max_frames) add("frames used at most", fmt::format("{}", *source.max_frames));
   if (!arguments.detections.empty()) return table;
   add("response of the camera", words_of(run.response));
   const DetectorOptions& detector = options.localizer.detector;

@@ -59,6 +59,7 @@ constexpr ValueName kValueNames[] = {
     {"--response", "RESPONSE"},
     {"--scene", "SCENE"},
     {"--seed", "N"},
+    {"--skip", "N"},
     {"--speed", "FACTOR"},
     {"--step", "STEP"},
     {"--tag-size", "METRES"},

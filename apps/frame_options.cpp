@@ -1,0 +1,35 @@
+#include "frame_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "config_file.h"
+#include "option_checks.h"
+#include "topics.h"
+
+namespace apriltrack::app {
+
+void add_frame_options(CLI::App& command, FrameOptions& options) {
+  SourceOptions& source = options.source;
+  command.add_option("--rate", source.rate_hz, "Frames a second, for images whose names are no times")
+      ->check(rate());
+  add_bits_option(command, source.bits);
+  add_bag_options(command, options.topics, source.stamp_is);
+  command.add_option("--skip", source.skip, "Leave out so many frames at the start of each input")
+      ->check(whole_number(0));
+  command.add_option("--step", source.step, "Use every STEP-th frame")
+      ->check(whole_number(1))
+      ->capture_default_str();
+  command.add_option("--max-frames", source.max_frames, "Use so many frames of each input at most")
+      ->check(whole_number(1));
+}
+
+void add_config_option(CLI::App& command, std::string& config) {
+  const auto apply = [&command, &config](const std::string& path) {
+    config = path;
+    apply_config_file(command, path);
+  };
+  command.add_option_function<std::string>(
+      "--config", apply, "YAML file of options, keys = their long names; the command line wins");
+}
+
+}  // namespace apriltrack::app
