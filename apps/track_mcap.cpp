@@ -11,7 +11,7 @@
 #include "apriltrack/export/foxglove.h"
 #include "apriltrack/export/ros_pose.h"
 #include "apriltrack/source/jpeg_picture.h"
-#include "track_scene.h"
+#include "mcap_scene.h"
 
 namespace apriltrack::app {
 namespace {

@@ -1,4 +1,4 @@
-#include "track_scene.h"
+#include "mcap_scene.h"
 
 #include <fmt/format.h>
 
