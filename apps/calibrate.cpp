@@ -201,8 +201,8 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
   const std::optional<RefinementResult> refinement = refine(a, sightings, result);
   for (const std::string& warning : result.warnings) a.console.warning(warning);
   const CalibrationFindings findings = find(result, refinement, sightings.frames);
-  const CalibrationFiles files = write_calibration(a, camera, sightings, responses, refinement, findings,
-                                                   command_line_of(command), result);
+  const CalibrationFiles files = write_calibration(a, camera, sightings, sizes, responses, refinement,
+                                                   findings, command_line_of(command), result);
   tell_calibration(a, sightings, responses, result, refinement, findings, files);
 }
 

@@ -184,7 +184,8 @@ bool is_detections_input(const CalibrateOptions& a, const fs::path& path) {
 }
 
 CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& camera,
-                                   const Sightings& sightings, const ResponseFindings& responses,
+                                   const Sightings& sightings, const TagSizes& sizes,
+                                   const ResponseFindings& responses,
                                    const std::optional<RefinementResult>& refinement,
                                    const CalibrationFindings& findings, const std::string& command_line,
                                    CalibrationResult& result) {
@@ -215,7 +216,8 @@ CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& ca
   files.has_joint_covariance = write_joint_covariance(a, result.map, *findings.joint, outputs);
   if (!a.report.empty()) {
     warn_of_older_failure(a);
-    const CalibrateRun run{command_line, a, camera, sightings, responses, result, refinement, findings};
+    const CalibrateRun run{command_line, a,      camera,     sightings, sizes,
+                           responses,    result, refinement, findings};
     outputs.write(a.report, [&](const fs::path& path) { write_calibrate_report(path, run); });
   }
   outputs.write(a.output, [&](const fs::path& path) { write_tag_map(path, result.map); });

@@ -33,7 +33,8 @@ bool is_detections_input(const CalibrateOptions& options, const std::filesystem:
 /// camera: the file that was read. The page and the joint covariance are among them where they were asked
 /// for.
 CalibrationFiles write_calibration(const CalibrateOptions& options, const std::filesystem::path& camera,
-                                   const Sightings& sightings, const ResponseFindings& responses,
+                                   const Sightings& sightings, const TagSizes& sizes,
+                                   const ResponseFindings& responses,
                                    const std::optional<RefinementResult>& refinement,
                                    const CalibrationFindings& findings, const std::string& command_line,
                                    CalibrationResult& result);

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <span>
+
 #include "apriltrack/report/html_page.h"
 #include "calibrate_report_tables.h"
+#include "calibrate_scene.h"
 #include "constraint_table.h"
 #include "map_drawings.h"
 #include "residual_drawings.h"
@@ -38,6 +41,7 @@ void add_warnings(HtmlPage& page, const CalibrateRun& run) {
 }
 
 void add_map(HtmlPage& page, const DrawnMap& drawn) {
+  page.scene(scene_of_calibration(drawn), caption_of_scene(drawn));
   add_drawing(page, draw_from_above(drawn));
   add_drawing(page, draw_from_sides(drawn));
 }
@@ -122,24 +126,38 @@ void add_halves(HtmlPage& page, const CalibrateRun& run) {
   page.table(halves_table(halves));
 }
 
-void add_other_parts(HtmlPage& page, const CalibrateRun& run) {
-  for (std::size_t i = 0; i < run.result.other_parts.size(); ++i) {
-    const TagMap& part = run.result.other_parts[i];
-    const MapEvidence& evidence = run.result.evidence_of_other_parts[i];
-    const MapAssessment& assessment = run.findings.of_other_parts[i];
-    page.heading(fmt::format("A part of its own: {} tags", part.tags.size()));
+/// The map, and the parts that no frame joins to it, in one scale of ellipses.
+std::vector<DrawnMap> drawn_maps(const CalibrateRun& run) {
+  const CalibrationResult& result = run.result;
+  std::vector<DrawnMap> all = {{.map = result.map,
+                                .evidence = result.evidence,
+                                .assessment = run.findings.of_map,
+                                .left_out = place_left_out_tags(run),
+                                .is_frame_measured = result.is_frame_measured,
+                                .is_vertical_measured = result.is_vertical_measured}};
+  for (std::size_t i = 0; i < result.other_parts.size(); ++i)
+    all.push_back({.map = result.other_parts[i],
+                   .evidence = result.evidence_of_other_parts[i],
+                   .assessment = run.findings.of_other_parts[i]});
+  const double scale = ellipse_scale_for(all);
+  for (DrawnMap& drawn : all) drawn.ellipse_scale = scale;
+  return all;
+}
+
+void add_other_parts(HtmlPage& page, std::span<const DrawnMap> parts) {
+  for (const DrawnMap& part : parts) {
+    page.heading(fmt::format("A part of its own: {} tags", part.map.tags.size()));
     page.paragraph("No frame ties it to the map. Its gauge is its own, and so are its places.");
-    const DrawnMap drawn{part, evidence, assessment};
-    add_drawing(page, draw_from_above(drawn));
-    page.table(tags_table(part, evidence.joint, evidence, assessment));
+    add_drawing(page, draw_from_above(part));
+    page.table(tags_table(part.map, part.evidence.joint, part.evidence, part.assessment));
   }
 }
 
 }  // namespace
 
 void write_calibrate_report(const std::filesystem::path& path, const CalibrateRun& run) {
-  const DrawnMap drawn{run.result.map, run.result.evidence, run.findings.of_map, run.result.is_frame_measured,
-                       run.result.is_vertical_measured};
+  const std::vector<DrawnMap> all = drawn_maps(run);
+  const DrawnMap& drawn = all.front();
   HtmlPage page(title_of(run.options));
   add_warnings(page, run);
   page.heading("In short");
@@ -156,7 +174,7 @@ void write_calibrate_report(const std::filesystem::path& path, const CalibrateRu
   add_cameras(page, run);
   add_responses(page, run);
   add_refinement(page, run);
-  add_other_parts(page, run);
+  add_other_parts(page, std::span(all).subspan(1));
   page.heading("How it was made");
   page.code(run.command_line);
   page.table(calibrate_settings_table(run));

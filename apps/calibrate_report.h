@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "apriltrack/tags/tag_sizes.h"
 #include "calibrate_findings.h"
 #include "calibrate_options.h"
 #include "calibrate_response.h"
@@ -16,6 +17,7 @@ struct CalibrateRun {
   const CalibrateOptions& options;
   std::filesystem::path camera_file;
   const Sightings& sightings;
+  const TagSizes& sizes;
   const ResponseFindings& responses;
   const CalibrationResult& result;
   const std::optional<RefinementResult>& refinement;

@@ -7,20 +7,22 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "apriltrack/base/degrees.h"
 #include "apriltrack/base/version.h"
 #include "apriltrack/eval/statistics.h"
+#include "map_scene.h"
 
 namespace apriltrack::app {
 namespace {
 
 double position_sigma_mm(const Matrix6d& covariance) {
-  return 1e3 * std::sqrt(covariance.topLeftCorner<3, 3>().trace());
+  return 1e3 * position_sigma_m(covariance);
 }
 
 double rotation_sigma_deg(const Matrix6d& covariance) {
-  return kDegPerRad * std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
+  return kDegPerRad * rotation_sigma_rad(covariance);
 }
 
 std::string claims(const TagMap& map) {
@@ -80,6 +82,13 @@ std::string outcome_of(const ResponseFinding& finding) {
   if (finding.differs())
     return fmt::format("the pictures say {}, not beyond doubt", finding.estimate.response.name());
   return "the pictures agree";
+}
+
+/// What a number of this unit is told in, and how many of that it is.
+std::pair<std::string, double> unit_for_people(const std::string& unit) {
+  if (unit == "m") return {"mm", 1e3};
+  if (unit == "rad") return {"degrees", kDegPerRad};
+  return {unit == "1" ? "-" : unit, 1.0};
 }
 
 std::string or_dash(const std::string& text) {
@@ -152,9 +161,11 @@ HtmlTable corrections_table(const std::vector<CameraCorrection>& corrections, co
   HtmlTable table{{"camera", "what", "correction", "sigma", "unit"},
                   {},
                   "To be added to what was given; of focal lengths and their ratio a share. " + caption};
-  for (const CameraCorrection& one : corrections)
-    table.rows.push_back({one.camera, one.parameter, fmt::format("{:+.5g}", one.value),
-                          fmt::format("{:.2g}", one.sigma), one.unit == "1" ? "-" : one.unit});
+  for (const CameraCorrection& one : corrections) {
+    const auto [unit, factor] = unit_for_people(one.unit);
+    table.rows.push_back({one.camera, one.parameter, fmt::format("{:+.5g}", factor * one.value),
+                          fmt::format("{:.2g}", factor * one.sigma), unit});
+  }
   return table;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "apriltrack/base/degrees.h"
+#include "lengths.h"
 
 namespace apriltrack::app {
 namespace {
@@ -20,6 +21,12 @@ nlohmann::json told_reading(const ConstraintReading& reading) {
           {"measured", reading.measured},
           {"predicted", or_null(reading.predicted)},
           {"sigma", or_null(reading.sigma)}};
+}
+
+std::string in_words(double value, const std::string& unit) {
+  if (unit == "m") return length_in_words(value);
+  if (unit == "rad") return fmt::format("{:.5g} degrees", kDegPerRad * value);
+  return fmt::format("{:.5g} {}", value, unit);
 }
 
 /// Of the number that differs most.
@@ -79,7 +86,7 @@ HtmlTable constraints_table(const std::vector<ConstraintAudit>& audits) {
     }
     for (const ConstraintReading& reading : audit.readings) {
       const auto number = [&](const std::optional<double>& value) {
-        return value ? fmt::format("{:.5g} {}", *value, reading.unit) : std::string("-");
+        return value ? in_words(*value, reading.unit) : std::string("-");
       };
       table.rows.push_back({audit.title, reading.name, number(reading.measured), number(reading.predicted),
                             number(reading.sigma),

@@ -25,6 +25,7 @@ struct MapOptions {
   std::string second;
   std::string output;
   std::string to;
+  std::string report;
   MapInputOptions input;
   std::optional<double> field_length_m, field_width_m;
   double conflict_mm = 10.0;

@@ -1,6 +1,7 @@
 #include "map_drawings.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -9,9 +10,10 @@
 #include <optional>
 #include <set>
 
-#include "apriltrack/base/degrees.h"
+#include "drawn_tags.h"
 #include "label_places.h"
 #include "map_projection.h"
+#include "map_scene.h"
 
 namespace apriltrack::app {
 namespace {
@@ -21,86 +23,17 @@ constexpr double kHalfWidth = 620.0, kHalfMaxHeight = 560.0, kHalfMargin = 52.0;
 constexpr double kGap_s = 1.0;            // over which the path is not drawn
 constexpr double kLargestEllipse = 46.0;  // half its length, in units of the picture
 
-double sigma_of(const std::optional<Matrix6d>& covariance, bool is_rotation) {
-  if (!covariance) return 0.0;
-  return std::sqrt(is_rotation ? covariance->bottomRightCorner<3, 3>().trace()
-                               : covariance->topLeftCorner<3, 3>().trace());
-}
-
-std::string name_on_paper(const TagMap& map, const MapTag& tag) {
-  const bool is_one_family = std::ranges::all_of(
-      map.tags, [&](const MapTag& other) { return other.key.family == map.tags.front().key.family; });
-  return is_one_family ? fmt::format("{}", tag.key.id) : to_string(tag.key);
-}
-
-std::string tooltip_of(const MapTag& tag) {
-  std::string text = to_string(tag.key);
-  if (tag.statistics) text += fmt::format(": {} views", tag.statistics->views);
-  if (tag.covariance)
-    text += fmt::format(", sigma {:.2f} mm and {:.3f} degrees", 1e3 * sigma_of(tag.covariance, false),
-                        kDegPerRad * sigma_of(tag.covariance, true));
-  return text;
-}
-
-/// The position's covariance in the map's frame.
-Eigen::Matrix3d position_covariance(const MapTag& tag) {
-  const Eigen::Matrix3d R = tag.T_map_tag.rotation_matrix();
-  return R * tag.covariance->topLeftCorner<3, 3>() * R.transpose();
-}
-
-bool is_held(const MapTag& tag) {
-  return tag.covariance && tag.covariance->isZero();
-}
-
-bool is_doubtful(const DrawnMap& drawn, const MapTag& tag) {
-  const auto& directions = drawn.assessment.directions;
-  const auto own = std::ranges::find(directions, tag.key, &WeakDirection::tag);
-  return (tag.statistics && !tag.statistics->flags.empty()) || (own != directions.end() && own->is_weak);
-}
-
 std::vector<Eigen::Vector2d> all_points(const DrawnMap& drawn, const Elevation& elevation) {
   std::vector<Eigen::Vector2d> points;
   for (const MapTag& tag : drawn.map.tags) {
     for (const Eigen::Vector3d& corner : corners_in_map(tag)) points.push_back(elevation.of(corner));
   }
+  for (const MapTag& tag : drawn.left_out) {
+    for (const Eigen::Vector3d& corner : corners_in_map(tag)) points.push_back(elevation.of(corner));
+  }
   for (const RigPose& moment : drawn.evidence.moments)
     points.push_back(elevation.of(moment.T_map_rig.translation()));
   return points;
-}
-
-/// By how much ellipses are drawn too large, so that they are seen: a round number.
-double exaggeration(const DrawnMap& drawn, double units_per_m) {
-  double largest_m = 0.0;
-  for (const MapTag& tag : drawn.map.tags) largest_m = std::max(largest_m, sigma_of(tag.covariance, false));
-  if (!(largest_m > 0.0)) return 1.0;
-  return std::max(1.0, round_number_below(kLargestEllipse / (largest_m * units_per_m)));
-}
-
-/// Lines a round number of metres apart; tells how many.
-double draw_grid(const PaperScale& scale, SvgPicture& picture) {
-  const Eigen::Vector2d low = scale.low_m(), high = scale.high_m();
-  const double step_m = round_number_below(std::max(high.x() - low.x(), high.y() - low.y()) / 4.0);
-  const SvgStyle style{.stroke = SvgInk::kRule, .width = 0.8};
-  for (double x = std::ceil(low.x() / step_m) * step_m; x < high.x(); x += step_m) {
-    const double at = scale.at({x, 0.0}).x();
-    picture.line({at, 0.0}, {at, scale.height()}, style);
-  }
-  for (double y = std::ceil(low.y() / step_m) * step_m; y < high.y(); y += step_m) {
-    const double at = scale.at({0.0, y}).y();
-    picture.line({0.0, at}, {scale.width(), at}, style);
-  }
-  return step_m;
-}
-
-void draw_scale_bar(const PaperScale& scale, double step_m, SvgPicture& picture) {
-  const Eigen::Vector2d from(14.0, scale.height() - 14.0);
-  const Eigen::Vector2d to = from + Eigen::Vector2d(step_m * scale.units_per_m(), 0.0);
-  picture.line(from, to, {.stroke = SvgInk::kPale, .width = 2.0});
-  for (const Eigen::Vector2d& end : {from, to})
-    picture.line(end - Eigen::Vector2d(0.0, 4.0), end + Eigen::Vector2d(0.0, 4.0),
-                 {.stroke = SvgInk::kPale, .width = 2.0});
-  picture.text({to.x() + 7.0, to.y() + 4.0}, fmt::format("{:g} m", step_m),
-               {.ink = SvgInk::kPale, .has_halo = true});
 }
 
 void draw_camera_path(const DrawnMap& drawn, const Elevation& elevation, const PaperScale& scale,
@@ -118,97 +51,67 @@ void draw_camera_path(const DrawnMap& drawn, const Elevation& elevation, const P
   picture.polyline(line, style);
 }
 
-void draw_ellipse(const MapTag& tag, const Elevation& elevation, const PaperScale& scale, double factor,
-                  SvgPicture& picture) {
+void draw_ellipse(const DrawnMap& drawn, const MapTag& tag, const Elevation& elevation,
+                  const PaperScale& scale, SvgPicture& picture) {
   if (!tag.covariance || is_held(tag)) return;
-  const double units = factor * scale.units_per_m();
+  const double units = drawn.ellipse_scale * scale.units_per_m();
   Eigen::Matrix2d covariance = units * units * elevation.of(position_covariance(tag));
   covariance(0, 1) = covariance(1, 0) = -covariance(0, 1);  // y down
   picture.ellipse(scale.at(elevation.of(tag.T_map_tag.translation())), covariance,
-                  {.stroke = SvgInk::kAccent,
-                   .width = 1.0,
-                   .fill = SvgInk::kAccent,
-                   .fill_opacity = 0.14,
-                   .tooltip = tooltip_of(tag)});
+                  {.stroke = SvgInk::kAccent, .width = 1.0, .fill = SvgInk::kAccent, .fill_opacity = 0.14});
 }
 
-void draw_tag(const DrawnMap& drawn, const MapTag& tag, const Elevation& elevation, const PaperScale& scale,
-              SvgPicture& picture) {
-  const SvgInk ink = is_doubtful(drawn, tag) ? SvgInk::kWarning : SvgInk::kText;
-  std::vector<Eigen::Vector2d> outline;
-  for (const Eigen::Vector3d& corner : corners_in_map(tag)) outline.push_back(scale.at(elevation.of(corner)));
-  const Eigen::Vector3d normal = -(tag.T_map_tag.rotation() * Eigen::Vector3d::UnitZ());
-  const Eigen::Vector3d center = tag.T_map_tag.translation();
-  const Eigen::Vector2d from = scale.at(elevation.of(center));
-  const Eigen::Vector2d along = scale.at(elevation.of(Eigen::Vector3d(center + normal))) - from;
-  const double arrow = std::clamp(0.9 * tag.size_m * scale.units_per_m(), 12.0, 26.0) / scale.units_per_m();
-  picture.arrow(from, from + arrow * along, {.stroke = ink, .width = 1.2});
-  picture.polygon(outline, {.stroke = ink,
-                            .width = 2.4,
-                            .fill = is_held(tag) ? SvgInk::kGood : SvgInk::kPaper,
-                            .fill_opacity = 0.6,
-                            .tooltip = tooltip_of(tag)});
+std::vector<DrawnTag> drawn_tags(const DrawnMap& drawn) {
+  std::vector<DrawnTag> tags;
+  for (const MapTag& tag : drawn.left_out)
+    tags.push_back(
+        {.tag = tag, .name = short_name(drawn.map, tag), .ink = SvgInk::kPurpleInk, .takes_part = false});
+  for (const MapTag& tag : drawn.map.tags)
+    tags.push_back({.tag = tag,
+                    .name = short_name(drawn.map, tag),
+                    .ink = is_doubtful(drawn, tag) ? SvgInk::kWarning : SvgInk::kText,
+                    .fill = is_held(tag) ? SvgInk::kGood : SvgInk::kPaper});
+  return tags;
 }
 
-/// Behind the tag, where there is room.
-void draw_names(const DrawnMap& drawn, const Elevation& elevation, const PaperScale& scale,
-                SvgPicture& picture) {
-  constexpr double kLetters = 13.0;
-  LabelPlaces places(picture.width(), picture.height(), kLetters);
-  for (const MapTag& tag : drawn.map.tags) {
-    for (const Eigen::Vector3d& corner : corners_in_map(tag)) {
-      const Eigen::Vector3d halfway = 0.5 * (corner + tag.T_map_tag.translation());
-      places.keep_clear(scale.at(elevation.of(halfway)), 0.25 * tag.size_m * scale.units_per_m());
-    }
-  }
-  for (const MapTag& tag : drawn.map.tags) {
-    const Eigen::Vector3d into_tag = tag.T_map_tag.rotation() * Eigen::Vector3d::UnitZ();
-    const Eigen::Vector2d behind(elevation.of(into_tag).x(), -elevation.of(into_tag).y());
-    const std::string name = name_on_paper(drawn.map, tag);
-    picture.text(places.place(scale.at(elevation.of(tag.T_map_tag.translation())), behind, name), name,
-                 {.size = kLetters,
-                  .ink = is_doubtful(drawn, tag) ? SvgInk::kWarning : SvgInk::kText,
-                  .anchor = SvgAnchor::kMiddle,
-                  .is_bold = true,
-                  .has_halo = true});
-  }
-}
-
-struct Drawn {
-  SvgPicture picture;
-  double factor = 1.0;  ///< Of ellipses.
-};
-
-Drawn draw(const DrawnMap& drawn, const Elevation& elevation, const PaperScale& scale, double factor) {
+SvgPicture draw(const DrawnMap& drawn, const Elevation& elevation, const PaperScale& scale) {
   SvgPicture picture(scale.width(), scale.height());
-  picture.rectangle({0.5, 0.5}, {scale.width() - 1.0, scale.height() - 1.0},
-                    {.stroke = SvgInk::kRule, .fill = SvgInk::kTint, .fill_opacity = 0.5});
-  const double step_m = draw_grid(scale, picture);
+  draw_paper(scale, picture);
   draw_camera_path(drawn, elevation, scale, picture);
-  for (const MapTag& tag : drawn.map.tags) draw_ellipse(tag, elevation, scale, factor, picture);
-  for (const MapTag& tag : drawn.map.tags) draw_tag(drawn, tag, elevation, scale, picture);
-  draw_names(drawn, elevation, scale, picture);
-  picture.text({14.0, 22.0}, elevation.name, {.size = 14.0, .is_bold = true, .has_halo = true});
-  draw_scale_bar(scale, step_m, picture);
-  return {std::move(picture), factor};
+  for (const MapTag& tag : drawn.map.tags) draw_ellipse(drawn, tag, elevation, scale, picture);
+  draw_tags(drawn_tags(drawn), elevation, scale, picture);
+  draw_title_and_scale(elevation.name, scale, picture);
+  return picture;
 }
 
-std::string caption_of(const DrawnMap& drawn, double factor) {
-  std::string ellipses = "The map has no covariances, and so no ellipses.";
-  if (std::ranges::any_of(drawn.map.tags, [](const MapTag& tag) { return tag.covariance.has_value(); }))
-    ellipses =
-        fmt::format("Ellipses: one sigma of the position relative to the {}, drawn {:g} times too large.",
-                    drawn.is_frame_measured ? "measured frame" : "held tag", factor);
-  return fmt::format(
-      "Tags with the direction they face; {}doubtful ones in orange. {} The line is the camera's path. Up is "
-      "{}.",
-      drawn.is_frame_measured ? "" : "the held one filled in green, ", ellipses,
-      drawn.is_vertical_measured ? "z of the map, as measured" : "as the camera was held");
+std::string about_ellipses(const DrawnMap& drawn) {
+  if (std::ranges::none_of(drawn.map.tags, [](const MapTag& tag) { return tag.covariance.has_value(); }))
+    return "The map has no covariances, and so no ellipses.";
+  return fmt::format("Ellipses: one sigma of the position relative to the {}, drawn {:g} times too large.",
+                     drawn.is_frame_measured ? "measured frame" : "held tag", drawn.ellipse_scale);
+}
+
+std::string about_path(const DrawnMap& drawn) {
+  if (drawn.is_vertical_measured) return "Up is z of the map, as measured.";
+  return drawn.evidence.moments.empty() ? "Up is as most tags hang." : "Up is as the camera was held.";
+}
+
+std::string caption_of(const DrawnMap& drawn) {
+  std::string text = fmt::format("Tags with the direction they face; {}doubtful ones in orange.",
+                                 drawn.is_frame_measured ? "" : "the held one filled in green, ");
+  if (!drawn.left_out.empty())
+    text += " Dashed and crossed: left out of the map, drawn where most of their own views put them.";
+  text += " " + about_ellipses(drawn);
+  if (!drawn.evidence.moments.empty()) text += " The line is the camera's path.";
+  return text + " " + about_path(drawn);
 }
 
 Elevations elevations_of(const DrawnMap& drawn) {
-  return app::elevations_of(
-      drawn.map, drawn.is_vertical_measured ? Eigen::Vector3d::UnitZ() : upward(drawn.map, drawn.evidence));
+  return app::elevations_of(drawn.map, up_of(drawn));
+}
+
+PaperScale scale_from_above(const DrawnMap& drawn) {
+  return {all_points(drawn, elevations_of(drawn).above), kWidth, kMaxHeight, kMargin};
 }
 
 SvgStyle style_of_link(const SeenTogether& link) {
@@ -274,24 +177,39 @@ void draw_node(const DrawnMap& drawn, const LinkLayout& layout, std::size_t i, S
 
 }  // namespace
 
+double ellipse_scale_for(const std::vector<DrawnMap>& all) {
+  double longest = 0.0;  // units of the drawing
+  for (const DrawnMap& drawn : all) {
+    double largest_m = 0.0;
+    for (const MapTag& tag : drawn.map.tags)
+      if (tag.covariance) largest_m = std::max(largest_m, position_sigma_m(*tag.covariance));
+    longest = std::max(longest, largest_m * scale_from_above(drawn).units_per_m());
+  }
+  return longest > 0.0 ? std::max(1.0, round_number_below(kLargestEllipse / longest)) : 1.0;
+}
+
+Eigen::Vector3d up_of(const DrawnMap& drawn) {
+  return drawn.is_vertical_measured ? Eigen::Vector3d::UnitZ() : upward(drawn.map, drawn.evidence);
+}
+
+bool is_doubtful(const DrawnMap& drawn, const MapTag& tag) {
+  const auto& directions = drawn.assessment.directions;
+  const auto own = std::ranges::find(directions, tag.key, &WeakDirection::tag);
+  return (tag.statistics && !tag.statistics->flags.empty()) || (own != directions.end() && own->is_weak);
+}
+
 MapDrawing draw_from_above(const DrawnMap& drawn) {
-  const Elevation elevation = elevations_of(drawn).above;
-  const PaperScale scale(all_points(drawn, elevation), kWidth, kMaxHeight, kMargin);
-  const double factor = exaggeration(drawn, scale.units_per_m());
-  return {{draw(drawn, elevation, scale, factor).picture}, caption_of(drawn, factor)};
+  return {{draw(drawn, elevations_of(drawn).above, scale_from_above(drawn))}, caption_of(drawn)};
 }
 
 MapDrawing draw_from_sides(const DrawnMap& drawn) {
   const Elevations elevations = elevations_of(drawn);
-  std::vector<PaperScale> scales;
-  double factor = std::numeric_limits<double>::infinity();
-  for (const Elevation& one : {elevations.front, elevations.side}) {
-    scales.emplace_back(all_points(drawn, one), kHalfWidth, kHalfMaxHeight, kHalfMargin);
-    factor = std::min(factor, exaggeration(drawn, scales.back().units_per_m()));
-  }
-  return {{draw(drawn, elevations.front, scales[0], factor).picture,
-           draw(drawn, elevations.side, scales[1], factor).picture},
-          fmt::format("The same from two sides; ellipses {:g} times too large.", factor)};
+  MapDrawing drawing;
+  for (const Elevation& one : {elevations.front, elevations.side})
+    drawing.pictures.push_back(
+        draw(drawn, one, {all_points(drawn, one), kHalfWidth, kHalfMaxHeight, kHalfMargin}));
+  drawing.caption = "The same from two sides.";
+  return drawing;
 }
 
 MapDrawing draw_links(const DrawnMap& drawn) {

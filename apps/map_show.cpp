@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "map_command.h"
+#include "map_report.h"
+#include "outputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -79,19 +81,30 @@ std::string to_text(const TagMap& map) {
 }
 
 void run_show(const MapOptions& options) {
+  if (!options.report.empty()) check_output(options.report, "--report", {options.first});
   const TagMap map = read_map_input(options.first, options.input, options.console);
-  options.console.finish(to_json(map), to_text(map));
+  json summary = to_json(map);
+  std::string text = to_text(map);
+  if (!options.report.empty()) {
+    write_map_report(options.report, options.first, map);
+    summary["report"] = options.report;
+    text += "\nreport: " + options.report;
+  }
+  options.console.finish(summary, text);
 }
 
 }  // namespace
 
 void add_map_show(CLI::App& map_command) {
-  const auto [verb, options] = add_map_verb(
-      map_command, "show",
-      {"Lists a map's tags with sizes, poses, accuracy and origin.", "apriltrack map show map.yaml", ""},
-      run_show);
+  const auto [verb, options] = add_map_verb(map_command, "show",
+                                            {"Lists a map's tags with sizes, poses, accuracy and origin.",
+                                             "apriltrack map show map.yaml --report map.html",
+                                             "The page shows the map in 3-D, to be turned about."},
+                                            run_show);
   add_map_input_options(*verb, options->input);
   verb->add_option("MAP", options->first, "Tag map")->required();
+  verb->add_option("--report", options->report,
+                   "HTML page of the map: in 3-D, from above and from two sides");
 }
 
 }  // namespace apriltrack::app

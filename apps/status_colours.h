@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apriltrack/report/colour.h"
+#include "apriltrack/report/svg_picture.h"
 #include "apriltrack/tracker/track_result.h"
 
 namespace apriltrack::app {
@@ -19,6 +20,22 @@ inline Colour colour_of(TrackStatus status) {
       return kVermilion;
   }
   return kVermilion;
+}
+
+/// The same on pages, whose colours follow light and dark surroundings.
+inline SvgInk ink_of_status(TrackStatus status) {
+  switch (status) {
+    case TrackStatus::kDetected:
+      return SvgInk::kGreenInk;
+    case TrackStatus::kTracked:
+      return SvgInk::kSkyInk;
+    case TrackStatus::kPredicted:
+      return SvgInk::kOrangeInk;
+    case TrackStatus::kLost:
+    case TrackStatus::kUnreadable:
+      return SvgInk::kVermilionInk;
+  }
+  return SvgInk::kVermilionInk;
 }
 
 }  // namespace apriltrack::app

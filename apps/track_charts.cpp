@@ -12,6 +12,7 @@
 #include "apriltrack/base/degrees.h"
 #include "apriltrack/report/chart.h"
 #include "apriltrack/report/event_lanes.h"
+#include "lengths.h"
 #include "status_colours.h"
 #include "track_extent.h"
 
@@ -103,7 +104,7 @@ ReportPicture draw_sigma(const TrackRecord& record, const std::string& what, con
   chart.x = time_axis(record);
   chart.y = {.label = fmt::format("sigma of the {}, {}", what, unit), .is_logarithmic = true};
   chart.series = by_status(record, sigma);
-  return {chart_png(chart),
+  return {chart_svg(chart),
           fmt::format("The length of the {} error that the covariance expects, root mean square, {}; "
                       "logarithmic. Where it is high, the pose is weakly held.",
                       what, unit)};
@@ -113,34 +114,42 @@ ReportPicture draw_sigma(const TrackRecord& record, const std::string& what, con
 
 ReportPicture draw_statuses(const TrackRecord& record) {
   std::vector<EventLane> lanes;
-  for (const TrackStatus status : kTrackStatuses) lanes.push_back({to_string(status), colour_of(status)});
+  for (const TrackStatus status : kTrackStatuses) lanes.push_back({to_string(status), ink_of_status(status)});
   std::vector<LaneEvent> events;
   for (const FrameLogRow& row : record.rows())
     events.push_back({time_of(record, row), index_of_status(row.status)});
-  return {event_lanes_png("Status of every frame", lanes, events),
+  return {event_lanes_svg("Status of every frame", lanes, events),
           "A bar for each frame. Poses rest on evidence in the two upper rows only."};
 }
 
 ReportPicture draw_position(const TrackRecord& record, TrackMode mode) {
+  double longest_m = 0.0;
+  for (const Eigen::Index axis : {0, 1, 2}) {
+    const Ends ends = ends_of(record, axis);
+    longest_m = std::max({longest_m, std::abs(ends.low), std::abs(ends.high)});
+  }
+  const LengthUnit unit = unit_for(longest_m);
   Chart chart;
   chart.title = "Position";
   chart.x = time_axis(record);
-  chart.y = {.label = "position, m"};
   Ends shown;
   for (const Eigen::Index axis : {0, 1, 2}) {
     const auto i = static_cast<std::size_t>(axis);
     ChartSeries series = series_over_time(
-        record, {.name = kAxisNames[i], .colour = kAxisColours[i]},
-        [&](const FrameLogRow& row) { return row.pose ? row.pose->translation()[axis] : kNothing; });
-    for (const FrameLogRow& row : record.rows()) series.half_width.push_back(2.0 * sigma_along(row, axis));
+        record, {.name = kAxisNames[i], .colour = kAxisColours[i]}, [&](const FrameLogRow& row) {
+          return row.pose ? unit.per_m * row.pose->translation()[axis] : kNothing;
+        });
+    for (const FrameLogRow& row : record.rows())
+      series.half_width.push_back(2.0 * unit.per_m * sigma_along(row, axis));
     const Ends ends = ends_of(record, axis);
-    shown.add(ends.low);
-    shown.add(ends.high);
+    shown.add(unit.per_m * ends.low);
+    shown.add(unit.per_m * ends.high);
     chart.series.push_back(std::move(series));
   }
+  chart.y = {.label = fmt::format("position, {}", unit.name)};
   set_ends(chart.y, shown);
   return {
-      chart_png(chart),
+      chart_svg(chart),
       fmt::format(
           "Position {}. The translucent band is what the covariance allows, 2 sigma to either side: an "
           "honest one holds the truth in 95 % of the frames. Unseen, it is thinner than the line. A gap: no "
@@ -162,7 +171,7 @@ ReportPicture draw_rotation(const TrackRecord& record, TrackMode mode) {
     }
     chart.series.push_back(std::move(series));
   }
-  return {chart_png(chart),
+  return {chart_svg(chart),
           fmt::format("The turn from the first pose as a rotation vector (its length is the "
                       "angle), along the axes of the {}; past half a turn it counts on.",
                       mode == TrackMode::kEgo ? "map" : "camera")};
@@ -194,7 +203,7 @@ ReportPicture draw_tags(const TrackRecord& record) {
   for (const FrameLogRow& row : record.rows())
     chart.y.high = std::max({*chart.y.high, row.tags_detected + 1.0, row.tags_tracked + 1.0});
   return {
-      chart_png(chart),
+      chart_svg(chart),
       "Detected: tags of the map that were read in the frame. Used: those whose evidence the pose rests "
       "on, read or not. While the blur tracker knows where it is, it looks for tags in the whole image only "
       "once a second, and at some of those that it expects in between: detected then has a spike every "
@@ -219,7 +228,7 @@ ReportPicture draw_latency(const TrackRecord& record, const TrackFigures& figure
     chart.levels.push_back({ms, fmt::format("a frame every {:.1f} ms", ms)});
     interval = " Above the time between frames the run is slower than the camera.";
   }
-  return {chart_png(chart),
+  return {chart_svg(chart),
           "From the decoded image (or the given corners) to the pose, other frames at work beside it unless "
           "--threads is 1; logarithmic." +
               interval};

@@ -5,6 +5,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/report/html_page.h"
 #include "track_charts.h"
+#include "track_drawings.h"
 #include "track_figures.h"
 #include "track_report_tables.h"
 #include "track_truth.h"
@@ -14,7 +15,7 @@ namespace apriltrack::app {
 namespace {
 
 void add_picture(HtmlPage& page, const ReportPicture& picture) {
-  page.png(picture.png, picture.caption);
+  page.svg(picture.picture, picture.caption);
 }
 
 /// What must not be overlooked stands above all figures.
@@ -32,12 +33,18 @@ void add_why_not(HtmlPage& page, const TrackRun& run, const TrackFigures& figure
   if (!run.record.lost_reasons().empty()) page.table(reasons_table(run.record));
 }
 
-void add_poses(HtmlPage& page, const TrackRun& run) {
+void add_path(HtmlPage& page, const TrackRun& run, const Trajectory& truth) {
   const TrackMode mode = run.arguments.method_options().localizer.mode;
   page.heading(mode == TrackMode::kEgo ? "Where the camera was" : "Where the body was");
-  add_picture(page, draw_path(run.record, run.map, mode));
+  page.scene(scene_of_track(run, truth), caption_of_track_scene(run));
+  const std::vector<MapDrawing> drawings = draw_path(run, truth);
+  page.svg(drawings[0].pictures.front(), drawings[0].caption);
+  page.svg(drawings[1].pictures, drawings[1].caption);
   add_picture(page, draw_position(run.record, mode));
   add_picture(page, draw_rotation(run.record, mode));
+}
+
+void add_claims(HtmlPage& page, const TrackRun& run) {
   page.heading("How well it is known");
   page.paragraph(
       "What the run itself claims. An honest error is of about this size, and seldom more than twice that; a "
@@ -55,15 +62,24 @@ void add_tags_and_time(HtmlPage& page, const TrackRun& run, const TrackFigures& 
 }
 
 /// A truth that cannot be used is no reason to withhold the rest.
-void add_truth(HtmlPage& page, const TrackRun& run) {
+struct Truth {
+  std::optional<TruthScore> score;
+  std::string why_not;  ///< Empty where there is a score, or no truth.
+};
+
+Truth find_truth(const TrackRun& run) {
   try {
-    const auto score =
-        score_against_truth(run.arguments, run.camera, run.map, run.record, run.was_interrupted);
-    if (score) add_truth_section(page, *score, run.record);
+    return {score_against_truth(run.arguments, run.camera, run.map, run.record, run.was_interrupted), ""};
   } catch (const Error& error) {
-    page.heading("Against the truth");
-    page.paragraph(fmt::format("The recording's truth.tum could not be compared: {}", error.what()));
+    return {std::nullopt, error.what()};
   }
+}
+
+void add_truth(HtmlPage& page, const Truth& truth, const TrackRecord& record) {
+  if (truth.score) add_truth_section(page, *truth.score, record);
+  if (truth.why_not.empty()) return;
+  page.heading("Against the truth");
+  page.paragraph(fmt::format("The recording's truth.tum could not be compared: {}", truth.why_not));
 }
 
 }  // namespace
@@ -79,11 +95,16 @@ void write_track_report(const std::filesystem::path& path, const TrackRun& run) 
     page.paragraph(verdict(run, figures));
     page.table(summary_table(run, figures));
     page.table(status_table(figures));
+    page.list(meanings_of_statuses());
     if (const std::string share = describe_map_share(run, figures); !share.empty()) page.paragraph(share);
     add_picture(page, draw_statuses(run.record));
     add_why_not(page, run, figures);
-    add_truth(page, run);
-    if (run.record.has_pose()) add_poses(page, run);
+    const Truth truth = find_truth(run);
+    add_truth(page, truth, run.record);
+    if (run.record.has_pose()) {
+      add_path(page, run, truth_to_draw(truth.score));
+      add_claims(page, run);
+    }
     add_tags_and_time(page, run, figures);
   }
   page.heading("How it was made");

@@ -20,15 +20,15 @@ std::string share_of(std::size_t count, std::size_t all) {
 const char* meaning_of(TrackStatus status) {
   switch (status) {
     case TrackStatus::kDetected:
-      return "The pose rests on a tag that was read in this frame.";
+      return "the pose rests on a tag that was read in this frame.";
     case TrackStatus::kTracked:
-      return "No tag could be read, but the picture's grey levels hold the pose.";
+      return "no tag could be read, but the picture's grey levels hold the pose.";
     case TrackStatus::kPredicted:
-      return "Carried on from the motion before, for at most 0.5 s; nothing in this frame confirms it.";
+      return "carried on from the motion before, for at most 0.5 s; nothing in this frame confirms it.";
     case TrackStatus::kLost:
-      return "No pose.";
+      return "no pose.";
     case TrackStatus::kUnreadable:
-      return "The frame could not be decoded, or has not the camera's resolution.";
+      return "the frame could not be decoded, or has not the camera's resolution.";
   }
   return "";
 }
@@ -165,7 +165,7 @@ std::string describe_map_share(const TrackRun& run, const TrackFigures& figures)
 }
 
 HtmlTable status_table(const TrackFigures& figures) {
-  HtmlTable table{{"status", "frames", "share", "sigma, mm", "worst", "sigma, degrees", "worst", "meaning"},
+  HtmlTable table{{"status", "frames", "share", "sigma, mm", "worst", "sigma, degrees", "worst"},
                   {},
                   "Sigma: what the poses of the status claim to be off by, median and worst."};
   for (const StatusFigures& status : figures.statuses) {
@@ -179,10 +179,16 @@ HtmlTable status_table(const TrackFigures& figures) {
     } else {
       row.insert(row.end(), 4, "-");
     }
-    row.emplace_back(meaning_of(status.status));
     table.rows.push_back(std::move(row));
   }
   return table;
+}
+
+std::vector<std::string> meanings_of_statuses() {
+  std::vector<std::string> meanings;
+  for (const TrackStatus status : kTrackStatuses)
+    meanings.push_back(fmt::format("{}: {}", to_string(status), meaning_of(status)));
+  return meanings;
 }
 
 HtmlTable blind_table(const TrackFigures& figures) {

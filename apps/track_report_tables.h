@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "apriltrack/report/html_page.h"
 #include "track_figures.h"
@@ -21,8 +22,10 @@ HtmlTable summary_table(const TrackRun& run, const TrackFigures& figures);
 /// Of the map's own uncertainty, where its tags' sigma is not small beside the claimed errors; otherwise
 /// empty.
 std::string describe_map_share(const TrackRun& run, const TrackFigures& figures);
-/// Each status with its meaning, its frames, and what its poses claim.
+/// Each status with its frames, and what its poses claim.
 HtmlTable status_table(const TrackFigures& figures);
+/// A sentence for each.
+std::vector<std::string> meanings_of_statuses();
 /// The longest stretches without evidence.
 HtmlTable blind_table(const TrackFigures& figures);
 HtmlTable reasons_table(const TrackRecord& record);

@@ -41,6 +41,7 @@ std::optional<TruthScore> score_against_truth(const TrackArguments& arguments, c
       true_poses, record.trajectory(), &scene,
       {.kind = arguments.mode == "joint" ? TrajectoryKind::kJoint : TrajectoryKind::kEgo});
   score.log = evaluate_frame_log(score.evaluation, record.rows());
+  score.truth = std::move(true_poses);
   return score;
 }
 

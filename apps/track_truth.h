@@ -22,6 +22,7 @@ struct TruthScore {
   /// True frames after the last one that was tried, which are not scored.
   std::size_t untried = 0;
   bool is_map_the_recordings = true;  ///< Otherwise the frames of the two maps may differ.
+  Trajectory truth;                   ///< The true poses that are scored.
 };
 
 /// nullopt where INPUT is no folder with a truth.tum, or the run has no pose. Throws Error where the two

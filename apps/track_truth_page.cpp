@@ -43,19 +43,18 @@ HtmlTable truth_table(const TruthScore& score) {
   return table;
 }
 
-std::string error_chart_of_corners(const TruthScore& score, const TrackRecord& record) {
+SvgPicture error_chart_of_corners(const TruthScore& score, const TrackRecord& record) {
   Chart chart = corner_error_chart("Corner error over time");
   chart.x = time_axis(record);
   ChartSeries series{.name = "", .colour = kBlue, .mark = ChartMark::kLineAndPoints};
   add_corner_errors(series, score.evaluation.frames, record.rows().front().timestamp);
   chart.series.push_back(std::move(series));
-  return chart_png(chart);
+  return chart_svg(chart);
 }
 
 /// Positions or rotations, `factor` from m or rad.
-std::string error_chart_of_poses(const TruthScore& score, const TrackRecord& record,
-                                 double PoseError::*member, double factor, const char* title,
-                                 const char* label) {
+SvgPicture error_chart_of_poses(const TruthScore& score, const TrackRecord& record, double PoseError::*member,
+                                double factor, const char* title, const char* label) {
   Chart chart;
   chart.title = title;
   chart.x = time_axis(record);
@@ -67,7 +66,7 @@ std::string error_chart_of_poses(const TruthScore& score, const TrackRecord& rec
                                    : std::numeric_limits<double>::quiet_NaN());
   }
   chart.series.push_back(std::move(series));
-  return chart_png(chart);
+  return chart_svg(chart);
 }
 
 }  // namespace
@@ -87,13 +86,13 @@ void add_truth_section(HtmlPage& page, const TruthScore& score, const TrackRecor
                     static_cast<std::size_t>(score.evaluation.truth_frames) + score.untried, score.untried));
   }
   page.table(truth_table(score));
-  page.png(error_chart_of_corners(score, record),
+  page.svg(error_chart_of_corners(score, record),
            "Mean distance of the visible tags' corners from where they truly are. A gap: no pose, or no tag "
            "in view.");
-  page.png(error_chart_of_poses(score, record, &PoseError::position_m, 1e3, "Position error over time",
+  page.svg(error_chart_of_poses(score, record, &PoseError::position_m, 1e3, "Position error over time",
                                 "position error, mm"),
            "Distance from the true position; logarithmic.");
-  page.png(error_chart_of_poses(score, record, &PoseError::rotation_rad, kDegPerRad,
+  page.svg(error_chart_of_poses(score, record, &PoseError::rotation_rad, kDegPerRad,
                                 "Rotation error over time", "rotation error, degrees"),
            "Angle from the true orientation; logarithmic.");
 }

@@ -107,7 +107,7 @@ TEST_F(CalibrateReport, NeedsNothingBesideItself) {
   film({{40, {0, 1, 2}}});
   run_for_json(words({"--report", path("page.html")}));
   const ReadReport page(path("page.html"));
-  for (const char* reference : {"http", "href", "<script", "<link", "@import", "url(", "<iframe", "src="})
+  for (const char* reference : {"http:", "https:", "href", "<link", "@import", "url(", "<iframe", "src="})
     EXPECT_THAT(page.source(), Not(HasSubstr(reference)));
 }
 
@@ -191,6 +191,39 @@ TEST_F(CalibrateReport, DrawsNoWayFromOneTakeToTheNext) {
   };
   EXPECT_EQ(paths_drawn({"--report", path("page.html")}), 1U);
   EXPECT_EQ(paths_drawn({"--report", path("page.html"), "--detections", path("again.csv")}), 2U);
+}
+
+TEST_F(CalibrateReport, DrawsATagThatIsLeftOutWhereItHangs) {
+  film({{40, {0, 1, 2}}, {1, {0, 1, 2, 11}}});  // seen once, which is too seldom for the map
+  const nlohmann::json told = run_for_json(words({"--report", path("page.html")}));
+  ASSERT_EQ(told["left_out"], nlohmann::json{"tag36h11/11"});
+  const ReadReport page(path("page.html"));
+  const nlohmann::json scene = nlohmann::json::parse(page.texts("script").at(0));
+  const auto tag =
+      std::ranges::find_if(scene["tags"], [](const nlohmann::json& one) { return one["label"] == "11"; });
+  ASSERT_NE(tag, scene["tags"].end());
+  EXPECT_EQ(scene["tag_states"][(*tag)["state"].get<std::size_t>()]["name"], "left out");
+  // Tag 0 is held at the origin; corners are of a hundredth of a pixel.
+  for (Eigen::Index i = 0; i < 3; ++i)
+    EXPECT_NEAR((*tag)["position_m"][static_cast<std::size_t>(i)].get<double>(), kWallPlaces_m.at(11)[i],
+                2e-3);
+  EXPECT_THAT(page.texts("text"), Contains("11"));
+  EXPECT_THAT(page.texts("figcaption"), Contains(HasSubstr("left out of the map")));
+}
+
+TEST_F(CalibrateReport, HasOneScaleOfEllipses) {
+  film({{40, {0, 1, 2}}});
+  run_for_json(words({"--report", path("page.html")}));
+  const ReadReport page(path("page.html"));
+  const nlohmann::json scene = nlohmann::json::parse(page.texts("script").at(0));
+  const std::string scale = fmt::format("drawn {:g} times too large", scene["ellipsoid_scale"].get<double>());
+  std::size_t told = 0;
+  for (const std::string& caption : page.texts("figcaption")) {
+    told += caption.find(scale) != std::string::npos;
+    EXPECT_EQ(caption.find("times too large") == std::string::npos, caption.find(scale) == std::string::npos)
+        << caption;
+  }
+  EXPECT_EQ(told, 1U);
 }
 
 TEST_F(CalibrateReport, OfAMeasuredFrameHoldsNoTagAndHasItsUp) {

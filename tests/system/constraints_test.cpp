@@ -87,7 +87,7 @@ TEST_F(CalibrateWithConstraints, ShowsThemOnThePage) {
   ASSERT_EQ(run_program(with_page).status, 0);
   EXPECT_THAT(read_text(path("page.html")),
               AllOf(HasSubstr("What was measured beside the images"), HasSubstr("wall &lt;a&gt;"),
-                    HasSubstr("0.501 m"), Not(HasSubstr("wall <a>"))));
+                    HasSubstr("501 mm"), Not(HasSubstr("wall <a>"))));
 }
 
 TEST_F(CalibrateWithConstraints, WritesNoMapWhereOneContradictsTheRest) {

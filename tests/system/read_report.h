@@ -19,7 +19,7 @@ class ReadReport {
   bool has_row(const std::string& name) const;
   /// Texts of all elements of a kind, such as "h2".
   std::vector<std::string> texts(const std::string& element) const;
-  /// All of the page's source but the pictures' bytes.
+  /// All of the page's source but the pictures' bytes and the scripts that draw scenes.
   const std::string& source() const { return source_; }
 
  private:

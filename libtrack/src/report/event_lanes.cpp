@@ -4,23 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "apriltrack/base/check.h"
-#include "canvas.h"
 #include "chart_axis.h"
+#include "svg_inks.h"
 
 namespace apriltrack {
 namespace {
 
-// Layout in points.
-constexpr double kLanesWidth = 1200.0;
-constexpr double kLanesMargin = 60.0;
-constexpr double kLanesTop = 66.0;
-constexpr double kLaneHeight = 34.0;
-constexpr double kLaneAir = 5.0;  // above and below the bars
-constexpr double kLanesFoot = 60.0;
-constexpr double kLaneLetters = 10.5;
-constexpr double kTickLetters = 9.0;
+// Layout in units of the drawing.
+constexpr double kLanesWidth = 1010.0;
+constexpr double kLanesSide = 12.0;
+constexpr double kLanesTop = 44.0;
+constexpr double kLaneHeight = 27.0;
+constexpr double kLaneAir = 4.0;  // above and below the bars
+constexpr double kLanesFoot = 44.0;
+constexpr double kLaneLetters = 13.0;
 constexpr double kNarrowestBar = 1.5;
 
 /// Names stand before the bars, numbers behind them.
@@ -54,12 +54,12 @@ double last_duration(std::span<const LaneEvent> events) {
 LanesArea area_for(std::span<const EventLane> lanes, std::span<const LaneEvent> events) {
   double names = 0.0, numbers = 0.0;
   for (std::size_t i = 0; i < lanes.size(); ++i) {
-    names = std::max(names, Canvas::width_of(lanes[i].name, kLaneLetters));
-    numbers = std::max(numbers, Canvas::width_of(number_of(events, i), kLaneLetters));
+    names = std::max(names, svg_width_of(lanes[i].name, kLaneLetters));
+    numbers = std::max(numbers, svg_width_of(number_of(events, i), kLaneLetters));
   }
-  constexpr double kGap = 14.0;
-  LanesArea area{kLanesMargin + names + kGap,
-                 kLanesWidth - kLanesMargin - numbers - kGap,
+  constexpr double kGap = 12.0;
+  LanesArea area{kLanesSide + names + kGap,
+                 kLanesWidth - kLanesSide - numbers - kGap,
                  LanesArea::top(lanes.size()),
                  {0.0, 1.0, false}};
   if (!events.empty())
@@ -67,44 +67,55 @@ LanesArea area_for(std::span<const EventLane> lanes, std::span<const LaneEvent> 
   return area;
 }
 
-void draw_time_axis(Canvas& canvas, const LanesArea& area) {
+void draw_time_axis(const LanesArea& area, SvgPicture& picture) {
   constexpr int kMostLabels = 11;
   for (const Tick& tick : ticks_for(area.time, kMostLabels)) {
     const double x = area.x(tick.value);
-    canvas.box({x - 0.5, kLanesTop, 1.0, area.bottom - kLanesTop}, kGrid);
-    canvas.text(tick.label, {x, area.bottom + 19.0}, kTickLetters, kPaleInk, Align::kCentre);
+    picture.line({x, kLanesTop}, {x, area.bottom}, {.stroke = SvgInk::kRule});
+    picture.text({x, area.bottom + 16.0}, tick.label, {.ink = SvgInk::kPale, .anchor = SvgAnchor::kMiddle});
   }
-  canvas.text("time, s", {0.5 * (area.left + area.right), area.bottom + 42.0}, 10.0, kPaleInk,
-              Align::kCentre);
+  picture.text({0.5 * (area.left + area.right), area.bottom + 36.0}, "time, s",
+               {.size = kLaneLetters, .ink = SvgInk::kPale, .anchor = SvgAnchor::kMiddle});
 }
 
-void draw_events(Canvas& canvas, const LanesArea& area, std::span<const EventLane> lanes,
-                 std::span<const LaneEvent> events) {
+/// From left to right; of one lane.
+struct LaneBar {
+  double left, right;
+};
+
+std::vector<LaneBar> bars_of(const LanesArea& area, std::size_t lane, std::span<const LaneEvent> events) {
+  std::vector<LaneBar> bars;
   for (std::size_t i = 0; i < events.size(); ++i) {
+    if (events[i].lane != lane) continue;
     const double end_s =
         i + 1 < events.size() ? events[i + 1].time_s : events[i].time_s + last_duration(events);
     const double left = area.x(events[i].time_s);
-    const double width = std::max(kNarrowestBar, area.x(end_s) - left);
-    canvas.box({left, LanesArea::top(events[i].lane) + kLaneAir, width, kLaneHeight - 2.0 * kLaneAir},
-               bgr_of(lanes[events[i].lane].colour));
+    const double right = std::max(left + kNarrowestBar, area.x(end_s));
+    if (!bars.empty() && left <= bars.back().right) {
+      bars.back().right = std::max(right, bars.back().right);
+    } else {
+      bars.push_back({left, right});
+    }
   }
+  return bars;
 }
 
-void draw_lanes(Canvas& canvas, const LanesArea& area, std::span<const EventLane> lanes,
-                std::span<const LaneEvent> events) {
-  for (std::size_t i = 0; i < lanes.size(); ++i) {
-    const double base = LanesArea::top(i) + 0.5 * (kLaneHeight + kLaneLetters);
-    canvas.text(lanes[i].name, {kLanesMargin, base}, kLaneLetters, kInk);
-    canvas.text(number_of(events, i), {kLanesWidth - kLanesMargin, base}, kLaneLetters, kInk, Align::kRight);
-    canvas.box({area.left, LanesArea::top(i), area.right - area.left, 1.0}, kGrid);
-  }
-  canvas.box({area.left, area.bottom, area.right - area.left, 1.0}, kGrid);
+void draw_lane(const LanesArea& area, const EventLane& lane, std::size_t i, std::span<const LaneEvent> events,
+               SvgPicture& picture) {
+  const double top = LanesArea::top(i), base = top + 0.5 * kLaneHeight + 0.35 * kLaneLetters;
+  picture.text({kLanesSide, base}, lane.name, {.size = kLaneLetters});
+  picture.text({kLanesWidth - kLanesSide, base}, number_of(events, i),
+               {.size = kLaneLetters, .anchor = SvgAnchor::kEnd});
+  picture.line({area.left, top}, {area.right, top}, {.stroke = SvgInk::kRule});
+  for (const LaneBar& bar : bars_of(area, i, events))
+    picture.rectangle({bar.left, top + kLaneAir}, {bar.right - bar.left, kLaneHeight - 2.0 * kLaneAir},
+                      {.stroke = SvgInk::kNone, .fill = lane.ink});
 }
 
 }  // namespace
 
-std::string event_lanes_png(const std::string& title, std::span<const EventLane> lanes,
-                            std::span<const LaneEvent> events) {
+SvgPicture event_lanes_svg(const std::string& title, std::span<const EventLane> lanes,
+                           std::span<const LaneEvent> events) {
   APRILTRACK_CHECK(!lanes.empty(), "there is at least one lane");
   for (std::size_t i = 0; i < events.size(); ++i) {
     APRILTRACK_CHECK(events[i].lane < lanes.size(), "an event's lane is there");
@@ -112,13 +123,12 @@ std::string event_lanes_png(const std::string& title, std::span<const EventLane>
     APRILTRACK_CHECK(i == 0 || events[i - 1].time_s <= events[i].time_s, "events are in the order of time");
   }
   const LanesArea area = area_for(lanes, events);
-  Canvas canvas(static_cast<int>(kLanesWidth), static_cast<int>(area.bottom + kLanesFoot));
-  canvas.text(Canvas::fitted(title, 16.0, kLanesWidth - 2.0 * kLanesMargin), {kLanesMargin, 42.0}, 16.0,
-              kInk);
-  draw_time_axis(canvas, area);
-  draw_lanes(canvas, area, lanes, events);
-  draw_events(canvas, area, lanes, events);
-  return canvas.png();
+  SvgPicture picture(kLanesWidth, area.bottom + kLanesFoot);
+  picture.text({kLanesSide, 26.0}, title, {.size = 16.0, .is_bold = true});
+  draw_time_axis(area, picture);
+  for (std::size_t i = 0; i < lanes.size(); ++i) draw_lane(area, lanes[i], i, events, picture);
+  picture.line({area.left, area.bottom}, {area.right, area.bottom}, {.stroke = SvgInk::kRule});
+  return picture;
 }
 
 }  // namespace apriltrack

@@ -9,73 +9,11 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
 #include "html_text.h"
+#include "page_style.h"
+#include "scene_viewer.h"
 
 namespace apriltrack {
 namespace {
-
-constexpr std::string_view kStyle = R"(
-:root { color-scheme: light dark; --paper: #fff; --ink: #1e2228; --pale: #6b7480; --rule: #dde1e6;
-  --tint: #f5f7f9; --accent: #0072b2; --path: #56b4e9; --good: #009e73; --warning: #d55e00; --alarm: #fdf1e8; }
-@media (prefers-color-scheme: dark) {
-  :root { --paper: #15181c; --ink: #e4e7eb; --pale: #9aa3ad; --rule: #333a42; --tint: #1d2126;
-    --accent: #56b4e9; --path: #2b7fb0; --good: #1fbf93; --warning: #f08a3c; --alarm: #2c211a; }
-}
-* { box-sizing: border-box; }
-body { margin: 0; background: var(--paper); color: var(--ink);
-  font: 1rem/1.6 system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", sans-serif;
-  -webkit-text-size-adjust: 100%; }
-main { max-width: 66rem; margin: 0 auto; padding: 2.5rem 1.25rem 4rem; }
-h1 { font-size: 1.9rem; line-height: 1.25; margin: 0 0 1.5rem; padding-bottom: 1rem;
-  border-bottom: 3px solid var(--accent); text-wrap: balance; }
-h2 { font-size: 1.3rem; line-height: 1.3; margin: 2.75rem 0 .75rem; }
-p { max-width: 44rem; margin: 0 0 1rem; overflow-wrap: anywhere; }
-figure { margin: 1.5rem 0; }
-figure .wide { margin: 0; }
-figure img, figure video { display: block; width: 100%; height: auto; border: 1px solid var(--rule);
-  border-radius: 8px; background: #fff; }
-figure video { background: #000; }
-figure svg { display: block; width: 100%; height: auto; }
-figure .pair { display: grid; gap: 1.25rem; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); }
-.alarm { max-width: 48rem; margin: 0 0 .6rem; padding: .6rem .9rem; background: var(--alarm);
-  border-left: 4px solid var(--warning); border-radius: 0 6px 6px 0; overflow-wrap: anywhere; }
-ul { max-width: 46rem; margin: 0 0 1rem; padding-left: 1.2rem; }
-li { margin: 0 0 .5rem; overflow-wrap: anywhere; }
-figcaption, caption { color: var(--pale); font-size: .9rem; overflow-wrap: anywhere; }
-figcaption { margin-top: .6rem; max-width: 44rem; }
-.wide { overflow-x: auto; margin: 1.5rem 0; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-caption { caption-side: bottom; text-align: left; padding-top: .6rem; }
-th, td { padding: .45rem .75rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--rule); }
-thead th { color: var(--pale); font-size: .85rem; font-weight: 600; vertical-align: bottom;
-  border-bottom: 2px solid var(--rule); }
-tbody th { font-weight: 600; }
-.dense th, .dense td { padding: .35rem .5rem; font-size: .88rem; }
-.dense caption { max-width: 60rem; }
-th:first-child, td:first-child { padding-left: .25rem; }
-.number { text-align: right; white-space: nowrap; }
-thead .number { white-space: normal; }
-pre { margin: 1.5rem 0; padding: .9rem 1.1rem; overflow-x: auto; background: var(--tint);
-  border: 1px solid var(--rule); border-radius: 8px;
-  font: .88rem/1.55 ui-monospace, "SF Mono", Menlo, Consolas, monospace; }
-@media (max-width: 40rem) {
-  main { padding: 1.5rem 1rem 3rem; }
-  h1 { font-size: 1.5rem; }
-  .wide img { min-width: 42rem; }
-  th, td { padding: .4rem .6rem; font-size: .9rem; }
-}
-@media print {
-  :root { --paper: #fff; --ink: #000; --pale: #444; --rule: #bbb; --tint: #fff; --accent: #000; --path: #777; --good: #000;
-    --warning: #000; --alarm: #fff; }
-  main { max-width: none; padding: 0; }
-  figure, tr, pre { break-inside: avoid; }
-  h2 { break-after: avoid; }
-  .alarm { border: 1px solid var(--rule); border-left-width: 4px; }
-  .wide { overflow: visible; }
-  .wide img { min-width: 0; }
-  pre { white-space: pre-wrap; }
-  figure video { display: none; }
-}
-)";
 
 std::string data_url(std::string_view type, std::string_view bytes) {
   return fmt::format("data:{};base64,{}", type, base64(bytes));
@@ -99,6 +37,16 @@ std::string cell_of(const std::string& words, std::size_t column, bool is_header
   const std::string scope = is_header ? " scope=\"col\"" : is_name ? " scope=\"row\"" : "";
   return fmt::format("<{0}{1}{2}>{3}</{0}>", is_name ? "th" : "td", scope,
                      is_number ? " class=\"number\"" : "", escaped(words));
+}
+
+/// Pictures and scripts are the page's own, and it asks for nothing else.
+constexpr std::string_view kPolicy =
+    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; media-src "
+    "data:";
+
+/// To an HTML parser the marks are comments of the script, to an XML parser they hold what is between them.
+std::string viewer_element() {
+  return "<script>/*<![CDATA[*/\n" + scene_viewer_script() + "\n/*]]>*/</script>\n";
 }
 
 }  // namespace
@@ -174,6 +122,17 @@ void HtmlPage::svg(const std::vector<SvgPicture>& pictures, const std::string& c
                        all, escaped(caption));
 }
 
+void HtmlPage::scene(const SceneView& scene, const std::string& caption) {
+  has_scene_ = true;
+  body_ += fmt::format(
+      "<figure class=\"scene\">\n<div class=\"view\"><canvas tabindex=\"0\" aria-label=\"{0}\"></canvas>"
+      "<p class=\"why\">The 3-D view needs a browser with WebGL and scripts. The drawings of the page show "
+      "the "
+      "same.</p><div class=\"tip\" hidden=\"hidden\"></div></div>\n<div class=\"controls\"></div>\n"
+      "<script type=\"application/json\">{1}</script>\n<figcaption>{0}</figcaption>\n</figure>\n",
+      escaped(caption), scene_json(scene));
+}
+
 void HtmlPage::warnings(const std::vector<std::string>& all) {
   for (const std::string& words : all) body_ += fmt::format("<p class=\"alarm\">{}</p>\n", escaped(words));
 }
@@ -188,10 +147,12 @@ void HtmlPage::list(const std::vector<std::string>& items) {
 std::string HtmlPage::html() const {
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"{4}\"/>\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
-      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n{2}</main>\n</body>\n"
+      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n{2}</main>\n{3}</"
+      "body>\n"
       "</html>\n",
-      escaped(title_), kStyle, body_);
+      escaped(title_), page_style(), body_, has_scene_ ? viewer_element() : "", kPolicy);
 }
 
 void write_html_page(const std::filesystem::path& path, const HtmlPage& page) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apriltrack/report/colour.h"
+#include "apriltrack/report/svg_picture.h"
 
 namespace apriltrack {
 
@@ -69,5 +70,13 @@ void write_chart(const std::filesystem::path& path, const Chart& chart);
 
 /// The same picture as the bytes of a PNG file, for HtmlPage::png.
 std::string chart_png(const Chart& chart);
+
+/// The same chart as a drawing for a page: in the page's colours, its letters can be searched, 1010 units
+/// wide whatever `width` says. It stays small however many numbers there are: what lies closer together than
+/// can be seen is drawn once.
+///
+/// Requires besides that there are no shades, and that colours are of the palette in colour.h, without
+/// yellow.
+SvgPicture chart_svg(const Chart& chart);
 
 }  // namespace apriltrack

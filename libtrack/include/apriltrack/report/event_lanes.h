@@ -4,14 +4,14 @@
 #include <span>
 #include <string>
 
-#include "apriltrack/report/colour.h"
+#include "apriltrack/report/svg_picture.h"
 
 namespace apriltrack {
 
 /// A row of the picture.
 struct EventLane {
   std::string name;
-  Colour colour = {};
+  SvgInk ink = SvgInk::kText;
 };
 
 /// Something that fell into a lane.
@@ -21,11 +21,12 @@ struct LaneEvent {
 };
 
 /// Draws what happened when, such as the status of every frame: a lane for each kind, in it a bar for each
-/// event that lasts until the next one, and beside it how many there are. Returns the bytes of a PNG file
-/// 1200 pixels wide. A bar has at least the width that can be seen, however many events there are.
+/// event that lasts until the next one, and beside it how many there are. 1010 units wide. A bar has at least
+/// the width that can be seen, and bars that touch are one, so that the drawing stays small however many
+/// events there are.
 ///
 /// Requires at least one lane; events in the order of time, with finite times and lanes that are there.
-std::string event_lanes_png(const std::string& title, std::span<const EventLane> lanes,
-                            std::span<const LaneEvent> events);
+SvgPicture event_lanes_svg(const std::string& title, std::span<const EventLane> lanes,
+                           std::span<const LaneEvent> events);
 
 }  // namespace apriltrack

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apriltrack/report/scene_view.h"
 #include "apriltrack/report/svg_picture.h"
 
 namespace apriltrack {
@@ -16,9 +17,10 @@ struct HtmlTable {
   std::string caption;
 };
 
-/// A page that is one file: pictures and videos are inside it (RFC 2397), and it needs no network and no
-/// script. Readable on a phone, in print, and in light and dark surroundings. It is well-formed XML too. All
-/// text is plain: it is escaped, and what XML cannot hold becomes U+FFFD.
+/// A page that is one file: pictures and videos are inside it (RFC 2397), and it needs no network, which its
+/// own policy forbids it to ask for. Only scenes need a script, which is in the page where there is one.
+/// Readable on a phone, in print, and in light and dark surroundings. It is well-formed XML too. All text is
+/// plain: it is escaped, and what XML cannot hold becomes U+FFFD.
 class HtmlPage {
  public:
   explicit HtmlPage(std::string title);
@@ -33,6 +35,9 @@ class HtmlPage {
   void svg(const SvgPicture& picture, const std::string& caption);
   /// Several beside each other where there is room, below each other where there is not.
   void svg(const std::vector<SvgPicture>& pictures, const std::string& caption);
+  /// Something that is turned about by mouse and touch, in WebGL; 0.4 MB for the first one. Where that is not
+  /// to be had, the page says so: what it shows is to be on the page in a drawing, too.
+  void scene(const SceneView& scene, const std::string& caption);
   /// Things to be heeded, each set off from the text.
   void warnings(const std::vector<std::string>& all);
   /// Sentences, one below the other.
@@ -50,6 +55,7 @@ class HtmlPage {
 
   std::string title_;
   std::string body_;
+  bool has_scene_ = false;
 };
 
 /// Throws Error(kIo).

@@ -7,7 +7,25 @@
 namespace apriltrack {
 
 /// What a thing is drawn in: on a page these follow light and dark surroundings.
-enum class SvgInk { kNone, kText, kPale, kRule, kTint, kPaper, kAccent, kPath, kGood, kWarning };
+enum class SvgInk {
+  kNone,
+  kText,
+  kPale,
+  kRule,
+  kTint,
+  kPaper,
+  kAccent,
+  kPath,
+  kGood,
+  kWarning,
+  // The palette of colour.h, somewhat lighter on dark pages.
+  kOrangeInk,
+  kSkyInk,
+  kGreenInk,
+  kBlueInk,
+  kVermilionInk,
+  kPurpleInk
+};
 
 struct SvgStyle {
   SvgInk stroke = SvgInk::kText;
@@ -48,6 +66,8 @@ class SvgPicture {
   void polygon(std::span<const Eigen::Vector2d> points, const SvgStyle& style);
   void rectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size, const SvgStyle& style);
   void circle(const Eigen::Vector2d& center, double radius, const SvgStyle& style);
+  /// Round dots in the colour of the stroke, as wide as the style's width: one element, however many.
+  void dots(std::span<const Eigen::Vector2d> points, const SvgStyle& style);
   /// Where x' covariance^-1 x = 1, around the centre.
   void ellipse(const Eigen::Vector2d& center, const Eigen::Matrix2d& covariance, const SvgStyle& style);
   void text(const Eigen::Vector2d& at, const std::string& words, const SvgTextStyle& style = {});
@@ -57,9 +77,11 @@ class SvgPicture {
 
  private:
   void add(const std::string& name, const std::string& attributes, const SvgStyle& style);
+  void end_group();
 
   double width_, height_;
   std::string body_;
+  std::string group_css_;  ///< Of the elements that are being added, which share it; empty: none.
 };
 
 }  // namespace apriltrack
