@@ -5,12 +5,17 @@ set(APRILTRACK_MAINTAINER "AprilTrack developers <maintainers@apriltrack.invalid
 
 set(package_folder ${PROJECT_BINARY_DIR}/package)
 # The terms below the title and the copyright line, in the form of a Debian control file.
-file(READ LICENSE licence_terms)
-string(FIND "${licence_terms}" "Redistribution" start)
-string(SUBSTRING "${licence_terms}" ${start} -1 licence_terms)
-string(STRIP "${licence_terms}" licence_terms)
-string(REPLACE "\n\n" "\n.\n" licence_terms "${licence_terms}")
-string(REPLACE "\n" "\n " licence_terms "${licence_terms}")
+function(read_licence file first_word variable)
+  file(READ ${file} terms)
+  string(FIND "${terms}" "${first_word}" start)
+  string(SUBSTRING "${terms}" ${start} -1 terms)
+  string(STRIP "${terms}" terms)
+  string(REPLACE "\n\n" "\n.\n" terms "${terms}")
+  string(REPLACE "\n" "\n " terms "${terms}")
+  set(${variable} "${terms}" PARENT_SCOPE)
+endfunction()
+read_licence(LICENSE Redistribution licence_terms)
+read_licence(third_party/three/LICENSE Permission licence_of_three)
 configure_file(packaging/debian/copyright.in ${package_folder}/copyright @ONLY)
 # The newest change says when: packages of one commit are the same, byte by byte.
 string(TIMESTAMP package_date "%a, %d %b %Y %H:%M:%S +0000" UTC)  # of SOURCE_DATE_EPOCH where it is set
