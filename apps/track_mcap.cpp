@@ -10,7 +10,7 @@
 #include "apriltrack/bag/mcap_writer.h"
 #include "apriltrack/export/foxglove.h"
 #include "apriltrack/export/ros_pose.h"
-#include "apriltrack/source/jpeg_picture.h"
+#include "apriltrack/source/encode_jpeg.h"
 #include "mcap_scene.h"
 
 namespace apriltrack::app {
@@ -174,7 +174,7 @@ class TrackMcap::Impl {
   void add_image(const SourceFrame& image) {
     write(FoxgloveType::kCompressedImage, "/camera/image", image.timestamp,
           compressed_image_json(image.timestamp, camera_frame_,
-                                jpeg_picture(image.pixels.view(), kJpegQuality), "jpeg"));
+                                encode_jpeg(image.pixels.view(), kJpegQuality), "jpeg"));
   }
 
   /// Some camera files leave it out.

@@ -1,4 +1,4 @@
-#include "apriltrack/source/jpeg_picture.h"
+#include "apriltrack/source/encode_jpeg.h"
 
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace apriltrack {
 
-std::string jpeg_picture(const GrayView& image, int quality) {
+std::string encode_jpeg(const GrayView& image, int quality) {
   std::vector<unsigned char> bytes;
   if (!cv::imencode(".jpg", mat_of(image), bytes, {cv::IMWRITE_JPEG_QUALITY, quality}))
     throw io_error("picture", "cannot be encoded as JPEG");
