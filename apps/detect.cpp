@@ -214,7 +214,7 @@ void add_detect_command(CLI::App& app) {
   const auto arguments = std::make_shared<DetectArguments>();
   command
       .add_option("INPUT", arguments->input,
-                  "Sequence folder, images, glob, EuRoC folder, video, bag or camera:N")
+                  "Sequence folder, images, glob, EuRoC folder, video, bag, camera:N, or - for a pipe")
       ->required();
   command.add_option(
       "--camera", arguments->camera,

@@ -9,12 +9,12 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/eval/evaluate_frame_log.h"
 #include "apriltrack/eval/evaluate_trajectory.h"
-#include "apriltrack/eval/trajectory_formats.h"
 #include "command_help.h"
 #include "commands.h"
 #include "evaluate_report.h"
 #include "inputs.h"
 #include "map_input.h"
+#include "trajectory_input.h"
 
 namespace apriltrack::app {
 namespace {
@@ -153,8 +153,8 @@ void warn_of_another_recording(const TrajectoryEvaluation& evaluation, const Eva
 }
 
 TrajectoryEvaluation evaluate(const EvaluateOptions& options, const Inputs& inputs) {
-  const Trajectory truth = read_trajectory(inputs.truth);
-  const Trajectory estimate = read_trajectory(options.estimate);
+  const Trajectory truth = read_trajectory_input(inputs.truth.string(), {}, options.console).trajectory;
+  const Trajectory estimate = read_trajectory_input(options.estimate, {}, options.console).trajectory;
   const std::optional<CornerScene> known_scene = read_scene(inputs, options);
   const CornerScene* scene = known_scene ? &*known_scene : nullptr;
   const TrajectoryKind kind = options.mode == "joint" ? TrajectoryKind::kJoint : TrajectoryKind::kEgo;
@@ -209,7 +209,7 @@ void add_evaluate_command(CLI::App& app) {
       .add_option(
           "--truth", options->truth,
           "Sequence folder, whose truth.tum, camera.yaml and map.yaml are taken, or a trajectory: TUM, "
-          "EuRoC's csv, or KITTI's poses with their times beside them")
+          "EuRoC's csv, KITTI's poses with their times beside them, or a bag's")
       ->required();
   command.add_option("--estimate", options->estimate, "Trajectory that is scored, of any of these formats")
       ->required();

@@ -34,6 +34,7 @@ const CommandHelp kTrackHelp = {
     "apriltrack track recording --camera camera.yaml --map map.yaml --output camera.tum --frames-csv "
     "frames.csv --report report.html\n"
     "apriltrack track room_blur --output camera.tum\n"
+    "apriltrack track room_blur --output run.mcap --output-images\n"
     "apriltrack track recording.mcap --topic /camera/image_raw --map map.yaml --output camera.tum",
     "A sequence folder, such as room_blur, brings its own camera and map, a bag with CameraInfo messages "
     "its\n"

@@ -115,7 +115,8 @@ void check_track_arguments(const CLI::App& command, const TrackArguments& argume
 void add_track_options(CLI::App& command, TrackArguments& arguments) {
   command.add_option(
       "INPUT", arguments.input,
-      "Sequence folder, folder of images, glob, EuRoC mav0 folder, video file, bag, or camera:N");
+      "Sequence folder, folder of images, glob, EuRoC mav0 folder, video file, bag, camera:N, or - for "
+      "a pipe");
   command.add_option("--detections", arguments.detections, "detections.csv in place of INPUT");
   command.add_option("--camera", arguments.camera,
                      "Camera file; default: the sequence folder's own, or what a bag says of its camera");

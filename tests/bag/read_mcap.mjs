@@ -28,6 +28,20 @@ const unpack = (program) => (buffer, size) => {
 const decompressHandlers = { zstd: unpack("zstd"), lz4: unpack("lz4") };
 const contents = readFileSync(file);
 
+/// The two that MCAP's readers pass over: of all before DataEnd, as MCAP's own writer has it, and of the summary.
+function checkDataAndSummary() {
+  const { crc32 } = createRequire(modules.resolve("@mcap/core"))("@foxglove/crc");
+  const check = (what, begin, end, told) => {
+    const found = crc32(contents.subarray(begin, end));
+    if (found !== told) throw new Error(`the CRC of the ${what} is ${told}, not ${found}`);
+  };
+  let at = 8;
+  for (; contents[at] !== 0x0f; at += 9 + Number(contents.readBigUInt64LE(at + 1)));
+  check("data", 0, at, contents.readUInt32LE(at + 9));
+  const footer = contents.length - 8 - 29;
+  check("summary", Number(contents.readBigUInt64LE(footer + 9)), footer + 25, contents.readUInt32LE(footer + 25));
+}
+
 /// Messages and checksums in the order of the file.
 function streamed() {
   const reader = new McapStreamReader({ validateCrcs: true, decompressHandlers, includeChunks: true });
@@ -110,6 +124,7 @@ if (wants === "schemas") {
       console.log(JSON.stringify({ schema: name,
                                    same: isDeepStrictEqual(bare(JSON.parse(text(schema.data))), bare(official(name))) }));
 } else {
+  checkDataAndSummary();
   const by_index = await indexed();
   const key = (m) => `${m.logTime} ${m.channelId} ${m.sequence} ${Buffer.from(m.data).toString("base64")}`;
   const sorted = (messages) => messages.map(key).sort();

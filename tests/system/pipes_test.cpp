@@ -125,6 +125,7 @@ class Pipes : public ::testing::Test {
     }
     write_mjpeg_video(files_->mkv, plan);
     write_mjpeg_video(files_->mp4, plan);
+    write_b_frame_video(files_->ts, plan);
   }
   static void TearDownTestSuite() {
     delete files_;
@@ -133,7 +134,8 @@ class Pipes : public ::testing::Test {
 
   struct Files {
     const fs::path folder = temporary_folder();
-    const std::string film = folder / "film", mkv = folder / "film.mkv", mp4 = folder / "film.mp4";
+    const std::string film = folder / "film", mkv = folder / "film.mkv", mp4 = folder / "film.mp4",
+                      ts = folder / "film.ts";
     std::vector<std::string> jpegs;
   };
   static inline Files* files_ = nullptr;
@@ -161,12 +163,14 @@ class Pipes : public ::testing::Test {
 };
 
 TEST_F(Pipes, PosesOfAPipedVideoAreThoseOfItsFile) {
-  const std::string out = files_->folder / "out.tum";
-  const auto run = run_program(track(files_->mkv, out));
-  ASSERT_EQ(run.status, 0) << run.err;
-  const std::string poses = poses_of(files_->mkv, track("-", "-"), 0);
-  EXPECT_EQ(poses, read_text(out));
-  EXPECT_GT(std::ranges::count(poses, '\n'), kFrames / 2);
+  for (const std::string& file : {files_->mkv, files_->ts}) {
+    const std::string out = files_->folder / "out.tum";
+    const auto run = run_program(track(file, out));
+    ASSERT_EQ(run.status, 0) << run.err;
+    const std::string poses = poses_of(file, track("-", "-"), 0);
+    EXPECT_EQ(poses, read_text(out));
+    EXPECT_GT(std::ranges::count(poses, '\n'), kFrames / 2);
+  }
   EXPECT_NE(read_text(err_file()).find("with a pose"), std::string::npos);
 }
 

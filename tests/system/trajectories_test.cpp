@@ -6,6 +6,7 @@
 #include <set>
 
 #include "apriltrack/eval/trajectory_formats.h"
+#include "bag/bag_writers.h"
 #include "program.h"
 #include "support/shared_data.h"
 
@@ -89,6 +90,82 @@ TEST_F(Trajectories, MistakesOfTheCommandLineEndWith2) {
   EXPECT_FALSE(fs::exists(of("c.kitti")));
 }
 
+/// A quarter turn about z at (1, -2, 3 + k) in a message of that type; its header's time is 50 ms before it
+/// is logged.
+TestMessage pose_message(Wire wire, const std::string& topic, const std::string& type, int k) {
+  constexpr std::int64_t kStart_ns = 1'700'000'000'250'000'000, kStep_ns = 100'000'000;
+  const std::int64_t stamp_ns = kStart_ns + k * kStep_ns;
+  MessageBytes bytes(wire);
+  bytes.header(stamp_ns);
+  if (type == "nav_msgs/Odometry" || type == "geometry_msgs/TransformStamped") bytes.text("head");
+  for (const double value : {1.0, -2.0, 3.0 + k, 0.0, 0.0, 0.7071067811865476, 0.7071067811865476})
+    bytes.real(value);
+  if (type == "nav_msgs/Odometry" || type == "geometry_msgs/PoseWithCovarianceStamped")
+    for (int i = 0; i < 36; ++i) bytes.real(100.0 + i);
+  return {topic, type, stamp_ns + 50'000'000, bytes.done()};
+}
+
+void expect_quarter_turns(const std::string& tum, const std::string& what) {
+  const Trajectory trajectory = read_tum(tum);
+  ASSERT_EQ(trajectory.size(), 3u) << what;
+  const Eigen::Matrix3d turn = (Eigen::Matrix3d() << 0, -1, 0, 1, 0, 0, 0, 0, 1).finished();
+  for (int k = 0; k < 3; ++k) {
+    const TimedPose& pose = trajectory[static_cast<std::size_t>(k)];
+    EXPECT_EQ(pose.timestamp.ns, 1'700'000'000'250'000'000 + k * 100'000'000) << what;
+    EXPECT_EQ(pose.pose.translation(), Eigen::Vector3d(1, -2, 3 + k)) << what;
+    EXPECT_LT((pose.pose.rotation_matrix() - turn).norm(), 1e-15) << what;
+  }
+}
+
+TEST_F(Trajectories, AreReadFromBags) {
+  for (const std::string type : {"geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovarianceStamped",
+                                 "geometry_msgs/TransformStamped", "nav_msgs/Odometry"}) {
+    for (const Wire wire : {Wire::kRos1, Wire::kCdr, Wire::kCdrBigEndian}) {
+      std::vector<TestMessage> messages;
+      for (int k = 0; k < 3; ++k) messages.push_back(pose_message(wire, "/head", type, k));
+      const std::string bag = of("poses.any");
+      if (wire == Wire::kRos1)
+        write_ros1_bag(bag, messages);
+      else
+        write_mcap(bag, wire, messages);
+      const auto summary = run_for_json({"trajectory", "convert", bag, of("out.tum")});
+      EXPECT_EQ(summary["from"], "bag");
+      EXPECT_EQ(summary["poses"], 3);
+      expect_quarter_turns(of("out.tum"), type);
+    }
+  }
+}
+
+TEST_F(Trajectories, OfSeveralTopicsOfABagOneIsNamed) {
+  std::vector<TestMessage> messages;
+  for (int k = 0; k < 3; ++k) {
+    messages.push_back(pose_message(Wire::kCdr, "/head", "nav_msgs/Odometry", k));
+    messages.push_back(pose_message(Wire::kCdr, "/hand", "geometry_msgs/PoseStamped", 10 + k));
+  }
+  messages.push_back({"/note", "std_msgs/String", 1'700'000'000'000'000'000, "x"});
+  write_mcap(of("two.mcap"), Wire::kCdr, messages);
+  const auto convert = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"trajectory", "convert", of("two.mcap"), of("out.tum")});
+    return run_program(options);
+  };
+  EXPECT_THAT(convert({}), EndsWith(2, "--topic"));
+  EXPECT_THAT(convert({}), EndsWith(2, "/hand (geometry_msgs"));
+  EXPECT_EQ(convert({"--topic", "/head"}).status, 0);
+  expect_quarter_turns(of("out.tum"), "named");
+  EXPECT_THAT(convert({"--topic", "/note"}), EndsWith(2, "has no topic '/note' with poses"));
+  EXPECT_THAT(convert({"--topic", "/head", "--rate", "5"}), EndsWith(2, "--rate"));
+  EXPECT_THAT(run_program({"trajectory", "convert", file("a.tum", kTum), of("b.csv"), "--topic", "/head"}),
+              EndsWith(2, "--topic"));
+  messages.resize(1);
+  messages.push_back(messages.front());
+  write_mcap(of("two.mcap"), Wire::kCdr, messages);
+  EXPECT_THAT(convert({}), EndsWith(2, "two poses of the time 1700000000.250000000 s"));
+  messages.resize(1);
+  messages.front().bytes.resize(60);  // in its position
+  write_mcap(of("two.mcap"), Wire::kCdr, messages);
+  EXPECT_THAT(convert({}), EndsWith(2, "/head message 0: ends too soon"));
+}
+
 TEST_F(Trajectories, OfTrackAreOfAllFormatsAndScoredAlike) {
   const std::string film = of("film");
   run_for_json({"simulate", "--scene", "room", "--frames", "6", "--output", film});
@@ -104,12 +181,13 @@ TEST_F(Trajectories, OfTrackAreOfAllFormatsAndScoredAlike) {
   EXPECT_TRUE(tracked("a.tum", {})["losses"].empty());
   EXPECT_EQ(tracked("a.csv", {})["losses"].size(), 2u);
   EXPECT_EQ(tracked("a.kitti", {})["losses"].size(), 1u);
+  EXPECT_TRUE(tracked("a.mcap", {})["losses"].empty());
   tracked("plain", {});
   tracked("euroc.out", {"--output-format", "euroc"});
   EXPECT_EQ(read_text(of("plain")), read_text(of("a.tum")));
   EXPECT_EQ(read_text(of("euroc.out")), read_text(of("a.csv")));
   nlohmann::json first;
-  for (const std::string estimate : {"a.tum", "a.csv", "a.kitti"}) {
+  for (const std::string estimate : {"a.tum", "a.csv", "a.kitti", "a.mcap"}) {
     auto score = run_for_json({"evaluate", "--truth", film, "--estimate", of(estimate)});
     if (first.is_null()) first = score;
     EXPECT_EQ(score["frames"], first["frames"]);
