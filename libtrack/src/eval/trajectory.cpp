@@ -12,6 +12,7 @@
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/input_file.h"
 #include "apriltrack/io/numbers.h"
 #include "pose_columns.h"
 
@@ -105,7 +106,7 @@ std::vector<Line> parse_lines(std::string_view contents, const std::string& name
 }  // namespace
 
 Trajectory read_tum(const std::filesystem::path& path) {
-  std::vector<Line> lines = parse_lines(read_file(path), path.string());
+  std::vector<Line> lines = parse_lines(read_file(path, kMaxTableBytes), path.string());
   std::ranges::stable_sort(lines, {}, [](const Line& line) { return line.pose.timestamp; });
   const auto twin =
       std::ranges::adjacent_find(lines, {}, [](const Line& line) { return line.pose.timestamp; });

@@ -6,37 +6,16 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <system_error>
 #include <utility>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/staged_files.h"
+#include "descriptor.h"
 #include "write_target.h"
 
 namespace apriltrack {
 namespace fs = std::filesystem;
 namespace {
-
-std::string system_reason(int code) {
-  return std::generic_category().message(code);
-}
-
-/// Closes on every way out; a POSIX descriptor because streams do not tell why a write failed.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  int get() const { return fd_; }
-  /// False on an error that only closing shows, as on network file systems.
-  bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
-
- private:
-  int fd_;
-};
 
 /// A file that is taken away on every way out, but for the one on which it has got its name.
 class AsideFile {
@@ -114,20 +93,6 @@ void write_pieces_atomically(const fs::path& path, const PieceWriter& writer, Du
   const bool exists = ::stat(path.c_str(), &existing) == 0;
   if (is_written_directly(path)) return write_directly(path, writer);
   write_beside_and_rename(follow_links(path), writer, exists ? &existing : nullptr, durability);
-}
-
-std::string read_file(const std::filesystem::path& path) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.get() < 0) throw io_error(path.string(), fmt::format("cannot be read: {}", system_reason(errno)));
-  std::string contents;
-  char block[1 << 16];
-  for (;;) {
-    const ssize_t count = ::read(file.get(), block, sizeof block);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw io_error(path.string(), fmt::format("cannot be read: {}", system_reason(errno)));
-    if (count == 0) return contents;
-    contents.append(block, static_cast<std::size_t>(count));
-  }
 }
 
 }  // namespace apriltrack

@@ -4,18 +4,17 @@
 
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/image/opencv_bridge.h"
 #include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/input_file.h"
 #include "gray_pixels.h"
 #include "image_integrity.h"
 #include "image_values.h"
@@ -25,14 +24,6 @@ namespace {
 
 /// Beyond any camera; a file of a few bytes may claim more, and must not take the machine's memory.
 constexpr std::int64_t kMaxPixels = 1 << 28;
-
-void check_regular_file(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::directory)
-    throw io_error(path.string(), "is a folder, not an image");
-  if (status.type() == std::filesystem::file_type::not_found) throw io_error(path.string(), "no such file");
-}
 
 ImageIntegrity checked(std::string_view bytes, const std::string& where) {
   const ImageIntegrity found = inspect_image(bytes);
@@ -97,13 +88,11 @@ std::string lower_case_ending(const std::filesystem::path& path) {
 }  // namespace
 
 ImageValues read_values(const std::filesystem::path& path) {
-  const std::string where = path.string();
-  check_regular_file(path);
-  return decode_image(read_file(path), where);
+  return decode_image(read_file(path, kMaxPictureBytes), path.string());
 }
 
 ImageValues decode_image(std::string_view bytes, const std::string& where) {
-  if (bytes.size() > INT32_MAX) throw io_error(where, "is larger than 2 GiB: no image");
+  if (bytes.size() > kMaxPictureBytes) throw io_error(where, "is larger than 2 GiB: no image");
   const ImageValues values = decode(bytes, checked(bytes, where), where);
   if (values.pixels.empty()) throw io_error(where, "is not an image that can be decoded, or is damaged");
   return values;

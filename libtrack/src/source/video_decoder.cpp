@@ -91,6 +91,10 @@ std::optional<double> duration_in_header(const AVFormatContext& file, const AVSt
 void VideoDecoder::Deleter::operator()(AVFormatContext* context) const {
   avformat_close_input(&context);
 }
+void VideoDecoder::Deleter::operator()(AVIOContext* context) const {
+  av_freep(&context->buffer);
+  avio_context_free(&context);
+}
 void VideoDecoder::Deleter::operator()(AVCodecContext* context) const {
   avcodec_free_context(&context);
 }
@@ -101,15 +105,24 @@ void VideoDecoder::Deleter::operator()(AVPacket* packet) const {
   av_packet_free(&packet);
 }
 
-VideoDecoder::VideoDecoder(const std::string& path) : frame_(av_frame_alloc()), packet_(av_packet_alloc()) {
-  open_file(path);
-  open_stream(path);
+VideoDecoder::VideoDecoder(const std::string& path)
+    : bytes_(path), frame_(av_frame_alloc()), packet_(av_packet_alloc()) {
+  open_file();
+  open_stream();
 }
 
-void VideoDecoder::open_file(const std::string& path) {
-  AVFormatContext* file = nullptr;
-  // The protocol is named, lest a colon in a file name be taken for one.
-  const int opened = avformat_open_input(&file, ("file:" + path).c_str(), nullptr, nullptr);
+void VideoDecoder::open_file() {
+  const std::string& path = bytes_.name();
+  constexpr int kBuffer = 1 << 16;
+  reader_.reset(avio_alloc_context(static_cast<unsigned char*>(av_malloc(kBuffer)), kBuffer, 0, &bytes_,
+                                   VideoBytes::read, nullptr, VideoBytes::seek));
+  AVFormatContext* file = avformat_alloc_context();
+  file->pb = reader_.get();
+  AVDictionary* options = nullptr;
+  av_dict_set(&options, "protocol_whitelist", "none", 0);  // what a file names is not opened
+  // The name's ending tells FFmpeg of streams without a mark of their own.
+  const int opened = avformat_open_input(&file, path.c_str(), nullptr, &options);
+  av_dict_free(&options);
   if (opened < 0)
     throw io_error(path, fmt::format("is neither an image nor a video that can be read: {}", reason(opened)));
   file_.reset(file);
@@ -117,7 +130,8 @@ void VideoDecoder::open_file(const std::string& path) {
   if (probed < 0) throw io_error(path, fmt::format("its streams cannot be read: {}", reason(probed)));
 }
 
-void VideoDecoder::open_stream(const std::string& path) {
+void VideoDecoder::open_stream() {
+  const std::string& path = bytes_.name();
   const AVCodec* decoder = nullptr;
   const int index = av_find_best_stream(file_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
   if (index < 0) throw io_error(path, fmt::format("holds no video that can be decoded: {}", reason(index)));
