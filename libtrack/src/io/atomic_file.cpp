@@ -11,30 +11,41 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/staged_files.h"
 #include "descriptor.h"
+#include "nameless_file.h"
 #include "write_target.h"
 
 namespace apriltrack {
 namespace fs = std::filesystem;
 namespace {
 
-/// A file that is taken away on every way out, but for the one on which it has got its name.
+/// What is written beside a file to take its place: without a name until it is complete, where the file
+/// system can, so that nothing is left of it however the program ends; else by a name that is taken away on
+/// every way out, but for the one on which it takes its place.
 class AsideFile {
  public:
-  explicit AsideFile(fs::path path) : path_(std::move(path)) {}
+  explicit AsideFile(fs::path path) : path_(std::move(path)), file_(open_nameless_file(path_.parent_path())) {
+    has_name_ = file_.get() < 0;
+    if (has_name_) file_ = Descriptor(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  }
   AsideFile(const AsideFile&) = delete;
   AsideFile& operator=(const AsideFile&) = delete;
   ~AsideFile() {
-    if (!path_.empty()) ::unlink(path_.c_str());
+    if (has_name_) ::unlink(path_.c_str());
   }
-  const fs::path& path() const { return path_; }
-  bool rename_to(const fs::path& path) {
-    if (::rename(path_.c_str(), path.c_str()) != 0) return false;
-    path_.clear();
+  int descriptor() const { return file_.get(); }
+  /// Of a complete file. A name that an ended process of the same number left is in the way.
+  bool replace(const fs::path& target) {
+    if (!has_name_) ::unlink(path_.c_str());
+    has_name_ = has_name_ || give_name(file_, path_);
+    if (!has_name_ || !file_.close() || ::rename(path_.c_str(), target.c_str()) != 0) return false;
+    has_name_ = false;
     return true;
   }
 
  private:
   fs::path path_;
+  Descriptor file_;
+  bool has_name_ = false;
 };
 
 bool write_all(int fd, std::string_view contents) {
@@ -72,12 +83,11 @@ void write_beside_and_rename(const fs::path& path, const PieceWriter& writer, co
   fs::path beside = path;
   beside += fmt::format(".{}.part", ::getpid());
   AsideFile aside(beside);
-  Descriptor file(::open(aside.path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-  if (file.get() < 0) fail_to_write(path, errno);
-  const bool is_complete = (!existing || ::fchmod(file.get(), existing->st_mode & 07777) == 0) &&
-                           write_pieces(file.get(), writer) &&
-                           (durability == Durability::kComplete || ::fsync(file.get()) == 0) &&
-                           file.close() && aside.rename_to(path);
+  const int file = aside.descriptor();
+  if (file < 0) fail_to_write(path, errno);
+  const bool is_complete = (!existing || ::fchmod(file, existing->st_mode & 07777) == 0) &&
+                           write_pieces(file, writer) &&
+                           (durability == Durability::kComplete || ::fsync(file) == 0) && aside.replace(path);
   if (!is_complete) fail_to_write(path, errno, existing ? "; the existing file was kept" : "");
 }
 
