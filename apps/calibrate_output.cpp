@@ -76,9 +76,7 @@ std::vector<std::string> write_parts(const CalibrateOptions& a, const Calibratio
                                      StagedFiles& outputs) {
   std::vector<std::string> written;
   if (a.parts.empty()) return written;
-  std::error_code error;
-  fs::create_directories(a.parts, error);
-  if (error) throw io_error(a.parts, error.message());
+  outputs.make_folder(a.parts);
   std::vector<const TagMap*> maps = {&result.map};
   for (const TagMap& part : result.other_parts) maps.push_back(&part);
   for (std::size_t i = 0; i < maps.size(); ++i) {

@@ -55,6 +55,7 @@ bool is_interrupted() {
 
 void install_interrupt_handler() {
   std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);  // of `kill` and of service managers
 }
 
 void Console::add_options(CLI::App& command) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/eval/evaluate_frame_log.h"
@@ -189,7 +190,9 @@ void run_evaluate(const EvaluateOptions& options) {
   const Inputs inputs = find_inputs(options);
   const TrajectoryEvaluation evaluation = evaluate(options, inputs);
   nlohmann::json summary = to_json(evaluation);
-  summary["sequence"] = fs::weakly_canonical(options.truth).filename().string();
+  std::error_code ignored;  // a pipe has no place among the folders
+  const fs::path place = fs::weakly_canonical(options.truth, ignored);
+  summary["sequence"] = (ignored ? fs::path(options.truth) : place).filename().string();
   std::string text = to_text(evaluation);
   if (!options.frames_csv.empty()) {
     const FrameLogEvaluation log = evaluate_log(options, inputs, evaluation);

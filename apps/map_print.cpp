@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <system_error>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/staged_files.h"
 #include "apriltrack/report/print_page.h"
 #include "apriltrack/tags/tag_family.h"
 #include "map_command.h"
@@ -21,20 +23,19 @@ PrintPage page_of(const MapTag& tag) {
 
 void run_print(const MapOptions& options) {
   const TagMap map = read_map_input(options.first, options.input, options.console);
-  std::vector<std::pair<fs::path, std::string>>
-      pages;  // all are drawn before any is written: a tag may not fit
+  std::vector<std::pair<fs::path, std::string>> pages;  // all are drawn first: a tag may not fit
   for (const MapTag& tag : map.tags) {
     const std::string name = fmt::format("{}_{:05}.svg", tag.key.family, tag.key.id);
     pages.emplace_back(fs::path(options.output) / name, print_page_svg(page_of(tag)));
   }
-  std::error_code failure;
-  fs::create_directories(options.output, failure);
-  if (failure) throw io_error(options.output, fmt::format("cannot be made: {}", failure.message()));
+  StagedFiles staged;
+  staged.make_folder(options.output);
   nlohmann::json files = nlohmann::json::array();
-  for (const auto& [path, svg] : pages) {
-    write_file_atomically(path, svg);
-    files.push_back(path.string());
+  for (const auto& page : pages) {
+    staged.write(page.first, [&](const fs::path& path) { write_file_atomically(path, page.second); });
+    files.push_back(page.first.string());
   }
+  staged.commit();
   options.console.finish({{"pages", files}, {"output", options.output}},
                          fmt::format("{}: {} A4 pages, one tag each; print them at 100 % and measure a tag",
                                      options.output, pages.size()));

@@ -174,10 +174,8 @@ void check_folder(const SimulateOptions& options) {
                                     options.output, kMark));
 }
 
-void simulate(const SimulateOptions& options) {
-  const Scene scene = configured_scene(options);
-  check_folder(options);
-  const SequenceWriter writer(options.output, options.is_forced);
+WrittenFrames write_recording(const Scene& scene, const SequenceWriter& writer,
+                              const SimulateOptions& options) {
   // First of all, so that a run which was ended in between can be replaced, too.
   write_file_atomically(
       writer.folder() / kMark,
@@ -189,6 +187,27 @@ void simulate(const SimulateOptions& options) {
   const Renderer renderer(scene, {.seed = options.seed});
   const WrittenFrames written = render_frames(renderer, writer, options);
   write_truth(written, scene, writer);
+  return written;
+}
+
+/// A recording without its end and its truth is none: it is taken away where the disk is full.
+WrittenFrames write_recording_or_none(const Scene& scene, const SequenceWriter& writer,
+                                      const SimulateOptions& options) {
+  try {
+    return write_recording(scene, writer, options);
+  } catch (const Error&) {
+    std::error_code ignored;
+    fs::remove(writer.folder() / kMark, ignored);
+    writer.discard();
+    throw;
+  }
+}
+
+void simulate(const SimulateOptions& options) {
+  const Scene scene = configured_scene(options);
+  check_folder(options);
+  const SequenceWriter writer(options.output, options.is_forced);
+  const WrittenFrames written = write_recording_or_none(scene, writer, options);
   const BlurFigures figures = blur_figures(written, scene);
   if (figures.num_frames < scene.num_frames) {
     options.console.warning(fmt::format("interrupted: {} of {} frames are in {}, with their truth",

@@ -14,6 +14,8 @@ find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio)
 # disk; Debian's libopencv-dev brings it.
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavformat libavcodec libswscale libavutil)
+# For grey JPEG pictures and word of their damage, which OpenCV does not tell.
+pkg_check_modules(JPEG REQUIRED IMPORTED_TARGET libjpeg)
 # Of bags: how their chunks are packed, and the files that rosbag2 writes by default.
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)

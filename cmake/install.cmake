@@ -3,7 +3,7 @@
 #
 # A component is what a user asks for; each brings the outside libraries of its own and no others:
 #   track   localise and track: no OpenCV, no Ceres         calib   build tag maps (Ceres)
-#   source  read images, videos (OpenCV, FFmpeg) and bags (LZ4, zstd, bzip2, SQLite)
+#   source  read images, videos (OpenCV, FFmpeg, libjpeg) and bags (LZ4, zstd, bzip2, SQLite)
 #   eval, sim  scoring, rendering                           export  maps for viewers and simulators
 #   report  draw pictures, videos and pages (OpenCV, FFmpeg)
 #
@@ -20,7 +20,7 @@ set(modules_of_source bag source)
 
 # Outside libraries without a pkg-config file of their own, or whose own names far more than is used (opencv4).
 set(pc_requires_of_track "eigen3 fmt yaml-cpp apriltag libhwy")
-set(pc_requires_of_source "libavformat libavcodec libswscale libavutil liblz4 libzstd sqlite3")
+set(pc_requires_of_source "libavformat libavcodec libswscale libavutil libjpeg liblz4 libzstd sqlite3")
 set(pc_requires_of_report "libavformat libavcodec libswscale libavutil")
 set(pc_libraries_of_calib "-lceres -lglog")
 set(pc_libraries_of_source "-lopencv_videoio -lopencv_imgcodecs -lopencv_imgproc -lopencv_core -lbz2")

@@ -3,6 +3,7 @@
 string(COMPARE EQUAL "${CMAKE_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}" is_top_level)
 option(APRILTRACK_BUILD_TESTS "Build the tests" ${is_top_level})
 option(APRILTRACK_BUILD_BENCHMARKS "Build the benchmarks" OFF)
+option(APRILTRACK_BUILD_FUZZERS "Build the fuzzers of all readers (clang++ only; preset fuzz)" OFF)
 # For developers and CI alone: a user's compiler may warn of what ours does not know.
 option(APRILTRACK_WERROR "Treat warnings in our own code as errors" OFF)
 set(APRILTRACK_SANITIZE "" CACHE STRING "Sanitizers for our own code, as -fsanitize= takes them (address,undefined or thread)")
@@ -39,7 +40,7 @@ function(apriltrack_compile_options target)
     # address sanitizer and Eigen's own assertions stop as well.
     target_compile_options(${target} PRIVATE -fsanitize=${APRILTRACK_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
       -fno-sanitize=null,alignment
-      -Wno-maybe-uninitialized)  # GCC 12 sees ghosts inside instrumented std::function and std::regex
+      $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)  # GCC 12 sees ghosts inside instrumented std::function and std::regex
     target_link_options(${target} PUBLIC -fsanitize=${APRILTRACK_SANITIZE})
   endif()
   if(APRILTRACK_COVERAGE)

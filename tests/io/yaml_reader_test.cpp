@@ -151,6 +151,11 @@ TEST(YamlReader, RefusesWhatIsNoYaml) {
   EXPECT_THAT(message_of([] { parse("a: 1\n---\nb: 2\n"); }), HasSubstr("second YAML document"));
   EXPECT_THAT(message_of([] { parse("a: 1\n---\n---\nb: 2\n"); }), HasSubstr("second YAML document"));
   EXPECT_THAT(message_of([] { parse("? [1, 2]\n: 3\n"); }), HasSubstr("a key must be"));
+  // Found by fuzzing: the parser never came to an end.
+  for (const char* text : {"a: 1}, {b: 2}\n", "{a: 1}\n, {b: 2}\n", ", a\n", "[1]\n,\n,"})
+    EXPECT_THAT(message_of([&] { parse(text); }), HasSubstr("is no valid YAML")) << text;
+  EXPECT_THAT(message_of([] { parse("{a: 1}\n, {b: 2}\n"); }),
+              HasSubstr("lab.yaml:2: is no valid YAML: a comma stands where none may (column 1)"));
   EXPECT_THAT(message_of([] { parse(std::string("\x89PNG\r\n\0\0", 8)); }), HasSubstr("no text file"));
 }
 

@@ -142,6 +142,18 @@ class PlantedBreach(unittest.TestCase):
         self.replace("docs/architecture.md", "| 1 matter | geometry | base |", "| 1 matter | geometry | base, image |")
         self.expect_breach("docs/architecture.md", "geometry (floor 1) may not include image (floor 1)")
 
+    def test_file_that_is_opened_past_the_door(self):
+        for number, line in enumerate((
+                "std::ifstream file(path);", 'FILE* file = std::fopen("x", "r");', "const cv::Mat picture = cv::imread(path);",
+                "const auto root = YAML::LoadFile(path);", "const int fd = ::open(path, O_RDONLY | O_CLOEXEC);",
+                "const int fd = ::open(path,\n    O_RDWR);", "cv::VideoCapture capture(path);", "sqlite3_open_v2(path, &raw, 0, nullptr);",
+                "avformat_open_input(&file, path, nullptr, nullptr);")):
+            place = self.plant(f"libtrack/src/tags/new_{number}.cpp", line)
+            self.expect_breach(place + ":", "past the door")
+            (self.root / place.split(":")[0]).unlink()
+        self.plant("libtrack/src/tags/new.cpp", "const int fd = ::open(path,\n    O_WRONLY | O_CREAT, 0600);  // no std::ifstream\n")
+        self.assertEqual(self.check().returncode, 0, self.check().stdout)
+
     def test_table_that_is_gone(self):
         (self.root / "docs/architecture.md").write_text("# nothing\n")
         self.assertNotEqual(self.check().returncode, 0)

@@ -63,7 +63,7 @@ TEST_F(Euroc, CountsAListedButMissingImageAsUnreadable) {
   write_csv("1,gone.pgm\n2,1403636579813555456.pgm\n");
   const auto frames = read_all(camera_.string());
   ASSERT_THAT(times_of(frames), ElementsAre(1, 2));
-  EXPECT_EQ(frames[0].error, "no such file");
+  EXPECT_EQ(frames[0].error, "cannot be read: No such file or directory");
   EXPECT_TRUE(frames[1].is_readable());
 }
 

@@ -144,8 +144,8 @@ TEST(ReadImage, TellsAMissingFileAFolderAndAnEmptyFileApart) {
   const auto folder = temporary_folder();
   write_text(folder / "empty.png", "");
   write_text(folder / "text.png", "these are words, not a picture");
-  expect_unreadable(folder / "missing.png", {"missing.png", "no such file"});
-  expect_unreadable(folder, {"folder"});
+  expect_unreadable(folder / "missing.png", {"missing.png", "No such file"});
+  expect_unreadable(folder, {"it is a folder"});
   expect_unreadable(folder / "empty.png", {"empty.png", "0 bytes"});
   expect_unreadable(folder / "text.png", {"text.png", "not an image"});
 }

@@ -12,6 +12,7 @@
 #include "apriltrack/base/random.h"
 #include "apriltrack/source/image_file.h"
 #include "source_support.h"
+#include "support/shared_data.h"
 
 namespace apriltrack::test {
 namespace {

@@ -55,6 +55,15 @@ TEST(Video, KeepsIrregularTimesToTheNanosecond) {
     EXPECT_NEAR(level_of(frames[i]), 5.0 + 15.0 * static_cast<double>(i), kMaxCodingError);
 }
 
+/// A playlist (RFC 8216), with a byte that no text has: FFmpeg would go on to what it names.
+TEST(Video, OpensNoOtherFileThatItNames) {
+  const auto folder = temporary_folder();
+  write_mjpeg_video(folder / "other.mov", plan_of_levels(kIrregular));
+  write_text(folder / "list.mkv", "#EXTM3U\n#EXT-X-TARGETDURATION:9\n#EXTINF:9,\n" +
+                                      (folder / "other.mov").string() + "\n#EXT-X-ENDLIST\n\x01");
+  expect_refused(folder / "list.mkv", ErrorKind::kIo, {"list.mkv"});
+}
+
 TEST(Video, KeepsTimesOfMatroskaToItsMillisecond) {
   const auto path = temporary_folder() / "irregular.mkv";
   std::vector<std::int64_t> times_ticks = kIrregular;

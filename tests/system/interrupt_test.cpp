@@ -14,6 +14,7 @@
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/eval/frame_log.h"
 #include "apriltrack/eval/trajectory.h"
+#include "apriltrack/io/scratch_file.h"
 #include "apriltrack/source/image_file.h"
 #include "apriltrack/source/sequence_writer.h"
 #include "apriltrack/tags/tag_map.h"
@@ -103,6 +104,28 @@ TEST_F(Interrupted, TrackKeepsTheFramesUntilThen) {
   EXPECT_EQ(names_in(folder_ / "out"), (std::set<std::string>{"camera.tum", "frames.csv"}));
   EXPECT_EQ(read_tum(out("camera.tum")).size(), kDone);
   EXPECT_EQ(read_frame_log(out("frames.csv")).size(), kDone);
+}
+
+TEST_F(Interrupted, TrackThatIsTerminatedKeepsTheFramesUntilThen) {
+  StartedProgram program(
+      {"track", recording_, "--output", out("camera.tum"), "--video", out("film.mp4"), "--threads", "1"});
+  int pipe = -1;
+  EXPECT_TRUE(wait_until(program, [&] { return (pipe = open_pipe()) >= 0; })) << "never came to the pipe";
+  program.terminate();
+  if (pipe >= 0) ::close(pipe);
+  EXPECT_THAT(program.finish(), EndsWith(0, "warning: interrupted"));
+  EXPECT_EQ(names_in(folder_ / "out"), (std::set<std::string>{"camera.tum", "film.mp4"}));
+}
+
+TEST_F(Interrupted, TrackThatIsKilledLeavesNothing) {
+  {
+    StartedProgram program(
+        {"track", recording_, "--output", out("camera.tum"), "--video", out("film.mp4"), "--threads", "1"});
+    EXPECT_TRUE(wait_until(program, [&] { return open_pipe() >= 0; })) << "never came to the pipe";
+  }
+  const bool has_nameless_files = ScratchFile(folder_ / "out" / "x").path().string().starts_with("/proc/");
+  if (!has_nameless_files) GTEST_SKIP() << "this file system has no files without a name (O_TMPFILE)";
+  EXPECT_EQ(names_in(folder_ / "out"), std::set<std::string>());
 }
 
 TEST_F(Interrupted, TrackIsScoredOnTheFramesUntilThen) {

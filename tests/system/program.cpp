@@ -153,6 +153,10 @@ void StartedProgram::press_ctrl_c() {
   if (is_running()) ::kill(child_, SIGINT);
 }
 
+void StartedProgram::terminate() {
+  if (is_running()) ::kill(child_, SIGTERM);
+}
+
 std::string StartedProgram::err_so_far() const {
   return read_text(err_);
 }

@@ -40,12 +40,14 @@ ProgramRun run_program_without_reader(const std::vector<std::string>& words);
 class StartedProgram {
  public:
   explicit StartedProgram(const std::vector<std::string>& words);
-  ~StartedProgram();  ///< Ends it, if it still runs.
+  ~StartedProgram();  ///< Kills it (SIGKILL), if it still runs.
   StartedProgram(const StartedProgram&) = delete;
   StartedProgram& operator=(const StartedProgram&) = delete;
 
   bool is_running();
   void press_ctrl_c();
+  /// As `kill` does.
+  void terminate();
   /// On stderr, until now.
   std::string err_so_far() const;
   /// Waits for its end.

@@ -66,7 +66,7 @@ TEST(BlurredPattern, KnowsItsDerivatives) {
     covariance << 0.07 * 0.07, correlation * 0.07 * 0.05, correlation * 0.07 * 0.05, 0.05 * 0.05;
     for (const auto& [u, v] : kPlaces) {
       const PatternSample sample = blurred.at(u, v, PatternBlur::of(covariance));
-      const auto light = [&](const Eigen::VectorXd& d) {
+      const auto light = [&, u = u, v = v](const Eigen::VectorXd& d) {  // Clang 14 captures no bindings
         Eigen::Matrix2d other = covariance;
         other(0, 0) *= 1.0 + d[2], other(1, 1) *= 1.0 + d[3];
         other(0, 1) += 0.07 * 0.05 * d[4], other(1, 0) = other(0, 1);

@@ -62,7 +62,8 @@ std::vector<std::tuple<TagMap, std::string, std::string>> bad_maps(const TagMap&
       {with(4, 4, -1.0, -1.0), "variance 4"},
       {1e-9 * with(3, 4, -1.1, -1.1), "semidefinite"}};
   for (const auto& [covariance, value] : covariances)
-    spoil("covariance", value, [&](TagMap&, MapTag& tag) { tag.covariance = covariance; });
+    spoil("covariance", value,
+          [covariance = covariance](TagMap&, MapTag& tag) { tag.covariance = covariance; });
   spoil("statistics", "-1", [](TagMap&, MapTag& tag) { tag.statistics = TagStatistics{-1, 0.1, {}}; });
   spoil("statistics", "nan", [&](TagMap&, MapTag& tag) { tag.statistics = TagStatistics{1, nan, {}}; });
   return bad;

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/random.h"
 #include "apriltrack/tracker/blur_tracker.h"
@@ -53,7 +55,24 @@ TEST(BlurTracker, LosesFramesThatAreNoImage) {
   frame.image = {pixels, 320, 240, 100};
   EXPECT_EQ(tracker.track(frame).reason,
             "the image's rows of 320 pixels are 100 bytes apart: rows cannot overlap");
+  frame.image = {pixels + 239 * 320, 320, 240, -320};  // bottom-up, as some cameras' drivers give them
+  EXPECT_EQ(
+      tracker.track(frame).reason,
+      "the image's rows run upwards in memory (its stride is -320), and only rows that run downwards are "
+      "read: copy it, the last row first");
   EXPECT_EQ(tracker.track(film.frames[0].frame(), film.detections[0]).status, TrackStatus::kDetected);
+}
+
+TEST(BlurTracker, ThatWasMovedFromSaysSo) {
+  const BlurFilm& film = waved_tag();
+  BlurTracker tracker = tracker_of(film);
+  BlurTracker taken = std::move(tracker);
+  EXPECT_THROW(tracker.track(film.frames[0].frame()), MisuseError);
+  EXPECT_THROW(tracker.prepare(), MisuseError);
+  EXPECT_THROW(tracker.detector_options(), MisuseError);
+  EXPECT_EQ(taken.track(film.frames[0].frame(), film.detections[0]).status, TrackStatus::kDetected);
+  tracker = std::move(taken);
+  EXPECT_EQ(tracker.track(film.frames[1].frame(), film.detections[1]).status, TrackStatus::kDetected);
 }
 
 TEST(BlurTracker, GoesOnAfterTheMostExtremeTimeStamps) {

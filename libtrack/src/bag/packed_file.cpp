@@ -1,6 +1,5 @@
 #include "packed_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -8,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <map>
 #include <mutex>
 #include <system_error>
@@ -57,10 +55,24 @@ std::string unpack_into(const RandomAccessFile& packed, int descriptor) {
   return left == 0 ? "" : "it is cut off";
 }
 
-std::shared_ptr<const TemporaryFile> unpack_anew(const fs::path& path, const LogSink& log) {
+/// In the folder for temporary files.
+std::shared_ptr<const ScratchFile> new_scratch_file() {
+  std::error_code error;
+  const fs::path folder = fs::temp_directory_path(error);
+  if (error) throw io_error("TMPDIR", fmt::format("is no folder for temporary files: {}", error.message()));
+  try {
+    return std::make_shared<ScratchFile>(folder / "apriltrack_unpacked");
+  } catch (const Error& failure) {
+    throw io_error(
+        folder.string(),
+        fmt::format("nothing can be unpacked there ({}); TMPDIR names another folder", failure.cause()));
+  }
+}
+
+std::shared_ptr<const ScratchFile> unpack_anew(const fs::path& path, const LogSink& log) {
   const RandomAccessFile packed(path);
   log(LogLevel::kInfo, fmt::format("{}: is unpacked into a temporary file", path.string()));
-  const auto file = std::make_shared<TemporaryFile>();
+  const auto file = new_scratch_file();
   const std::string fault = unpack_into(packed, file->descriptor());
   struct stat found {};
   const bool is_empty = ::fstat(file->descriptor(), &found) != 0 || found.st_size == 0;
@@ -75,30 +87,13 @@ std::shared_ptr<const TemporaryFile> unpack_anew(const fs::path& path, const Log
 
 }  // namespace
 
-TemporaryFile::TemporaryFile() {
-  std::error_code error;
-  const fs::path folder = fs::temp_directory_path(error);
-  if (error) throw io_error("TMPDIR", fmt::format("is no folder for temporary files: {}", error.message()));
-  std::string name = (folder / "apriltrack_unpacked_XXXXXX").string();
-  descriptor_ = ::mkstemp(name.data());
-  if (descriptor_ < 0)
-    throw io_error(folder.string(),
-                   fmt::format("nothing can be unpacked there: {} (TMPDIR names another folder)",
-                               std::generic_category().message(errno)));
-  path_ = name;
-}
-
-TemporaryFile::~TemporaryFile() {
-  ::close(descriptor_);
-  ::unlink(path_.c_str());
-}
-
-std::shared_ptr<const TemporaryFile> unpacked_file(const fs::path& path, const LogSink& log) {
+std::shared_ptr<const ScratchFile> unpacked_file(const fs::path& path, const LogSink& log) {
   using Identity = std::tuple<dev_t, ino_t, off_t, std::int64_t, std::int64_t>;
   static std::mutex mutex;
-  static std::map<Identity, std::shared_ptr<const TemporaryFile>> known;
+  static std::map<Identity, std::shared_ptr<const ScratchFile>> known;
+  const InputFile packed(path);
   struct stat found {};
-  if (::stat(path.c_str(), &found) != 0)
+  if (::fstat(packed.descriptor(), &found) != 0)
     throw io_error(path.string(), fmt::format("cannot be read: {}", std::generic_category().message(errno)));
   const Identity identity = {found.st_dev, found.st_ino, found.st_size, found.st_mtim.tv_sec,
                              found.st_mtim.tv_nsec};

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "descriptor_vfs.h"
 
 namespace apriltrack {
 namespace {
@@ -61,12 +62,14 @@ void SqliteDatabase::Statement::Finalizer::operator()(sqlite3_stmt* statement) c
 }
 
 SqliteDatabase::SqliteDatabase(const fs::path& path, std::string name) : name_(std::move(name)) {
+  const bool is_descriptor = is_open_descriptor(path);
   sqlite3* raw = nullptr;
   const int status = sqlite3_open_v2(uri_of(path, !has_log(path)).c_str(), &raw,
-                                     SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
+                                     SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX,
+                                     is_descriptor ? descriptor_vfs() : nullptr);
   database_.reset(raw);
   if (status != SQLITE_OK) throw io_error(name_, fmt::format("cannot be opened: {}", last_error()));
-  refuse_short_reads(raw);
+  if (!is_descriptor) refuse_short_reads(raw);
   // Else a file that is shorter than its header says is refused whole; it is open for reading only.
   sqlite3_db_config(raw, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
   // A damaged file may hold views and triggers of anyone's making.

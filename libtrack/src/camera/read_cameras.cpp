@@ -12,7 +12,7 @@
 #include "apriltrack/camera/camera_formats.h"
 #include "apriltrack/camera/response_tables.h"
 #include "apriltrack/camera/ros_topics.h"
-#include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/input_file.h"
 #include "camera_fields.h"
 #include "formats/formats.h"
 
@@ -153,8 +153,10 @@ void tell_oddities(const CameraFile& file, const std::string& where, const LogSi
 }
 
 /// Of a file that is YAML or JSON: its mapping; nullopt of other kinds, which have neither responses nor
-/// topics.
+/// topics, and of pipes, which give what they hold but once, to the reader of cameras.
 std::optional<YamlNode> mapping_in(const std::filesystem::path& camera_file) {
+  std::error_code ignored;
+  if (std::filesystem::is_fifo(camera_file, ignored)) return std::nullopt;
   const CameraText file{camera_file.string(), read_file(camera_file)};
   if (is_ros_ini(file) || is_colmap(file) || is_mrcal(file)) return std::nullopt;
   const YamlNode root = read_tree(file);

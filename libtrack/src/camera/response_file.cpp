@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "apriltrack/base/error.h"
-#include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/input_file.h"
 #include "apriltrack/io/numbers.h"
 #include "camera_fields.h"
 

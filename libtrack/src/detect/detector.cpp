@@ -8,6 +8,7 @@
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/held.h"
 #include "apriltrack/detect/chance_readings.h"
 #include "apriltrack/tags/tag_family.h"
 #include "corner_refinement.h"
@@ -294,6 +295,16 @@ class Detector::Implementation {
   bool has_grids_;
 };
 
+namespace {
+
+void check_rows(const GrayView& image) {
+  APRILTRACK_CHECK(
+      image.is_empty() || image.stride() >= image.width(),
+      "an image's rows lie one behind the other in memory, the first one first (stride >= width)");
+}
+
+}  // namespace
+
 Detector::Detector(const DetectorOptions& options)
     : implementation_(std::make_unique<Implementation>(options)) {}
 Detector::~Detector() = default;
@@ -301,20 +312,22 @@ Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
 
 std::vector<Detection> Detector::detect(const GrayView& image) {
-  return implementation_->find(image).detections;
+  return find(image).detections;
 }
 
 FoundTags Detector::find(const GrayView& image) {
-  return implementation_->find(image);
+  check_rows(image);
+  return held(implementation_).find(image);
 }
 
 std::vector<Detection> Detector::detect_in(const GrayView& image, std::span<const TagRegion> regions,
                                            double decimate) {
-  return implementation_->detect_in(image, regions, decimate);
+  check_rows(image);
+  return held(implementation_).detect_in(image, regions, decimate);
 }
 
 const DetectorOptions& Detector::options() const {
-  return implementation_->options();
+  return held(implementation_).options();
 }
 
 }  // namespace apriltrack

@@ -132,7 +132,7 @@ GrayImage render_upright_tag(const TagPattern& pattern, const Eigen::Vector2d& c
 
 double measure_library_pixel_offset() {
   // Turned, so that no edge runs along the pixels, and at centres that balance what rounding is left.
-  constexpr int kSide_px = 80;
+  constexpr int kPictureSide_px = 80;
   constexpr double kHalfSize_px = 24.3;
   const TagPattern pattern = TagFamily::get("tag36h11").pattern(0);
   LibraryDetector detector({{"tag36h11", 0}}, true);
@@ -140,7 +140,8 @@ double measure_library_pixel_offset() {
   int count = 0;
   for (int i = 0; i < 4; ++i) {
     const Eigen::Vector2d centre_px(39.5 + 0.25 * i, 39.5 + 0.25 * ((i * 3) % 4));
-    const GrayImage image = render_upright_tag(pattern, centre_px, kHalfSize_px, 0.2 + 0.15 * i, kSide_px);
+    const GrayImage image =
+        render_upright_tag(pattern, centre_px, kHalfSize_px, 0.2 + 0.15 * i, kPictureSide_px);
     for (const LibraryDetection& detection : detector.detect_in_library_pixels(image.view())) {
       for (const Eigen::Vector2d& corner : detection.corners_px) sum += (corner - centre_px).mean();
       count += kNumCorners;

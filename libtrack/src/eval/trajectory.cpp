@@ -8,6 +8,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/input_file.h"
 #include "apriltrack/io/numbers.h"
 #include "pose_columns.h"
 #include "trajectory_lines.h"
@@ -51,7 +52,7 @@ Trajectory read_tum_text(std::string_view text, const std::string& name) {
 }
 
 Trajectory read_tum(const std::filesystem::path& path) {
-  return read_tum_text(read_file(path), path.string());
+  return read_tum_text(read_file(path, kMaxTableBytes), path.string());
 }
 
 std::string tum_line(const TimedPose& pose) {

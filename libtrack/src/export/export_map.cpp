@@ -87,10 +87,8 @@ std::vector<MapLoss> write_exported_map(const fs::path& path, const TagMap& map,
     write_file_atomically(path, result.files.front().contents);
     return std::move(result.losses);
   }
-  std::error_code failure;
-  fs::create_directories(path, failure);
-  if (failure) throw io_error(path.string(), fmt::format("cannot be made: {}", failure.message()));
   StagedFiles staged;
+  staged.make_folder(path);
   for (const ExportedFile& file : result.files)
     staged.write(path / file.name,
                  [&](const fs::path& aside) { write_file_atomically(aside, file.contents); });

@@ -6,56 +6,46 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <system_error>
 #include <utility>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/staged_files.h"
+#include "descriptor.h"
+#include "nameless_file.h"
 #include "write_target.h"
 
 namespace apriltrack {
 namespace fs = std::filesystem;
 namespace {
 
-std::string system_reason(int code) {
-  return std::generic_category().message(code);
-}
-
-/// Closes on every way out; a POSIX descriptor because streams do not tell why a write failed.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  int get() const { return fd_; }
-  /// False on an error that only closing shows, as on network file systems.
-  bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
-
- private:
-  int fd_;
-};
-
-/// A file that is taken away on every way out, but for the one on which it has got its name.
+/// What is written beside a file to take its place: without a name until it is complete, where the file
+/// system can, so that nothing is left of it however the program ends; else by a name that is taken away on
+/// every way out, but for the one on which it takes its place.
 class AsideFile {
  public:
-  explicit AsideFile(fs::path path) : path_(std::move(path)) {}
+  explicit AsideFile(fs::path path) : path_(std::move(path)), file_(open_nameless_file(path_.parent_path())) {
+    has_name_ = file_.get() < 0;
+    if (has_name_) file_ = Descriptor(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  }
   AsideFile(const AsideFile&) = delete;
   AsideFile& operator=(const AsideFile&) = delete;
   ~AsideFile() {
-    if (!path_.empty()) ::unlink(path_.c_str());
+    if (has_name_) ::unlink(path_.c_str());
   }
-  const fs::path& path() const { return path_; }
-  bool rename_to(const fs::path& path) {
-    if (::rename(path_.c_str(), path.c_str()) != 0) return false;
-    path_.clear();
+  int descriptor() const { return file_.get(); }
+  /// Of a complete file. A name that an ended process of the same number left is in the way.
+  bool replace(const fs::path& target) {
+    if (!has_name_) ::unlink(path_.c_str());
+    has_name_ = has_name_ || give_name(file_, path_);
+    if (!has_name_ || !file_.close() || ::rename(path_.c_str(), target.c_str()) != 0) return false;
+    has_name_ = false;
     return true;
   }
 
  private:
   fs::path path_;
+  Descriptor file_;
+  bool has_name_ = false;
 };
 
 bool write_all(int fd, std::string_view contents) {
@@ -93,12 +83,11 @@ void write_beside_and_rename(const fs::path& path, const PieceWriter& writer, co
   fs::path beside = path;
   beside += fmt::format(".{}.part", ::getpid());
   AsideFile aside(beside);
-  Descriptor file(::open(aside.path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-  if (file.get() < 0) fail_to_write(path, errno);
-  const bool is_complete = (!existing || ::fchmod(file.get(), existing->st_mode & 07777) == 0) &&
-                           write_pieces(file.get(), writer) &&
-                           (durability == Durability::kComplete || ::fsync(file.get()) == 0) &&
-                           file.close() && aside.rename_to(path);
+  const int file = aside.descriptor();
+  if (file < 0) fail_to_write(path, errno);
+  const bool is_complete = (!existing || ::fchmod(file, existing->st_mode & 07777) == 0) &&
+                           write_pieces(file, writer) &&
+                           (durability == Durability::kComplete || ::fsync(file) == 0) && aside.replace(path);
   if (!is_complete) fail_to_write(path, errno, existing ? "; the existing file was kept" : "");
 }
 
@@ -114,20 +103,6 @@ void write_pieces_atomically(const fs::path& path, const PieceWriter& writer, Du
   const bool exists = ::stat(path.c_str(), &existing) == 0;
   if (is_written_directly(path)) return write_directly(path, writer);
   write_beside_and_rename(follow_links(path), writer, exists ? &existing : nullptr, durability);
-}
-
-std::string read_file(const std::filesystem::path& path) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.get() < 0) throw io_error(path.string(), fmt::format("cannot be read: {}", system_reason(errno)));
-  std::string contents;
-  char block[1 << 16];
-  for (;;) {
-    const ssize_t count = ::read(file.get(), block, sizeof block);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw io_error(path.string(), fmt::format("cannot be read: {}", system_reason(errno)));
-    if (count == 0) return contents;
-    contents.append(block, static_cast<std::size_t>(count));
-  }
 }
 
 }  // namespace apriltrack

@@ -7,7 +7,7 @@
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
-#include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/input_file.h"
 #include "apriltrack/io/numbers.h"
 
 namespace apriltrack {
@@ -76,7 +76,7 @@ void require_header(const std::string& where, const std::vector<std::string>& he
 
 CsvTable CsvTable::read_file(const std::filesystem::path& path,
                              const std::vector<std::string>& required_columns) {
-  return read_text(apriltrack::read_file(path), path.string(), required_columns);
+  return read_text(apriltrack::read_file(path, kMaxTableBytes), path.string(), required_columns);
 }
 
 CsvTable CsvTable::read_text(std::string_view text, const std::string& name,

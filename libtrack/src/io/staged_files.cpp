@@ -20,10 +20,20 @@ fs::path written_file(const fs::path& path) {
 }
 
 StagedFiles::~StagedFiles() {
-  for (const File& file : files_) {
-    std::error_code ignored;
-    fs::remove(file.written, ignored);
-  }
+  std::error_code ignored;
+  for (const File& file : files_) fs::remove(file.written, ignored);
+  for (const fs::path& folder : folders_) fs::remove(folder, ignored);
+}
+
+void StagedFiles::make_folder(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> missing;
+  for (fs::path path = fs::absolute(folder).lexically_normal(); !path.empty() && !fs::exists(path, error);
+       path = path.parent_path())
+    if (path.has_filename()) missing.push_back(path);
+  fs::create_directories(folder, error);
+  folders_.insert(folders_.begin(), missing.begin(), missing.end());
+  if (error) throw io_error(folder.string(), fmt::format("cannot be made: {}", error.message()));
 }
 
 fs::path StagedFiles::stage(const fs::path& path) {
@@ -57,6 +67,7 @@ void StagedFiles::commit() {
     if (error) throw io_error(file.name.string(), fmt::format("cannot be written: {}", error.message()));
     files_.erase(files_.begin());
   }
+  folders_.clear();
 }
 
 }  // namespace apriltrack

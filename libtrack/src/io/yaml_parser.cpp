@@ -7,6 +7,7 @@
 #include <map>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "apriltrack/base/error.h"
 #include "yaml_tree.h"
@@ -28,7 +29,7 @@ class TreeEvents : public YAML::EventHandler {
  public:
   explicit TreeEvents(YamlTreeBuilder& builder) : builder_(builder) {}
 
-  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentStart(const YAML::Mark& mark) override { start_ = mark; }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     builder_.null(line_of(mark));
@@ -59,6 +60,9 @@ class TreeEvents : public YAML::EventHandler {
   }
   void OnMapEnd() override { end(); }
 
+  /// Where the document begins.
+  const YAML::Mark& start() const { return start_; }
+
  private:
   void end() {
     remember(open_anchors_.back(), builder_.end());
@@ -69,6 +73,7 @@ class TreeEvents : public YAML::EventHandler {
   }
 
   YamlTreeBuilder& builder_;
+  YAML::Mark start_;
   std::map<YAML::anchor_t, std::shared_ptr<const YamlTreeNode>> anchors_;
   std::vector<YAML::anchor_t> open_anchors_;
 };
@@ -83,13 +88,20 @@ std::string without_opencv_directive(const std::string& text) {
 }
 
 /// What `ros2 topic echo` writes ends in "---", which begins a document without anything in it: such are
-/// passed over.
-void refuse_further_documents(YAML::Parser& parser, const std::string& name) {
+/// passed over. At a comma that stands where none may, the parser (yaml-cpp 0.7) gives documents without end
+/// that begin there and have nothing in them.
+void refuse_further_documents(YAML::Parser& parser, YAML::Mark last_start, const std::string& name) {
   while (true) {
     YamlTreeBuilder builder(name);
     TreeEvents events(builder);
     if (!parser.HandleNextDocument(events)) return;
     const auto root = builder.finish();
+    const YAML::Mark start = std::exchange(last_start, events.start());
+    if (start.pos == last_start.pos)
+      builder.fail(line_of(start), {},
+                   fmt::format("is no valid YAML: a comma stands where none may "
+                               "(column {})",
+                               start.column + 1));
     if (root->kind == YamlTreeNode::Kind::kNull) continue;
     builder.fail(root->line, {},
                  "a second YAML document begins; a file must hold one (`ros2 topic echo --once` writes one)");
@@ -124,7 +136,7 @@ std::shared_ptr<const YamlTreeNode> parse_yaml(const std::string& text, const st
   try {
     YAML::Parser parser(stream);
     parser.HandleNextDocument(events);
-    refuse_further_documents(parser, name);
+    refuse_further_documents(parser, events.start(), name);
     return builder.finish();
   } catch (const YAML::Exception& error) {
     builder.fail(line_of(error.mark), {}, explain(error, text));

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "apriltrack/base/error.h"
-#include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/input_file.h"
 #include "apriltrack/io/numbers.h"
 #include "yaml_tree.h"
 

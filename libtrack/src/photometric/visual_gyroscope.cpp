@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apriltrack/base/check.h"
+#include "apriltrack/base/held.h"
 #include "picture_shift.h"
 #include "small_picture.h"
 #include "turn_fit.h"
@@ -148,10 +149,10 @@ VisualGyroscope::VisualGyroscope(VisualGyroscope&&) noexcept = default;
 VisualGyroscope& VisualGyroscope::operator=(VisualGyroscope&&) noexcept = default;
 
 std::optional<CameraTurn> VisualGyroscope::turn(const LightPyramid& light) {
-  return implementation_->turn(light);
+  return held(implementation_).turn(light);
 }
 void VisualGyroscope::forget() {
-  implementation_->forget();
+  held(implementation_).forget();
 }
 
 }  // namespace apriltrack

@@ -8,6 +8,7 @@
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/input_file.h"
 #include "html_text.h"
 #include "page_style.h"
 #include "scene_viewer.h"
@@ -90,7 +91,7 @@ void HtmlPage::png(std::string_view bytes, const std::string& caption) {
 }
 
 void HtmlPage::picture(const std::filesystem::path& png, const std::string& caption) {
-  add_png(read_file(png), caption, png.string());
+  add_png(read_file(png, kMaxPictureBytes), caption, png.string());
 }
 
 void HtmlPage::add_png(std::string_view bytes, const std::string& caption, const std::string& name) {
@@ -101,7 +102,7 @@ void HtmlPage::add_png(std::string_view bytes, const std::string& caption, const
 }
 
 void HtmlPage::video(const std::filesystem::path& mp4, const std::string& caption) {
-  const std::string bytes = read_file(mp4);
+  const std::string bytes = read_file(mp4, kMaxPictureBytes);
   constexpr std::size_t kTypeAt = 4;  // ISO/IEC 14496-12: a box begins with its length
   if (bytes.size() < 8 || bytes.compare(kTypeAt, 4, "ftyp") != 0)
     throw invalid_input(mp4.string(), "is no MP4 video, which is what a page can hold");

@@ -10,7 +10,9 @@
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/held.h"
 #include "apriltrack/image/opencv_bridge.h"
+#include "apriltrack/io/scratch_file.h"
 #include "apriltrack/io/staged_files.h"
 #include "canvas.h"
 #include "video_encoder.h"
@@ -89,10 +91,10 @@ class OverlayVideo::Impl {
       : path_(path),
         picture_size_(width, height),
         canvas_(height + bar_height(height), even(width), CV_8UC3, kBarColour),
-        scratch_(std::in_place),
-        encoded_(scratch_->stage(path.string() + ".frames")),
-        encoder_(std::make_unique<VideoEncoder>(
-            encoded_, path.string(), VideoEncoder::Format{canvas_.cols, canvas_.rows, frames_per_s})) {}
+        encoded_(std::in_place, written_file(path)),
+        encoder_(
+            std::make_unique<VideoEncoder>(encoded_->path(), path.string(),
+                                           VideoEncoder::Format{canvas_.cols, canvas_.rows, frames_per_s})) {}
 
   cv::Size size() const { return canvas_.size(); }
 
@@ -115,16 +117,15 @@ class OverlayVideo::Impl {
     if (encoder->num_frames() == 0)
       throw no_result(path_.string(), "was not written: no frame came that it could show");
     encoder->finish();
-    move_index_to_front(encoded_, files.stage(path_), path_.string(), encoder->num_frames());
-    scratch_.reset();
+    move_index_to_front(encoded_->path(), files.stage(path_), path_.string(), encoder->num_frames());
+    encoded_.reset();
   }
 
  private:
   fs::path path_;
   cv::Size picture_size_;
   cv::Mat canvas_;
-  std::optional<StagedFiles> scratch_;  ///< Never committed: what the index is moved out of.
-  fs::path encoded_;
+  std::optional<ScratchFile> encoded_;  ///< What the index is moved out of.
   std::unique_ptr<VideoEncoder> encoder_;
 };
 
@@ -140,25 +141,25 @@ OverlayVideo::OverlayVideo(OverlayVideo&&) noexcept = default;
 OverlayVideo& OverlayVideo::operator=(OverlayVideo&&) noexcept = default;
 
 int OverlayVideo::width() const {
-  return impl_->size().width;
+  return held(impl_).size().width;
 }
 
 int OverlayVideo::height() const {
-  return impl_->size().height;
+  return held(impl_).size().height;
 }
 
 void OverlayVideo::add(const OverlayFrame& frame) {
-  impl_->add(frame);
+  held(impl_).add(frame);
 }
 
 void OverlayVideo::close() {
   StagedFiles files;
-  impl_->close(files);
+  held(impl_).close(files);
   files.commit();
 }
 
 void OverlayVideo::close(StagedFiles& files) {
-  impl_->close(files);
+  held(impl_).close(files);
 }
 
 }  // namespace apriltrack

@@ -1,15 +1,13 @@
 #include "apriltrack/source/frame_source.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <system_error>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/input_file.h"
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/source/bag_input.h"
 #include "image_inputs.h"
@@ -73,14 +71,8 @@ std::unique_ptr<SkippableSource> open_folder(const std::string& input, const Sou
 
 /// The first bytes of a file, if it can be read at all.
 std::string read_start(const std::string& input) {
-  const int fd = ::open(input.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   std::array<char, 1024> bytes;
-  const ssize_t count = fd < 0 ? -1 : ::read(fd, bytes.data(), bytes.size());
-  const int code = errno;
-  if (fd >= 0) ::close(fd);
-  if (count < 0)
-    throw io_error(input, fmt::format("cannot be read: {}", std::generic_category().message(code)));
-  return {bytes.data(), static_cast<std::size_t>(count)};
+  return {bytes.data(), InputFile(input).read(0, bytes.data(), bytes.size())};
 }
 
 /// FFmpeg would "play" a text as a film of its letters.

@@ -4,21 +4,21 @@
 
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/image/opencv_bridge.h"
 #include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/input_file.h"
 #include "gray_pixels.h"
 #include "image_integrity.h"
 #include "image_values.h"
+#include "jpeg_picture.h"
 
 namespace apriltrack {
 namespace {
@@ -26,45 +26,50 @@ namespace {
 /// Beyond any camera; a file of a few bytes may claim more, and must not take the machine's memory.
 constexpr std::int64_t kMaxPixels = 1 << 28;
 
-void check_regular_file(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::directory)
-    throw io_error(path.string(), "is a folder, not an image");
-  if (status.type() == std::filesystem::file_type::not_found) throw io_error(path.string(), "no such file");
+void check_size(const ClaimedSize& size, const std::string& where) {
+  if (size.width < 1 || size.height < 1)
+    throw io_error(where,
+                   fmt::format("claims {} x {} pixels: a picture has one and more", size.width, size.height));
+  // Divided, not multiplied: both sides come from the file and may be as large as 32 bits allow.
+  if (size.width > kMaxPixels / size.height)
+    throw io_error(where, fmt::format("claims {} x {} pixels; at most {} are read", size.width, size.height,
+                                      kMaxPixels));
 }
 
 ImageIntegrity checked(std::string_view bytes, const std::string& where) {
-  const ImageIntegrity found = inspect_image(bytes);
+  ImageIntegrity found = inspect_image(bytes);
+  if (found.size) check_size(*found.size, where);
   if (!found.damage.empty()) throw io_error(where, found.damage);
-  // Divided, not multiplied: both sides come from the file and may be as large as 32 bits allow.
-  if (found.height > 0 && found.width > kMaxPixels / found.height) {
-    throw io_error(where, fmt::format("claims {} x {} pixels; at most {} are read", found.width, found.height,
-                                      kMaxPixels));
-  }
   return found;
 }
 
 /// Whether the file may hold 16 bits without saying how many of them count.
-bool may_be_deep(std::string_view bytes, const ImageIntegrity& found) {
-  const bool is_tiff =
-      bytes.starts_with(std::string_view("II*\0", 4)) || bytes.starts_with(std::string_view("MM\0*", 4));
-  return is_tiff || found.bits_per_sample == 16;
+bool may_be_deep(const ImageIntegrity& found) {
+  return found.kind == ImageKind::kTiff || found.bits_per_sample == 16;
 }
 
 /// Colour by one formula whatever the file, and the same as of video frames and of messages: OpenCV's own
-/// decoders of PNG and PPM have others (libpng cuts fractions off, half a grey level on average). JPEG holds
-/// the grey picture itself.
-cv::Mat decode_gray(const cv::Mat& bytes, bool is_jpeg) {
-  const cv::Mat picture = cv::imdecode(bytes, is_jpeg ? cv::IMREAD_GRAYSCALE : cv::IMREAD_ANYCOLOR);
+/// decoders of PNG and PPM have others (libpng cuts fractions off, half a grey level on average).
+cv::Mat decode_gray(const cv::Mat& bytes) {
+  const cv::Mat picture = cv::imdecode(bytes, cv::IMREAD_ANYCOLOR);
   if (picture.channels() == 1) return picture;
   cv::Mat gray;
   cv::cvtColor(picture, gray, cv::COLOR_BGR2GRAY);
   return gray;
 }
 
+/// JPEG holds the grey picture itself. Empty where it is of inks.
+cv::Mat decode_gray_jpeg(std::string_view bytes, const std::string& where) {
+  JpegPicture picture = decode_jpeg(bytes);
+  if (!picture.damage.empty()) throw io_error(where, fmt::format("cannot be decoded: {}", picture.damage));
+  return picture.pixels;
+}
+
 /// Empty where OpenCV cannot make a picture of the bytes.
 ImageValues decode(std::string_view bytes, const ImageIntegrity& found, const std::string& where) {
+  if (found.kind == ImageKind::kJpeg) {
+    if (const cv::Mat gray = decode_gray_jpeg(bytes, where); !gray.empty()) return {gray};
+  }
   // OpenCV takes a mutable header over constant bytes; it does not write to them.
   const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
   const int full_scale = found.full_scale;
@@ -77,11 +82,11 @@ ImageValues decode(std::string_view bytes, const ImageIntegrity& found, const st
       if (!numbers.empty()) numbers.convertTo(gray, CV_8U, 255.0 / full_scale);
       return {gray};
     }
-    if (full_scale == 65535 || may_be_deep(bytes, found)) {
+    if (full_scale == 65535 || may_be_deep(found)) {
       const cv::Mat numbers = cv::imdecode(view, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
       if (numbers.type() == CV_16UC1) return {numbers};
     }
-    return {decode_gray(view, bytes.starts_with("\xff\xd8\xff"))};
+    return {decode_gray(view)};
   } catch (const cv::Exception& error) {
     throw io_error(where, fmt::format("cannot be decoded: {}", error.err));
   }
@@ -97,14 +102,14 @@ std::string lower_case_ending(const std::filesystem::path& path) {
 }  // namespace
 
 ImageValues read_values(const std::filesystem::path& path) {
-  const std::string where = path.string();
-  check_regular_file(path);
-  return decode_image(read_file(path), where);
+  return decode_image(read_file(path, kMaxPictureBytes), path.string());
 }
 
 ImageValues decode_image(std::string_view bytes, const std::string& where) {
-  if (bytes.size() > INT32_MAX) throw io_error(where, "is larger than 2 GiB: no image");
-  const ImageValues values = decode(bytes, checked(bytes, where), where);
+  if (bytes.size() > kMaxPictureBytes) throw io_error(where, "is larger than 2 GiB: no image");
+  const ImageIntegrity found = checked(bytes, where);
+  const ImageValues values = found.kind == ImageKind::kPng ? decode(picture_of_png(bytes), found, where)
+                                                           : decode(bytes, found, where);
   if (values.pixels.empty()) throw io_error(where, "is not an image that can be decoded, or is damaged");
   return values;
 }

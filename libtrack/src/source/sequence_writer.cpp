@@ -43,11 +43,23 @@ std::string sequence_frame_name(Timestamp time) {
 
 SequenceWriter::SequenceWriter(const fs::path& folder, bool overwrite) : folder_(folder) {
   try {
+    is_new_ = !fs::exists(folder);
     make_sequence_folder(folder, overwrite);
   } catch (const fs::filesystem_error& error) {
     throw io_error(folder.string(),
                    fmt::format("cannot be made a sequence folder: {}", error.code().message()));
   }
+}
+
+void SequenceWriter::discard() const {
+  std::error_code ignored;  // what is not empty, or not there, stays as it is
+  try {
+    remove_sequence(folder_);
+  } catch (const fs::filesystem_error&) {
+    return;  // the disk fails altogether: there is an error to be told of already
+  }
+  fs::remove(folder_ / "frames", ignored);
+  if (is_new_) fs::remove(folder_, ignored);
 }
 
 void SequenceWriter::write_camera(const CameraRig& rig) const {

@@ -97,6 +97,10 @@ std::optional<double> duration_in_header(const AVFormatContext& file, const AVSt
 void VideoDecoder::Deleter::operator()(AVFormatContext* context) const {
   avformat_close_input(&context);
 }
+void VideoDecoder::Deleter::operator()(AVIOContext* context) const {
+  av_freep(&context->buffer);
+  avio_context_free(&context);
+}
 void VideoDecoder::Deleter::operator()(AVCodecContext* context) const {
   avcodec_free_context(&context);
 }
@@ -107,36 +111,45 @@ void VideoDecoder::Deleter::operator()(AVPacket* packet) const {
   av_packet_free(&packet);
 }
 
-VideoDecoder::VideoDecoder(const std::string& path) : frame_(av_frame_alloc()), packet_(av_packet_alloc()) {
-  open_file(path);
-  open_stream(path);
+VideoDecoder::VideoDecoder(const std::string& path)
+    : bytes_(path), frame_(av_frame_alloc()), packet_(av_packet_alloc()) {
+  open_file();
+  open_stream();
 }
 
-void VideoDecoder::open_file(const std::string& path) {
-  is_pipe_ = is_pipe_input(path);
-  const char* const advice = is_pipe_ ? kPipeAdvice : "";
+void VideoDecoder::open_file() {
+  const std::string& path = bytes_.name();
+  const char* const advice = bytes_.is_pipe() ? kPipeAdvice : "";
+  constexpr int kBuffer = 1 << 16;
+  reader_.reset(avio_alloc_context(static_cast<unsigned char*>(av_malloc(kBuffer)), kBuffer, 0, &bytes_,
+                                   VideoBytes::read, nullptr, bytes_.is_pipe() ? nullptr : VideoBytes::seek));
   AVFormatContext* file = avformat_alloc_context();
-  if (is_pipe_) file->max_analyze_duration = kPipeAnalysis_us;
-  // The protocol is named, lest a colon in a file name be taken for one.
-  const std::string url = path == kStandardInput ? "pipe:0" : "file:" + path;
-  const int opened = avformat_open_input(&file, url.c_str(), nullptr, nullptr);  // which frees it if it fails
+  file->pb = reader_.get();
+  if (bytes_.is_pipe()) file->max_analyze_duration = kPipeAnalysis_us;
+  AVDictionary* options = nullptr;
+  av_dict_set(&options, "protocol_whitelist", "none", 0);  // what a file names is not opened
+  // The name's ending tells FFmpeg of streams without a mark of their own.
+  const int opened =
+      avformat_open_input(&file, path.c_str(), nullptr, &options);  // which frees it if it fails
+  av_dict_free(&options);
   if (opened < 0)
     throw io_error(
         path, fmt::format("is neither an image nor a video that can be read: {}{}", reason(opened), advice));
   file_.reset(file);
-  if (is_pipe_ && std::string_view(file->iformat->name) == "tty")
+  if (bytes_.is_pipe() && std::string_view(file->iformat->name) == "tty")
     throw io_error(path, fmt::format("is a text, neither an image nor a video{}", advice));
   const int probed = avformat_find_stream_info(file, nullptr);
   if (probed < 0)
     throw io_error(path, fmt::format("its streams cannot be read: {}{}", reason(probed), advice));
 }
 
-void VideoDecoder::open_stream(const std::string& path) {
+void VideoDecoder::open_stream() {
+  const std::string& path = bytes_.name();
   const AVCodec* decoder = nullptr;
   const int index = av_find_best_stream(file_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
   if (index < 0)
     throw io_error(path, fmt::format("holds no video that can be decoded: {}{}", reason(index),
-                                     is_pipe_ ? kPipeAdvice : ""));
+                                     bytes_.is_pipe() ? kPipeAdvice : ""));
   for (unsigned i = 0; i < file_->nb_streams; ++i) file_->streams[i]->discard = AVDISCARD_ALL;
   stream_ = file_->streams[index];
   stream_->discard = AVDISCARD_DEFAULT;
@@ -180,7 +193,7 @@ std::optional<VideoDecoder::Decoded> VideoDecoder::feed() {
     avcodec_send_packet(codec_.get(), nullptr);
     if (broke_off)
       return Decoded{std::nullopt, fmt::format("the file breaks off: {}{}", reason(got),
-                                               is_pipe_ && num_whole_ == 0 ? kPipeAdvice : "")};
+                                               bytes_.is_pipe() && num_whole_ == 0 ? kPipeAdvice : "")};
     return std::nullopt;
   }
   if ((packet_->flags & AV_PKT_FLAG_CORRUPT) == 0) {

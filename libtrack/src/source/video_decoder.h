@@ -8,10 +8,12 @@
 #include "apriltrack/base/timestamp.h"
 #include "apriltrack/image/image.h"
 #include "gray_converter.h"
+#include "video_bytes.h"
 
 struct AVCodecContext;
 struct AVFormatContext;
 struct AVFrame;
+struct AVIOContext;
 struct AVPacket;
 struct AVStream;
 
@@ -56,17 +58,20 @@ class VideoDecoder {
  private:
   struct Deleter {
     void operator()(AVFormatContext* context) const;
+    void operator()(AVIOContext* context) const;
     void operator()(AVCodecContext* context) const;
     void operator()(AVFrame* frame) const;
     void operator()(AVPacket* packet) const;
   };
 
-  void open_file(const std::string& path);
-  void open_stream(const std::string& path);
+  void open_file();
+  void open_stream();
   /// Feeds the decoder one packet; the word of what is wrong with it, if anything is.
   std::optional<Decoded> feed();
   std::optional<Timestamp> time_of(std::int64_t stream_time) const;
 
+  VideoBytes bytes_;
+  std::unique_ptr<AVIOContext, Deleter> reader_;  ///< Of bytes_.
   std::unique_ptr<AVFormatContext, Deleter> file_;
   std::unique_ptr<AVCodecContext, Deleter> codec_;
   std::unique_ptr<AVFrame, Deleter> frame_;
@@ -74,7 +79,6 @@ class VideoDecoder {
   GrayConverter converter_;
   AVStream* stream_ = nullptr;  ///< Owned by file_.
   int turns_ = 0;               ///< Quarter turns anticlockwise that stand the picture upright.
-  bool is_pipe_ = false;
   bool is_draining_ = false;
   std::optional<std::size_t> num_promised_;
   std::size_t num_whole_ = 0;

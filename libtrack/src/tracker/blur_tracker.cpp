@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "apriltrack/base/held.h"
 #include "blur_explanation.h"
 #include "frame_warning.h"
 #include "image_size.h"
@@ -314,16 +315,16 @@ BlurTracker::BlurTracker(BlurTracker&&) noexcept = default;
 BlurTracker& BlurTracker::operator=(BlurTracker&&) noexcept = default;
 
 void BlurTracker::prepare() {
-  implementation_->prepare();
+  held(implementation_).prepare();
 }
 TrackResult BlurTracker::track(const Frame& frame) {
-  return implementation_->track(frame);
+  return held(implementation_).track(frame);
 }
 TrackResult BlurTracker::track(const Frame& frame, const std::vector<Detection>& detections) {
-  return implementation_->track(frame, &detections);
+  return held(implementation_).track(frame, &detections);
 }
 const DetectorOptions& BlurTracker::detector_options() const {
-  return implementation_->detector_options();
+  return held(implementation_).detector_options();
 }
 
 }  // namespace apriltrack

@@ -11,6 +11,13 @@ namespace {
 std::string why_of_another_camera(const GrayView& image, const Camera& camera) {
   if (image.is_empty()) return "the image is empty";
   if (image.data() == nullptr) return "the image has no pixels: its data is null";
+  if (image.stride() < 0) {
+    return fmt::format(
+        "the image's rows run upwards in memory (its stride is {}), and only rows that run downwards are "
+        "read: copy "
+        "it, the last row first",
+        image.stride());
+  }
   if (image.stride() < image.width()) {
     return fmt::format("the image's rows of {} pixels are {} bytes apart: rows cannot overlap", image.width(),
                        image.stride());

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "apriltrack/base/held.h"
 #include "chance_readings.h"
 #include "corner_noise.h"
 #include "frame_warning.h"
@@ -271,18 +272,18 @@ Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 
 void Localizer::prepare() {
-  implementation_->prepare();
+  held(implementation_).prepare();
 }
 
 TrackResult Localizer::localize(const Frame& frame) {
-  return implementation_->localize(frame);
+  return held(implementation_).localize(frame);
 }
 TrackResult Localizer::localize(const FrameDetections& detections, std::optional<double> exposure_s) {
-  return implementation_->localize(detections, exposure_s);
+  return held(implementation_).localize(detections, exposure_s);
 }
 
 const DetectorOptions& Localizer::detector_options() const {
-  return implementation_->detector_options();
+  return held(implementation_).detector_options();
 }
 
 }  // namespace apriltrack

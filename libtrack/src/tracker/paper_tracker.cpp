@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "apriltrack/base/held.h"
 #include "frame_steps.h"
 #include "image_size.h"
 #include "paper_references.h"
@@ -157,22 +158,22 @@ PaperTracker::PaperTracker(PaperTracker&&) noexcept = default;
 PaperTracker& PaperTracker::operator=(PaperTracker&&) noexcept = default;
 
 void PaperTracker::prepare() {
-  implementation_->prepare();
+  held(implementation_).prepare();
 }
 TrackResult PaperTracker::track(const Frame& frame) {
-  return implementation_->track(frame);
+  return held(implementation_).track(frame);
 }
 TrackResult PaperTracker::track(const Frame& frame, const std::vector<Detection>& detections) {
-  return implementation_->track(frame, detections);
+  return held(implementation_).track(frame, detections);
 }
 const DetectorOptions& PaperTracker::detector_options() const {
-  return implementation_->detector_options();
+  return held(implementation_).detector_options();
 }
 const PaperFilter& PaperTracker::filter() const {
-  return implementation_->filter();
+  return held(implementation_).filter();
 }
 std::span<const double> PaperTracker::reference_patch(std::size_t index) const {
-  return implementation_->reference_patch(index);
+  return held(implementation_).reference_patch(index);
 }
 
 }  // namespace apriltrack

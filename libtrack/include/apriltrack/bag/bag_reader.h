@@ -33,7 +33,7 @@ struct BagMessage {
 
 /// Messages of a recording, whatever its format. Damage costs only what it hit: chunks and messages beyond it
 /// are found, and damage() says what was lost. Memory is that of one chunk and of the index of the topics
-/// chosen.
+/// chosen. One call at a time; give each thread its own.
 class BagReader {
  public:
   virtual ~BagReader() = default;

@@ -77,7 +77,7 @@ struct FoundTags {
   std::vector<LeftOutTag> left_out;
 };
 
-/// Finds tags. One detector works on one image at a time; give each thread its own.
+/// Finds tags. One image at a time, rows downwards in memory; give each thread its own.
 class Detector {
  public:
   /// Building the decoding tables takes up to seconds for families with many codes.

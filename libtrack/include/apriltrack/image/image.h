@@ -21,7 +21,7 @@ template <class T>
 class ImageView {
  public:
   ImageView() = default;
-  /// stride: elements from one row to the next, at least `width`.
+  /// stride: elements from one row to the next, at least `width`: bottom-up images are to be copied.
   ImageView(T* data, int width, int height, std::ptrdiff_t stride)
       : data_(data), width_(width), height_(height), stride_(stride) {}
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "apriltrack/io/input_file.h"
+
 namespace apriltrack {
 
 /// What is certain when write_file_atomically returns.
@@ -24,8 +26,5 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view c
 using PieceWriter = std::function<void(const std::function<void(std::string_view piece)>& write)>;
 void write_pieces_atomically(const std::filesystem::path& path, const PieceWriter& writer,
                              Durability durability = Durability::kOnDisk);
-
-/// Throws Error(kIo) with the path and the system's reason.
-std::string read_file(const std::filesystem::path& path);
 
 }  // namespace apriltrack

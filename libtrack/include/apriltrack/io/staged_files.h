@@ -23,7 +23,7 @@ bool is_written_directly(const std::filesystem::path& path);
 class StagedFiles {
  public:
   StagedFiles() = default;
-  /// Removes what was not put in place.
+  /// Removes what was not put in place, and folders that were made for it.
   ~StagedFiles();
   StagedFiles(const StagedFiles&) = delete;
   StagedFiles& operator=(const StagedFiles&) = delete;
@@ -38,6 +38,10 @@ class StagedFiles {
   void write(const std::filesystem::path& target,
              const std::function<void(const std::filesystem::path& path)>& writer);
 
+  /// Makes a folder for what is staged, and those that it is in, unless they are there; taken away again,
+  /// where they are empty, unless commit() ends well. Throws Error(kIo).
+  void make_folder(const std::filesystem::path& folder);
+
   /// Existing files keep their modes. Throws Error(kIo) that names the file, and leaves the remaining ones as
   /// they were.
   void commit();
@@ -49,6 +53,7 @@ class StagedFiles {
     std::filesystem::path name;  ///< The target as its user calls it.
   };
   std::vector<File> files_;
+  std::vector<std::filesystem::path> folders_;  ///< That were made, the inner ones first.
 };
 
 }  // namespace apriltrack

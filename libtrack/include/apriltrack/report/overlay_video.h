@@ -35,6 +35,7 @@ struct OverlayFrame {
 ///
 /// All is written beside the file and put in its place when it is closed: a run that fails leaves no file, or
 /// the old one as it was.
+/// One call at a time; give each thread its own.
 class OverlayVideo {
  public:
   /// width, height: of the pictures. Requires both > 0 and a finite frame rate > 0. Throws

@@ -62,7 +62,7 @@ struct ValueRange {
 };
 
 /// Frames in the order of time. A frame that cannot be decoded is handed out as unreadable, never passed
-/// over.
+/// over. One call at a time; give each thread its own.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;

@@ -27,10 +27,15 @@ class SequenceWriter {
   /// One row per frame; only needed when exposure or gain differ from frame to frame.
   void write_frames_csv(const std::vector<Frame>& frames) const;
 
+  /// Takes away what was written, and the folders that were made for it: a sequence that could not be
+  /// completed is none. What does not belong to a sequence stays.
+  void discard() const;
+
   const std::filesystem::path& folder() const { return folder_; }
 
  private:
   std::filesystem::path folder_;
+  bool is_new_ = false;  ///< The folder was made for it.
 };
 
 }  // namespace apriltrack

@@ -52,6 +52,9 @@ struct BlurTrackerOptions {
 /// than 0.1 s starts anew, with a warning in its result: so does the one after a time stamp that is far
 /// ahead. One that is not later is lost, and the motion goes on without it. Memory is bounded. No frame
 /// throws, whatever it shows: a pose is finite, or there is none and the result says why.
+///
+/// One image at a time; give each thread its own. One that was moved from can only be destroyed, or assigned
+/// to; anything else throws MisuseError.
 class BlurTracker {
  public:
   /// Throws Error(kInvalidInput) when the map is empty, names an unknown family or id, or an option is out of

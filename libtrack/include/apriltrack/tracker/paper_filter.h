@@ -38,6 +38,7 @@ PaperState advance(const PaperState& state, const PaperNoise& noise, bool moves_
 /// Sampling importance resampling over PaperState (docs/algorithms/paper_filter.md, section 2).
 ///
 /// Random numbers are keyed by (seed, frame, particle). The state is a value: copying the filter forks it.
+/// What is const may be called from several threads at once.
 class PaperFilter {
  public:
   struct Options {

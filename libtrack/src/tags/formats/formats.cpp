@@ -11,7 +11,7 @@
 #include "../own_map.h"
 #include "apriltag_ros.h"
 #include "apriltrack/base/error.h"
-#include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/input_file.h"
 #include "aruco.h"
 #include "foreign_map.h"
 #include "kalibr_grid.h"
@@ -22,9 +22,6 @@
 
 namespace apriltrack {
 namespace {
-
-/// A hundred bytes a number, 50 numbers a tag, all tags of the largest family.
-constexpr std::uintmax_t kMaxBytes = 256u << 20;
 
 bool is_own_map(const MapText& text) {
   return text.root && text.root->is_map() && text.root->find("apriltrack_map");
@@ -131,12 +128,6 @@ const std::vector<MapFormatCode>& map_format_codes() {
 }
 
 MapText load_map_text(const std::filesystem::path& path) {
-  std::error_code ignored;
-  const std::uintmax_t bytes =
-      std::filesystem::is_regular_file(path, ignored) ? std::filesystem::file_size(path, ignored) : 0;
-  if (bytes > kMaxBytes)
-    throw invalid_input(path.string(), fmt::format("is too large for a layout of tags ({} MB; at most {} MB)",
-                                                   bytes >> 20, kMaxBytes >> 20));
   MapText text{path.string(), read_file(path), std::nullopt};
   if (text.text.find_first_not_of(" \t\r\n") == std::string::npos) throw invalid_input(text.file, "is empty");
   if (!is_wpilib_csv(text) && !is_rtabmap(text)) text.root = root_of(text.text, text.file);

@@ -1,0 +1,12 @@
+// Fuzzer of the header below.
+
+#include "apriltrack/calib/map_constraints.h"
+#include "fuzz_input.h"
+
+namespace fuzz = apriltrack::fuzz;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto path = fuzz::file_of(fuzz::text_of(data, size));
+  fuzz::reads([&] { apriltrack::read_map_constraints(path); });
+  return 0;
+}
