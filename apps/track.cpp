@@ -21,6 +21,7 @@
 #include "inputs.h"
 #include "odd_picture_watch.h"
 #include "rig_detections.h"
+#include "still_background.h"
 #include "topics.h"
 #include "track_methods.h"
 #include "track_options.h"
@@ -116,13 +117,15 @@ ResponseFinding find_response(const TrackArguments& arguments, const TagMap& map
 }
 
 bool track_images(const TrackArguments& arguments, const SourceOptions& source_options, const Camera& camera,
-                  const Method& method, TrackRecord& record, std::optional<TrackVideo>& video) {
+                  const TagMap& map, const Method& method, TrackRecord& record,
+                  std::optional<TrackVideo>& video) {
   const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
   const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options);
   const std::string exposure_of_camera =
       fmt::format("{}: {}.exposure_time", camera_file(arguments).string(), camera.name);
   ExposureCheck exposures(arguments.console);
   OddPictureWatch watch;
+  StillBackground background(camera, map);
   const auto track = [&](DetectedFrame detected) {
     const SourceFrame& image = detected.source;
     if (!image.is_readable()) {
@@ -130,10 +133,12 @@ bool track_images(const TrackArguments& arguments, const SourceOptions& source_o
       if (video) video->add_unreadable(image.timestamp);
       return;
     }
-    if (image.exposure_s)
-      exposures.add(image.timestamp, image.exposure_s, image.exposure_where);
-    else
-      exposures.add(image.timestamp, camera.exposure_s, exposure_of_camera);
+    if (!detected.is_copy) {  // whose time is no picture's
+      if (image.exposure_s)
+        exposures.add(image.timestamp, image.exposure_s, image.exposure_where);
+      else
+        exposures.add(image.timestamp, camera.exposure_s, exposure_of_camera);
+    }
     record.searches(image.pixels.width(), arguments.options.localizer.detector.decimate);
     TrackResult result = method.track(image.frame(), detected.detections);
     result.latency_s += detected.latency_s;
@@ -143,12 +148,16 @@ bool track_images(const TrackArguments& arguments, const SourceOptions& source_o
     record.were_left_out(method.detector ? detected.left_out : result.left_out);
     watch.add(image.pixels.view(), frame.detections);
     record.add(frame, result, image.exposure_s);
+    if (result.pose && result.status == TrackStatus::kDetected)
+      background.add(image.timestamp, image.pixels.view(), *result.pose);
     if (video) video->add(image, result);
   };
   const FrameCounts counts = detect_frames(*source, options, arguments.console, track);
   if (counts.are_all_blank()) record.found_all_blank();
   record.set_value_range(counts.value_range);
   if (const auto odd = watch.told(method.looks_for)) record.are_odd(*odd);
+  record.found_copies(counts.copies);
+  if (const auto told = background.told(); told && arguments.mode == "ego") arguments.console.warning(*told);
   return counts.is_interrupted;
 }
 
@@ -312,8 +321,9 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   std::optional<TrackVideo> video;
   if (!arguments.video.empty())
     video.emplace(arguments.video, camera, map, arguments.method_options().localizer.mode);
-  const bool was_interrupted = has_images ? track_images(arguments, of_source, camera, method, record, video)
-                                          : track_detections(arguments, detections, method, record);
+  const bool was_interrupted = has_images
+                                   ? track_images(arguments, of_source, camera, map, method, record, video)
+                                   : track_detections(arguments, detections, method, record);
   if (has_images) tell(response, arguments.console);
   warn_of_contradictions(record, arguments.method(), arguments.console);
   warn_of_few_readings(record, map, arguments.console);
