@@ -228,6 +228,7 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
   std::vector<std::string> inputs;
   for (const std::string& input : a.inputs) {
     inputs.push_back(split_input(input).input);
+    refuse_pipe(inputs.back());
     check_input(inputs.back());
   }
   std::vector<std::string> read = camera_inputs(a.camera, inputs);

@@ -24,7 +24,7 @@ constexpr std::size_t kAssumedLength = 80;
 
 /// A live camera, or a pipe, gives each frame once, and the run itself needs it.
 bool can_be_read_again(const std::string& input) {
-  if (input.starts_with("camera:")) return false;
+  if (input.starts_with("camera:") || input == "-") return false;
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(input, ignored);
   return !std::filesystem::exists(status) || std::filesystem::is_regular_file(status) ||

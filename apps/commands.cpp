@@ -35,6 +35,7 @@ void add_all_commands(CLI::App& app) {
   add_evaluate_command(app);
   add_map_command(app);
   add_camera_command(app);
+  add_trajectory_command(app);
   add_demo_command(app);
   refuse_empty_texts(app);
 }

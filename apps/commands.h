@@ -20,6 +20,7 @@ void add_track_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_map_command(CLI::App& app);
 void add_camera_command(CLI::App& app);
+void add_trajectory_command(CLI::App& app);
 void add_demo_command(CLI::App& app);
 
 void add_all_commands(CLI::App& app);

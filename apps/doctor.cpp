@@ -39,6 +39,7 @@ void check(DoctorOptions& options) {
   options.look.tries_other_families = !options.no_other_families;
   for (const std::string& input : options.inputs) {
     const Recording recording = split_input(input);
+    refuse_pipe(recording.input);
     check_input(recording.input);
     if (recording.is_named && !options.look.camera_name.empty())
       throw invalid_input("--camera-name", "is given, but the input " + input +

@@ -14,6 +14,7 @@
 #include "evaluate_report.h"
 #include "inputs.h"
 #include "map_input.h"
+#include "trajectory_input.h"
 
 namespace apriltrack::app {
 namespace {
@@ -152,8 +153,8 @@ void warn_of_another_recording(const TrajectoryEvaluation& evaluation, const Eva
 }
 
 TrajectoryEvaluation evaluate(const EvaluateOptions& options, const Inputs& inputs) {
-  const Trajectory truth = read_tum(inputs.truth);
-  const Trajectory estimate = read_tum(options.estimate);
+  const Trajectory truth = read_trajectory_input(inputs.truth.string(), {}, options.console).trajectory;
+  const Trajectory estimate = read_trajectory_input(options.estimate, {}, options.console).trajectory;
   const std::optional<CornerScene> known_scene = read_scene(inputs, options);
   const CornerScene* scene = known_scene ? &*known_scene : nullptr;
   const TrajectoryKind kind = options.mode == "joint" ? TrajectoryKind::kJoint : TrajectoryKind::kEgo;
@@ -205,10 +206,13 @@ void add_evaluate_command(CLI::App& app) {
   CLI::App& command = add_command(app, "evaluate", kEvaluateHelp);
   auto options = std::make_shared<EvaluateOptions>();
   command
-      .add_option("--truth", options->truth,
-                  "Sequence folder, whose truth.tum, camera.yaml and map.yaml are taken, or a TUM file")
+      .add_option(
+          "--truth", options->truth,
+          "Sequence folder, whose truth.tum, camera.yaml and map.yaml are taken, or a trajectory: TUM, "
+          "EuRoC's csv, KITTI's poses with their times beside them, or a bag's")
       ->required();
-  command.add_option("--estimate", options->estimate, "TUM file that is scored")->required();
+  command.add_option("--estimate", options->estimate, "Trajectory that is scored, of any of these formats")
+      ->required();
   command.add_option("--mode", options->mode, "ego: poses are T_world_camera; joint: T_camera_body")
       ->check(CLI::IsMember({"ego", "joint"}))
       ->capture_default_str();

@@ -103,10 +103,8 @@ class BatchDetector {
   /// Goes on until one image fits, so that a wrong camera file is told of before any progress.
   std::vector<SourceFrame> read(FrameSource& source) {
     std::vector<SourceFrame> batch;
-    const auto is_full = [&] {
-      return batch.size() >= kFramesPerThread * std::max<std::size_t>(1, detectors_.size()) &&
-             !check_resolution_.is_undecided();
-    };
+    const std::size_t at_once = frames_at_once(source);
+    const auto is_full = [&] { return batch.size() >= at_once && !check_resolution_.is_undecided(); };
     while (!is_full() && !is_interrupted()) {
       std::optional<SourceFrame> frame = source.next();
       if (!frame) break;
@@ -128,6 +126,11 @@ class BatchDetector {
   }
 
  private:
+  /// Of a live camera and of a pipe each frame is wanted as soon as it is there.
+  std::size_t frames_at_once(const FrameSource& source) const {
+    const bool is_recording = source.num_frames().has_value();
+    return is_recording ? kFramesPerThread * std::max<std::size_t>(1, detectors_.size()) : 1;
+  }
   static void detect(Detector& detector, DetectedFrame& frame) {
     const auto start = std::chrono::steady_clock::now();
     FoundTags found = detector.find(frame.source.pixels.view());

@@ -106,11 +106,21 @@ Camera with_resolution_of_images(Camera camera, const std::string& input, const 
   return camera;
 }
 
+void refuse_pipe(const std::string& input) {
+  std::error_code ignored;
+  if (input == "-" || std::filesystem::is_fifo(input, ignored))
+    throw invalid_input("INPUT",
+                        fmt::format("'{}' is a pipe, which can be read once, and this reads its "
+                                    "pictures more than once: save them to a file (only `detect` and "
+                                    "`track` read pipes)",
+                                    input));
+}
+
 void check_input(const std::string& input) {
   namespace fs = std::filesystem;
   std::error_code error;
   const bool is_pattern = input.find_first_of("*?[") != std::string::npos;
-  if (is_pattern || input.starts_with("camera:") || fs::exists(input, error)) return;
+  if (is_pattern || input.starts_with("camera:") || input == "-" || fs::exists(input, error)) return;
   throw io_error(input, error ? error.message() : "no such file or folder");
 }
 

@@ -48,6 +48,9 @@ std::optional<std::string> rolling_shutter_warning(const Camera& camera);
 /// input and topic: as for open_source; a camera whose resolution is known is not compared with it.
 Camera with_resolution_of_images(Camera camera, const std::string& input, const std::string& topic = "");
 
+/// Throws Error(kInvalidInput) for standard input and FIFOs, where pictures are looked at more than once.
+void refuse_pipe(const std::string& input);
+
 /// Throws Error(kIo) when there is no such file or folder: before its camera is missed. Patterns and live
 /// cameras are left to open_source.
 void check_input(const std::string& input);

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/eval/trajectory_formats.h"
 #include "apriltrack/io/staged_files.h"
 #include "console.h"
 
@@ -130,6 +131,14 @@ void check_outputs(const std::vector<OutputFile>& outputs, const std::vector<std
     if (same != output)
       throw invalid_input(output->option, fmt::format("is the file of {}: name another", same->option));
   }
+}
+
+std::string kitti_times_of(const std::string& output, std::string_view option) {
+  if (is_written_directly(output))
+    throw invalid_input(option, fmt::format("'{}' is no file that the times of KITTI's poses could stand "
+                                            "beside: name a file, or choose another format",
+                                            output));
+  return kitti_times_file(output).string();
 }
 
 void check_output_folder(const std::string& output) {

@@ -22,6 +22,10 @@ struct OutputFile {
 /// check_output() for each that is asked for; no two may be one file, unless that is a device.
 void check_outputs(const std::vector<OutputFile>& outputs, const std::vector<std::string>& inputs);
 
+/// The name of the file beside `output` that has the times of KITTI's poses. Throws Error(kInvalidInput)
+/// where output is a device or a pipe, which nothing can stand beside.
+std::string kitti_times_of(const std::string& output, std::string_view option);
+
 /// check_output() for a folder that is made where it is missing: throws Error(kIo) when it cannot be, or
 /// nothing in it.
 void check_output_folder(const std::string& output);

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "apriltrack/base/error.h"
-#include "apriltrack/eval/trajectory.h"
 #include "apriltrack/sim/map_scene.h"
 #include "inputs.h"
+#include "trajectory_input.h"
 
 namespace apriltrack::app {
 namespace {
@@ -31,7 +31,7 @@ Camera camera_to_render(const SimulateOptions& options) {
 }
 
 SampledPath read_path(const SimulateOptions& options) {
-  const Trajectory trajectory = read_tum(options.trajectory);
+  const Trajectory trajectory = read_trajectory_input(options.trajectory, {}, options.console).trajectory;
   if (trajectory.size() < 2)
     throw invalid_input(options.trajectory,
                         fmt::format("a path needs two poses or more (has {})", trajectory.size()));

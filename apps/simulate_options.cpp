@@ -117,9 +117,11 @@ void add_simulate_options(CLI::App& command, SimulateOptions& options) {
                      "Of --map: the camera file; its exposure_time and response hold, too");
   command.add_option("--camera-name", options.camera_name,
                      "Which camera of a file with several; default: the first");
-  command.add_option("--trajectory", options.trajectory,
-                     "Of --map: TUM file of T_world_camera, or of T_camera_body with --mode joint; a smooth "
-                     "curve leads through its poses");
+  command.add_option(
+      "--trajectory", options.trajectory,
+      "Of --map: trajectory (TUM, EuRoC's csv, KITTI, a bag) of T_world_camera, or of T_camera_body "
+      "with --mode joint; a smooth "
+      "curve leads through its poses");
   add_choice<TruthKind>(
       command, "--mode", options.mode, {{"ego", TruthKind::kEgo}, {"joint", TruthKind::kJoint}},
       "Of --map: ego, a camera moves through a world of tags; joint, a body of tags moves before it");

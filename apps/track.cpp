@@ -9,8 +9,6 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/auto_response.h"
-#include "apriltrack/eval/frame_log.h"
-#include "apriltrack/io/staged_files.h"
 #include "camera_response.h"
 #include "command_help.h"
 #include "command_line.h"
@@ -18,6 +16,7 @@
 #include "corner_claims.h"
 #include "exposure_check.h"
 #include "frame_loop.h"
+#include "frame_sinks.h"
 #include "inputs.h"
 #include "odd_picture_watch.h"
 #include "rig_detections.h"
@@ -25,14 +24,11 @@
 #include "topics.h"
 #include "track_methods.h"
 #include "track_options.h"
+#include "track_outputs.h"
 #include "track_record.h"
-#include "track_report.h"
-#include "track_video.h"
 
 namespace apriltrack::app {
 namespace {
-
-namespace fs = std::filesystem;
 
 const CommandHelp kTrackHelp = {
     "Localises a camera in a map of tags, or a body of tags before a camera.",
@@ -68,7 +64,8 @@ std::vector<FrameDetections> load_detections(const std::string& path, const Came
 
 /// Both return whether the user ended them early.
 bool track_detections(const TrackArguments& arguments, const std::vector<FrameDetections>& frames,
-                      const Method& method, TrackRecord& record) {
+                      const Method& method, const SightContext& context, TrackRecord& record,
+                      FrameSinks& sinks) {
   {
     Progress progress(arguments.console, "track", frames.size());
     for (const FrameDetections& frame : frames) {
@@ -77,6 +74,9 @@ bool track_detections(const TrackArguments& arguments, const std::vector<FrameDe
       without_image.timestamp = frame.timestamp;
       const TrackResult result = method.track(without_image, frame.detections);
       record.add(frame, result);
+      const std::vector<TagSight> sights = tag_sights(result, frame.detections, context);
+      record.add_sights(sights);
+      sinks.add(result, sights, nullptr);
       progress.advance();
     }
   }
@@ -116,21 +116,21 @@ ResponseFinding find_response(const TrackArguments& arguments, const TagMap& map
                             camera);
 }
 
-bool track_images(const TrackArguments& arguments, const SourceOptions& source_options, const Camera& camera,
-                  const TagMap& map, const Method& method, TrackRecord& record,
-                  std::optional<TrackVideo>& video) {
+bool track_images(const TrackArguments& arguments, const SourceOptions& source_options,
+                  const SightContext& context, const Method& method, TrackRecord& record, FrameSinks& sinks) {
+  const Camera& camera = context.camera;
   const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
   const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options);
   const std::string exposure_of_camera =
       fmt::format("{}: {}.exposure_time", camera_file(arguments).string(), camera.name);
   ExposureCheck exposures(arguments.console);
   OddPictureWatch watch;
-  StillBackground background(camera, map);
+  StillBackground background(camera, context.map);
   const auto track = [&](DetectedFrame detected) {
     const SourceFrame& image = detected.source;
     if (!image.is_readable()) {
       record.add_unreadable(image.timestamp);
-      if (video) video->add_unreadable(image.timestamp);
+      sinks.add_unreadable(image);
       return;
     }
     if (!detected.is_copy) {  // whose time is no picture's
@@ -150,7 +150,9 @@ bool track_images(const TrackArguments& arguments, const SourceOptions& source_o
     record.add(frame, result, image.exposure_s);
     if (result.pose && result.status == TrackStatus::kDetected)
       background.add(image.timestamp, image.pixels.view(), *result.pose);
-    if (video) video->add(image, result);
+    const std::vector<TagSight> sights = tag_sights(result, frame.detections, context);
+    record.add_sights(sights);
+    sinks.add(result, sights, &image);
   };
   const FrameCounts counts = detect_frames(*source, options, arguments.console, track);
   if (counts.are_all_blank()) record.found_all_blank();
@@ -228,77 +230,6 @@ void warn_of_exposure(const TrackRecord& record, const Console& console) {
       1e3 * *last->told_s, 1e3 * last->exposure_s, 100.0 * last->sigma));
 }
 
-void finish(const TrackArguments& arguments, const TrackRecord& record, const ResponseFinding& response,
-            const CornerClaims& claims, bool was_interrupted) {
-  nlohmann::json summary = record.summary();
-  summary["mode"] = arguments.mode;
-  if (arguments.detections.empty())
-    summary["response"] = json_of(response);
-  else
-    summary["corner_claims"] = json_of(claims);
-  summary["method"] = arguments.method();
-  summary["interrupted"] = was_interrupted;
-  summary["output"] = arguments.output;
-  std::string text =
-      fmt::format("{}\n{}: {}", record.text(), arguments.mode == "ego" ? "T_world_camera" : "T_camera_body",
-                  arguments.output);
-  if (!arguments.frames_csv.empty()) {
-    summary["frames_csv"] = arguments.frames_csv;
-    text += "\nframe log: " + arguments.frames_csv;
-  }
-  if (!arguments.video.empty()) {
-    summary["video"] = arguments.video;
-    text += "\nvideo: " + arguments.video;
-  }
-  if (!arguments.report.empty()) {
-    summary["report"] = arguments.report;
-    text += "\nreport: " + arguments.report;
-  }
-  arguments.console.finish(summary, text);
-}
-
-/// Whether it is the log of a run that gave poses, or none at all: somebody may want to keep it.
-bool is_worth_keeping(const fs::path& frame_log) {
-  if (!fs::is_regular_file(frame_log) || fs::is_empty(frame_log)) return false;
-  try {
-    return std::ranges::any_of(read_frame_log(frame_log),
-                               [](const FrameLogRow& row) { return row.pose.has_value(); });
-  } catch (const Error&) {
-    return true;
-  }
-}
-
-/// To be asked before the log is written.
-bool writes_frame_log(const TrackArguments& arguments, const TrackRecord& record) {
-  if (arguments.frames_csv.empty()) return false;
-  return record.has_pose() || !is_worth_keeping(arguments.frames_csv);
-}
-
-/// A run without a pose leaves what says why, the page and the frame log; others all that was asked for, or
-/// nothing.
-void write_outputs(const TrackArguments& arguments, const TrackRun& tracked, bool with_frame_log,
-                   std::optional<TrackVideo>& video) {
-  const TrackRecord& record = tracked.record;
-  StagedFiles outputs;
-  if (!arguments.report.empty())
-    outputs.write(arguments.report, [&](const fs::path& path) { write_track_report(path, tracked); });
-  if (with_frame_log)
-    outputs.write(arguments.frames_csv, [&](const fs::path& path) { write_frame_log(path, record.rows()); });
-  if (record.has_pose()) {
-    outputs.write(arguments.output, [&](const fs::path& path) { write_tum(path, record.trajectory()); });
-    if (video) video->close(outputs);
-  }
-  outputs.commit();
-}
-
-/// Where a run without a pose says more than its error; as the end of that.
-std::string told_of_frame_log(const TrackArguments& arguments, bool is_written) {
-  if (arguments.frames_csv.empty()) return "";
-  return is_written
-             ? fmt::format(" (each frame's status: {})", arguments.frames_csv)
-             : fmt::format(" ({} is kept: of a run with poses, or no frame log)", arguments.frames_csv);
-}
-
 void run(const CLI::App& command, const TrackArguments& arguments) {
   check_track_arguments(command, arguments);
   const CameraRig rig =
@@ -318,12 +249,11 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   const CornerClaims claims =
       corner_claims_of_track(detections, arguments.method_options().localizer.corner_sigma_px);
   if (const std::string told = in_words(claims, "the poses"); !told.empty()) arguments.console.info(told);
-  std::optional<TrackVideo> video;
-  if (!arguments.video.empty())
-    video.emplace(arguments.video, camera, map, arguments.method_options().localizer.mode);
+  FrameSinks sinks(arguments, camera, map);
+  const SightContext context{camera, map, arguments.method_options().localizer.mode};
   const bool was_interrupted = has_images
-                                   ? track_images(arguments, of_source, camera, map, method, record, video)
-                                   : track_detections(arguments, detections, method, record);
+                                   ? track_images(arguments, of_source, context, method, record, sinks)
+                                   : track_detections(arguments, detections, method, context, record, sinks);
   if (has_images) tell(response, arguments.console);
   warn_of_contradictions(record, arguments.method(), arguments.console);
   warn_of_few_readings(record, map, arguments.console);
@@ -334,7 +264,7 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   write_outputs(arguments,
                 {command_line_of(command), arguments, camera_file(arguments), map_file(arguments), camera,
                  map, record, response, was_interrupted},
-                with_frame_log, video);
+                with_frame_log, sinks);
   if (!record.has_pose())
     throw no_result(has_images ? arguments.input : arguments.detections,
                     record.why_no_pose(map) + told_of_frame_log(arguments, with_frame_log));

@@ -14,6 +14,7 @@
 #include "option_checks.h"
 #include "outputs.h"
 #include "topics.h"
+#include "track_outputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -39,6 +40,28 @@ void refuse_options_of_other_methods(const CLI::App& command, const std::string&
   }
 }
 
+constexpr const char* kMcapName = "mcap";
+
+/// stdout has room for one of them.
+void check_streaming(const TrackArguments& arguments) {
+  if (arguments.console.is_json())
+    throw invalid_input("--output",
+                        "- gives stdout to the poses, and so does --json to its answer: leave out "
+                        "--json, or name a file");
+  if (!arguments.output_format.empty() && arguments.output_format != "tum")
+    throw invalid_input("--output-format",
+                        fmt::format("{} cannot be written to - pose by pose: leave it out, or name a file",
+                                    arguments.output_format));
+  leave_stdout_to_output();
+}
+
+std::vector<std::string> names_of_output_formats() {
+  std::vector<std::string> names;
+  for (const TrajectoryFormatInfo& info : trajectory_formats()) names.emplace_back(info.name);
+  names.emplace_back(kMcapName);
+  return names;
+}
+
 }  // namespace
 
 MethodOptions TrackArguments::method_options() const {
@@ -46,6 +69,17 @@ MethodOptions TrackArguments::method_options() const {
   given.name = method();
   given.localizer.mode = mode == "joint" ? TrackMode::kJoint : TrackMode::kEgo;
   return given;
+}
+
+bool TrackArguments::writes_mcap() const {
+  return output_format.empty() ? std::filesystem::path(output).extension() == ".mcap"
+                               : output_format == kMcapName;
+}
+
+TrajectoryFormat TrackArguments::trajectory_format() const {
+  const auto format =
+      output_format.empty() ? trajectory_format_of_ending(output) : trajectory_format_named(output_format);
+  return format.value_or(TrajectoryFormat::kTum);
 }
 
 void check_track_arguments(const CLI::App& command, const TrackArguments& arguments) {
@@ -58,18 +92,21 @@ void check_track_arguments(const CLI::App& command, const TrackArguments& argume
                           fmt::format("is for --method pnp: '{}' looks at images", arguments.method()));
     }
     refuse_beside_detections(command, {"--rate", "--bits", "--topic", "--stamp-is", "--decimate",
-                                       "--min-margin", "--max-hamming", "--video"});
+                                       "--min-margin", "--max-hamming", "--video", "--output-images"});
   }
   refuse_options_of_other_methods(command, arguments.method());
+  if (arguments.streams_poses()) check_streaming(arguments);
   if (!arguments.input.empty()) check_input(arguments.input);
   std::vector<std::string> read = camera_inputs(arguments.camera, {arguments.input});
   read.insert(read.end(),
               {arguments.input, arguments.detections, arguments.map, arguments.map_input.tag_sizes});
-  check_outputs({{arguments.output, "--output"},
-                 {arguments.frames_csv, "--frames-csv"},
-                 {arguments.video, "--video"},
-                 {arguments.report, "--report"}},
-                read);
+  check_outputs(output_files(arguments), read);
+  if (arguments.output_images && !arguments.writes_mcap())
+    throw invalid_input(
+        "--output-images",
+        fmt::format("puts the pictures into an MCAP file, and '{}' is none: leave it out, name "
+                    "a file that ends in .mcap, or give --output-format mcap",
+                    arguments.output));
   if (!arguments.video.empty() && std::filesystem::path(arguments.video).extension() != ".mp4")
     throw invalid_input("--video", fmt::format("'{}' must end in .mp4", arguments.video));
 }
@@ -111,10 +148,19 @@ void add_track_options(CLI::App& command, TrackArguments& arguments) {
                   "Of --method blur and paper: the same seed gives the same trajectory")
       ->check(seed())
       ->capture_default_str();
-  command.add_option("--output", arguments.output, "Trajectory, TUM format: timestamp tx ty tz qx qy qz qw")
+  command
+      .add_option("--output", arguments.output,
+                  "Trajectory: TUM's lines (timestamp tx ty tz qx qy qz qw); in a .csv EuRoC's, in a .kitti "
+                  "KITTI's, with the times beside it; a .mcap is the whole run for Foxglove; - is "
+                  "stdout, TUM's lines as soon as each pose is known")
       ->required();
+  command.add_option("--output-format", arguments.output_format, "Format of --output, whatever its name is")
+      ->check(CLI::IsMember(names_of_output_formats()));
+  command.add_flag("--output-images", arguments.output_images, "The pictures, too, as JPEG, in an MCAP file");
   command.add_option("--frames-csv", arguments.frames_csv,
                      "Log with a line for every frame: status, pose, covariance");
+  command.add_option("--tags-csv", arguments.tags_csv,
+                     "Log with a line for every frame and tag in view: what became of it, evidence, corners");
   command.add_option("--video", arguments.video,
                      "The recording with the tags outlined where the poses put them, H.264 in .mp4");
   command.add_option("--report", arguments.report,

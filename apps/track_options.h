@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/eval/trajectory_formats.h"
 #include "apriltrack/source/frame_source.h"
 #include "console.h"
 #include "map_input.h"
@@ -25,7 +26,10 @@ struct TrackArguments {
   MapInputOptions map_input;
   std::string mode = "ego";
   std::string output;
+  std::string output_format;   ///< Empty: by the ending of `output`.
+  bool output_images = false;  ///< The pictures go into the MCAP file, too.
   std::string frames_csv;
+  std::string tags_csv;
   std::string video;
   std::string report;
   std::optional<double> rate_hz;
@@ -41,6 +45,12 @@ struct TrackArguments {
     return detections.empty() ? "blur" : "pnp";
   }
   MethodOptions method_options() const;
+  /// `output` is "-": poses go to stdout, each as soon as it is known.
+  bool streams_poses() const { return output == "-"; }
+  /// `output` is an MCAP file, as asked for, or as its ending tells.
+  bool writes_mcap() const;
+  /// Of `output` where it is none: as asked for, or as its ending tells, else TUM.
+  TrajectoryFormat trajectory_format() const;
 };
 
 /// Adds all options of `track`, --json and --quiet among them; `arguments` must outlive the command.

@@ -15,6 +15,7 @@
 #include "apriltrack/tags/tag_map.h"
 #include "apriltrack/tracker/track_result.h"
 #include "left_out_tags.h"
+#include "tag_tally.h"
 
 namespace apriltrack::app {
 
@@ -31,6 +32,8 @@ class TrackRecord {
   void add(const FrameDetections& frame, const TrackResult& result,
            const std::optional<double>& exposure_s = std::nullopt);
   void add_unreadable(Timestamp timestamp);
+  /// Of the frame that was added last.
+  void add_sights(std::span<const TagSight> sights) { tag_tally_.add(rows_.back().timestamp, sights); }
   /// An image in which tags are looked for, `decimate` times smaller.
   void searches(int image_width_px, double decimate);
 
@@ -81,6 +84,8 @@ class TrackRecord {
   const std::vector<double>& exposures_s() const { return exposures_s_; }
   /// What the blur of the last frame was explained with; none where the method looks for none.
   const std::optional<ExposureReport>& last_exposure() const { return last_exposure_; }
+  /// What became of each tag that was in view.
+  const TagTally& tag_tally() const { return tag_tally_; }
   /// Frames in which a tag was detected, mapped or not.
   const std::map<TagKey, int>& frames_by_tag() const { return frames_by_tag_; }
 
@@ -110,6 +115,7 @@ class TrackRecord {
   std::set<TagKey> seen_tags_;
   std::map<TagKey, int> frames_in_view_;     ///< Of mapped tags that poses put into the image.
   std::map<std::string, int> lost_reasons_;  ///< Frames without a pose, by cause.
+  TagTally tag_tally_;
   std::size_t num_unreadable_ = 0;
   LeftOutTags left_out_;
   std::string odd_pictures_;

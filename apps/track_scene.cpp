@@ -1,118 +1,124 @@
+#include "track_scene.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "map_projection.h"
-#include "map_scene.h"
-#include "status_colours.h"
-#include "track_drawings.h"
-#include "track_figures.h"
+#include "apriltrack/report/colour.h"
 
 namespace apriltrack::app {
 namespace {
 
-bool has_moving_camera(const TrackRun& run) {
-  return run.arguments.method_options().localizer.mode == TrackMode::kEgo;
+constexpr double kTagOpacity = 0.75;
+constexpr double kLetterShare = 0.35;  // of a tag's edge
+constexpr SceneColour kMapColour{0.6, 0.6, 0.6, 1.0};
+constexpr SceneColour kPathColour{0.0, 0.45, 0.7, 1.0};
+constexpr SceneColour kCameraColour{0.9, 0.6, 0.0, 1.0};
+
+SceneColour scene_colour(const Colour& colour) {
+  constexpr double kWhite = 255.0;
+  return {colour.red / kWhite, colour.green / kWhite, colour.blue / kWhite, 1.0};
 }
 
-/// In the order of TagFate.
-std::vector<SceneState> fates() {
-  return {{"seen", SvgInk::kText},
-          {"suspect", SvgInk::kWarning, true},
-          {"in view and never seen", SvgInk::kPurpleInk, true},
-          {"never in view", SvgInk::kPale}};
-}
-
-std::vector<SceneState> statuses() {
-  std::vector<SceneState> all;
-  for (const TrackStatus status : kTrackStatuses) all.push_back({to_string(status), ink_of_status(status)});
-  return all;
-}
-
-std::vector<ScenePoint> path_of(const TrackRecord& record) {
-  std::vector<ScenePoint> path;
-  for (const FrameLogRow& row : record.rows()) {
-    path.push_back({seconds_between(record.rows().front().timestamp, row.timestamp), std::nullopt,
-                    index_of_status(row.status)});
-    if (row.pose) path.back().pose = scene_pose(*row.pose);
-  }
-  return path;
-}
-
-std::vector<ScenePoint> path_of(const Trajectory& truth, Timestamp start) {
-  std::vector<ScenePoint> path;
-  for (const TimedPose& pose : truth)
-    path.push_back({seconds_between(start, pose.timestamp), scene_pose(pose.pose), 0});
-  return path;
-}
-
-/// Of a ray from the middle of the picture's right edge, or its lower one; no more than can be drawn.
-Eigen::Vector2d view_tangents(const Camera& camera) {
-  constexpr double kMost = 1.2;
-  const auto& pinhole = camera.model.pinhole();
-  const auto tangent = [&](const Eigen::Vector2d& pixel, Eigen::Index axis) {
-    const auto ray = camera.model.unproject(pixel);
-    if (!ray || !(ray->z() > 0.0)) return kMost;
-    return std::clamp(std::abs((*ray)[axis] / ray->z()), 0.05, kMost);
-  };
-  if (camera.width <= 0) return {0.6, 0.45};
-  return {tangent({camera.width - 1.0, pinhole.cy}, 0), tangent({pinhole.cx, camera.height - 1.0}, 1)};
-}
-
-int frames_of(const std::map<TagKey, int>& frames, const TagKey& tag) {
-  const auto found = frames.find(tag);
-  return found == frames.end() ? 0 : found->second;
-}
-
-SceneTag tag_of_track(const TrackRun& run, const MapTag& tag) {
-  SceneTag drawn = scene_tag(run.map, tag, static_cast<std::size_t>(fate_of(run.record, tag.key)));
-  drawn.notes.push_back(fmt::format("detected in {} frames", frames_of(run.record.frames_by_tag(), tag.key)));
-  if (const int frames = frames_of(run.record.strays(), tag.key); frames > 0)
-    drawn.notes.push_back(fmt::format("not where the map has it in {} frames", frames));
-  return drawn;
-}
-
-Eigen::Vector3d up_of_run(const TrackRun& run) {
-  if (!has_moving_camera(run)) return -Eigen::Vector3d::UnitY();
-  MapEvidence path;
-  for (const TimedPose& pose : run.record.trajectory()) path.moments.push_back({pose.timestamp, pose.pose});
-  return upward(run.map, path);
+double median_size_m(const TagMap& map) {
+  std::vector<double> sizes_m;
+  for (const MapTag& tag : map.tags) sizes_m.push_back(tag.size_m);
+  const auto middle = sizes_m.begin() + static_cast<std::ptrdiff_t>(sizes_m.size() / 2);
+  std::nth_element(sizes_m.begin(), middle, sizes_m.end());
+  return *middle;
 }
 
 }  // namespace
 
-SceneView scene_of_track(const TrackRun& run, const Trajectory& truth) {
-  const MapEvidence nothing_seen;
-  const MapAssessment nothing_said;
-  const Timestamp start = run.record.rows().front().timestamp;
-  SceneView scene{.up = up_of_run(run),
-                  .tag_states = fates(),
-                  .ellipsoid_scale = ellipse_scale_for(
-                      {{.map = run.map, .evidence = nothing_seen, .assessment = nothing_said}}),
-                  .motion = has_moving_camera(run) ? SceneMotion::kCamera : SceneMotion::kTags,
-                  .path_states = statuses(),
-                  .path_name = "frames",
-                  .path = path_of(run.record),
-                  .true_path_name = "truth",
-                  .true_path = path_of(truth, start),
-                  .view_tangents = view_tangents(run.camera)};
-  if (!has_moving_camera(run))
-    scene.from = Eigen::Vector3d(-0.7, -0.5, -1.0);  // over the camera's left shoulder
-  for (const MapTag& tag : run.map.tags) scene.tags.push_back(tag_of_track(run, tag));
-  return scene;
+SceneColour colour_of(SightStatus status) {
+  switch (status) {
+    case SightStatus::kDetected:
+      return scene_colour(kBluishGreen);
+    case SightStatus::kTracked:
+      return scene_colour(kSkyBlue);
+    case SightStatus::kOccluded:
+      return scene_colour(kOrange);
+    case SightStatus::kHidden:
+      return scene_colour(kYellow);
+    case SightStatus::kElsewhere:
+      return scene_colour(kVermilion);
+    case SightStatus::kSuspect:
+      return scene_colour(kReddishPurple);
+    case SightStatus::kUnjudged:
+    case SightStatus::kUnmapped:
+      break;
+  }
+  return scene_colour(kPaleGrey);
 }
 
-std::string caption_of_track_scene(const TrackRun& run) {
-  const std::size_t stride = path_stride(run.record.rows().size());
-  return fmt::format(
-      "{} The slider goes through the frames. Drag to turn, drag with the right button or two fingers to "
-      "shift, wheel "
-      "or pinch to come nearer (the wheel works once the view was clicked). The open triangle is at a tag's "
-      "upper "
-      "edge, the stroke points where it faces.{}",
-      has_moving_camera(run) ? "The map, with the camera where it was."
-                             : "The body, before the camera that saw it.",
-      stride == 1 ? "" : fmt::format(" One frame in {} is shown.", stride));
+SceneEntity map_entity(const TagMap& map, const std::string& frame) {
+  SceneEntity entity{.frame = frame, .id = "map", .lines = {}, .quads = {}, .texts = {}, .facts = {}};
+  entity.facts.emplace_back("tags", std::to_string(map.tags.size()));
+  for (const MapTag& tag : map.tags) {
+    const auto corners = corners_in_map(tag);
+    entity.lines.push_back({{corners.begin(), corners.end()}, true, 1.5, kMapColour});
+    entity.texts.push_back(
+        {tag.T_map_tag.translation(), kLetterShare * tag.size_m, kMapColour, fmt::format("{}", tag.key.id)});
+  }
+  return entity;
+}
+
+SceneEntity sights_entity(std::span<const TagSight> sights, const TagMap& map, const std::string& frame) {
+  SceneEntity entity{.frame = frame, .id = "tags", .lines = {}, .quads = {}, .texts = {}, .facts = {}};
+  for (const TagSight& sight : sights) {
+    const MapTag* tag = map.find(sight.tag);
+    if (!tag) continue;
+    SceneColour colour = colour_of(sight.status);
+    colour.opacity = kTagOpacity;
+    entity.quads.push_back({corners_in_map(*tag), colour});
+    entity.facts.emplace_back(to_string(sight.tag), to_string(sight.status));
+  }
+  return entity;
+}
+
+std::optional<SceneEntity> frustum_entity(const Camera& camera, const TagMap& map, const std::string& frame) {
+  constexpr double kDepthInSizes = 2.0;
+  constexpr double kLeastForward = 0.05;
+  if (camera.width <= 0 || camera.height <= 0) return std::nullopt;
+  const double right = camera.width - 0.5, bottom = camera.height - 0.5;
+  SceneLine edge{.points = {}, .is_closed = true, .width_px = 2.0, .colour = kCameraColour};
+  for (const auto& [x, y] : {std::pair{-0.5, -0.5}, {right, -0.5}, {right, bottom}, {-0.5, bottom}}) {
+    const auto ray = camera.model.unproject({x, y});
+    if (!ray || ray->z() < kLeastForward) return std::nullopt;
+    edge.points.push_back(kDepthInSizes * median_size_m(map) / ray->z() * *ray);
+  }
+  SceneEntity entity{.frame = frame, .id = "frustum", .lines = {edge}, .quads = {}, .texts = {}, .facts = {}};
+  for (const Eigen::Vector3d& corner : edge.points)
+    entity.lines.push_back({{Eigen::Vector3d::Zero(), corner}, false, 2.0, kCameraColour});
+  return entity;
+}
+
+std::vector<PictureOutline> sight_outlines(std::span<const TagSight> sights) {
+  std::vector<PictureOutline> outlines;
+  for (const TagSight& sight : sights) {
+    if (!sight.projected_px) continue;
+    outlines.push_back({{sight.projected_px->begin(), sight.projected_px->end()},
+                        colour_of(sight.status),
+                        fmt::format("{}", sight.tag.id)});
+  }
+  return outlines;
+}
+
+void PathSoFar::add(const Eigen::Vector3d& position) {
+  constexpr std::size_t kMostPoints = 1000;
+  last_ = position;
+  if (num_added_++ % step_ != 0) return;
+  points_.push_back(position);
+  if (points_.size() < kMostPoints) return;
+  for (std::size_t i = 0; 2 * i < points_.size(); ++i) points_[i] = points_[2 * i];
+  points_.resize((points_.size() + 1) / 2);
+  step_ *= 2;
+}
+
+SceneEntity PathSoFar::entity(const std::string& frame) const {
+  SceneLine line{.points = points_, .is_closed = false, .width_px = 2.0, .colour = kPathColour};
+  if (last_) line.points.push_back(*last_);
+  return {.frame = frame, .id = "path", .lines = {line}, .quads = {}, .texts = {}, .facts = {}};
 }
 
 }  // namespace apriltrack::app

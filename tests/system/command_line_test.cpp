@@ -13,8 +13,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const char* const kCommands[] = {"simulate", "doctor", "detect", "calibrate", "track",
-                                 "evaluate", "map",    "camera", "demo"};
+const char* const kCommands[] = {"simulate", "doctor", "detect", "calibrate",  "track",
+                                 "evaluate", "map",    "camera", "trajectory", "demo"};
 
 /// What a list of commands says, by command.
 std::map<std::string, std::string> listed_commands(const std::string& help) {
@@ -52,7 +52,8 @@ TEST(CommandLine, HelpOfEveryCommandBeginsWithAnExampleToPaste) {
 }
 
 TEST(CommandLine, HelpOfEveryVerbBeginsWithAnExampleToPaste) {
-  for (const auto& [command, num_verbs] : {std::pair<std::string, std::size_t>{"map", 5}, {"camera", 2}}) {
+  for (const auto& [command, num_verbs] :
+       {std::pair<std::string, std::size_t>{"map", 5}, {"camera", 2}, {"trajectory", 1}}) {
     const auto verbs = listed_commands(run_program({command, "--help"}).out);
     EXPECT_GE(verbs.size(), num_verbs) << command;
     for (const auto& [verb, summary] : verbs) expect_example_first({command, verb});

@@ -103,6 +103,11 @@ TEST(BlurTracker, ReportsWhatEveryTagInViewSays) {
     for (const TagReport& report : result.tags) {
       if (report.state != TagState::kUsed) continue;
       EXPECT_GT(report.correlation, 0.85) << "frame " << i;
+      // Nearly all that is there to be explained; 0.85 is a correlation, 0.72 of the variance.
+      EXPECT_GT(report.found_share, 0.72 * report.expected_share) << "frame " << i;
+      EXPECT_LE(report.found_share, 1.0) << "frame " << i;
+      EXPECT_GT(report.expected_share, 0.5) << "frame " << i;
+      EXPECT_GT(report.log_odds, 10.0) << "frame " << i;
     }
   }
 }

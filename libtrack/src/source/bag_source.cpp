@@ -13,6 +13,7 @@
 #include "image_inputs.h"
 #include "image_names.h"
 #include "picture_scaling.h"
+#include "pipe_input.h"
 #include "ros_message.h"
 #include "ros_pixels.h"
 #include "video_source.h"
@@ -178,6 +179,7 @@ class BagSource : public SkippableSource {
 bool is_bag_input(const std::string& input) {
   namespace fs = std::filesystem;
   std::error_code ignored;
+  if (is_pipe_input(input)) return false;  // it gives its bytes once
   if (!fs::is_directory(input, ignored)) return is_bag(input);
   // Beside another kind of recording, or pictures, a bag is no more than a file there.
   const fs::path folder = input;

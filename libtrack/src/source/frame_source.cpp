@@ -14,6 +14,7 @@
 #include "apriltrack/source/bag_input.h"
 #include "image_inputs.h"
 #include "image_names.h"
+#include "pipe_input.h"
 #include "video_source.h"
 
 namespace apriltrack {
@@ -98,6 +99,18 @@ std::unique_ptr<SkippableSource> open_file(const std::string& input, const Sourc
   return open_video(input, options.rate_hz, options.log);
 }
 
+/// What stands before `< film.mp4` is no pipe, and can be gone back in.
+std::unique_ptr<SkippableSource> open_pipe(const std::string& input, const SourceOptions& options) {
+  constexpr const char* kOpenInput = "/dev/stdin";
+  if (input == kStandardInput && fs::is_regular_file(kOpenInput)) return open_file(kOpenInput, options);
+  if (input == kStandardInput && ::isatty(STDIN_FILENO) != 0)
+    throw io_error(input,
+                   "is standard input, and nothing is sent there: send a video or pictures, as "
+                   "`ffmpeg -i film.mp4 -c copy -f matroska - | apriltrack track - ...` does");
+  refuse_topic(input, options);
+  return open_video(input, options.rate_hz, options.log);
+}
+
 std::unique_ptr<SkippableSource> open_any(const std::string& input, const SourceOptions& options) {
   if (input.empty())
     throw invalid_input("INPUT", "is empty: name a folder, an image pattern, a video or camera:N");
@@ -105,6 +118,7 @@ std::unique_ptr<SkippableSource> open_any(const std::string& input, const Source
     return open_camera(input, std::string_view(input).substr(kCameraPrefix.size()));
   if (input.starts_with(kDevicePrefix))
     return open_camera(input, std::string_view(input).substr(kDevicePrefix.size()));
+  if (is_pipe_input(input)) return open_pipe(input, options);
   std::error_code error;
   const fs::file_status status = fs::status(input, error);
   if (fs::is_directory(status)) return open_folder(input, options);

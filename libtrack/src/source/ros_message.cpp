@@ -149,4 +149,23 @@ RosCameraInfo read_camera_info_message(const BagTopic& topic, std::string_view b
   return info;
 }
 
+bool is_ros_pose_type(std::string_view type) {
+  const std::string name = short_type(type);
+  return name == "geometry_msgs/PoseStamped" || name == "geometry_msgs/PoseWithCovarianceStamped" ||
+         name == "geometry_msgs/TransformStamped" || name == "nav_msgs/Odometry";
+}
+
+RosPose read_pose_message(const BagTopic& topic, std::string_view bytes) {
+  MessageFields fields(topic, bytes);
+  RosPose pose;
+  pose.stamp = take_header(fields);
+  const std::string type = short_type(topic.type);
+  if (type == "geometry_msgs/TransformStamped" || type == "nav_msgs/Odometry")
+    fields.text();  // child_frame_id
+  for (Eigen::Index i = 0; i < 3; ++i) pose.position[i] = fields.real();
+  for (Eigen::Index i = 0; i < 4; ++i)
+    pose.orientation.coeffs()[i] = fields.real();  // x y z w, as Eigen has them
+  return pose;
+}
+
 }  // namespace apriltrack

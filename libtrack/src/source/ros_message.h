@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
@@ -54,6 +56,13 @@ struct RosCameraInfo {
   bool operator==(const RosCameraInfo&) const = default;
 };
 
+/// What messages of a pose have in common.
+struct RosPose {
+  Timestamp stamp;
+  Eigen::Vector3d position;
+  Eigen::Quaterniond orientation;
+};
+
 /// "sensor_msgs/Image" for that and for "sensor_msgs/msg/Image".
 std::string short_type(std::string_view type);
 
@@ -64,5 +73,10 @@ bool is_read_encoding(std::string_view encoding);
 RosImage read_image_message(const BagTopic& topic, std::string_view bytes);
 RosCompressedImage read_compressed_image_message(const BagTopic& topic, std::string_view bytes);
 RosCameraInfo read_camera_info_message(const BagTopic& topic, std::string_view bytes);
+/// Of any type that is_ros_pose_type() knows.
+RosPose read_pose_message(const BagTopic& topic, std::string_view bytes);
+
+/// geometry_msgs/PoseStamped, PoseWithCovarianceStamped and TransformStamped, nav_msgs/Odometry.
+bool is_ros_pose_type(std::string_view type);
 
 }  // namespace apriltrack

@@ -19,12 +19,18 @@ extern "C" {
 #include "apriltrack/base/error.h"
 #include "apriltrack/image/opencv_bridge.h"
 #include "gray_pixels.h"
+#include "pipe_input.h"
 
 namespace apriltrack {
 namespace {
 
 /// So often in a row may the decoder fail without having been given anything new.
 constexpr int kMaxIdleErrors = 100;
+/// Of a live stream's beginning: the first frame is wanted soon.
+constexpr std::int64_t kPipeAnalysis_us = 100'000;
+constexpr const char* kPipeAdvice =
+    "; a pipe cannot be gone back in, as some containers (MP4) and bags need: send Matroska, MPEG-TS or JPEG "
+    "pictures, as `ffmpeg -i film.mp4 -c copy -f matroska - | apriltrack track - ...` does";
 constexpr AVRational kNanoseconds = {1, 1'000'000'000};
 
 std::string reason(int code) {
@@ -107,20 +113,30 @@ VideoDecoder::VideoDecoder(const std::string& path) : frame_(av_frame_alloc()), 
 }
 
 void VideoDecoder::open_file(const std::string& path) {
-  AVFormatContext* file = nullptr;
+  is_pipe_ = is_pipe_input(path);
+  const char* const advice = is_pipe_ ? kPipeAdvice : "";
+  AVFormatContext* file = avformat_alloc_context();
+  if (is_pipe_) file->max_analyze_duration = kPipeAnalysis_us;
   // The protocol is named, lest a colon in a file name be taken for one.
-  const int opened = avformat_open_input(&file, ("file:" + path).c_str(), nullptr, nullptr);
+  const std::string url = path == kStandardInput ? "pipe:0" : "file:" + path;
+  const int opened = avformat_open_input(&file, url.c_str(), nullptr, nullptr);  // which frees it if it fails
   if (opened < 0)
-    throw io_error(path, fmt::format("is neither an image nor a video that can be read: {}", reason(opened)));
+    throw io_error(
+        path, fmt::format("is neither an image nor a video that can be read: {}{}", reason(opened), advice));
   file_.reset(file);
+  if (is_pipe_ && std::string_view(file->iformat->name) == "tty")
+    throw io_error(path, fmt::format("is a text, neither an image nor a video{}", advice));
   const int probed = avformat_find_stream_info(file, nullptr);
-  if (probed < 0) throw io_error(path, fmt::format("its streams cannot be read: {}", reason(probed)));
+  if (probed < 0)
+    throw io_error(path, fmt::format("its streams cannot be read: {}{}", reason(probed), advice));
 }
 
 void VideoDecoder::open_stream(const std::string& path) {
   const AVCodec* decoder = nullptr;
   const int index = av_find_best_stream(file_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
-  if (index < 0) throw io_error(path, fmt::format("holds no video that can be decoded: {}", reason(index)));
+  if (index < 0)
+    throw io_error(path, fmt::format("holds no video that can be decoded: {}{}", reason(index),
+                                     is_pipe_ ? kPipeAdvice : ""));
   for (unsigned i = 0; i < file_->nb_streams; ++i) file_->streams[i]->discard = AVDISCARD_ALL;
   stream_ = file_->streams[index];
   stream_->discard = AVDISCARD_DEFAULT;
@@ -162,7 +178,9 @@ std::optional<VideoDecoder::Decoded> VideoDecoder::feed() {
     const bool broke_off = got != AVERROR_EOF && !is_draining_;
     is_draining_ = true;
     avcodec_send_packet(codec_.get(), nullptr);
-    if (broke_off) return Decoded{std::nullopt, fmt::format("the file breaks off: {}", reason(got))};
+    if (broke_off)
+      return Decoded{std::nullopt, fmt::format("the file breaks off: {}{}", reason(got),
+                                               is_pipe_ && num_whole_ == 0 ? kPipeAdvice : "")};
     return std::nullopt;
   }
   if ((packet_->flags & AV_PKT_FLAG_CORRUPT) == 0) {
@@ -198,7 +216,9 @@ std::optional<std::size_t> VideoDecoder::num_frames() const {
 }
 
 bool VideoDecoder::has_times() const {
-  return (file_->iformat->flags & AVFMT_NOTIMESTAMPS) == 0;
+  // Of pictures one after the other ("jpeg_pipe") they are a rate that nobody stated.
+  const bool are_pictures = std::string_view(file_->iformat->name).find("pipe") != std::string_view::npos;
+  return !are_pictures && (file_->iformat->flags & AVFMT_NOTIMESTAMPS) == 0;
 }
 
 }  // namespace apriltrack

@@ -74,6 +74,7 @@ class VideoDecoder {
   GrayConverter converter_;
   AVStream* stream_ = nullptr;  ///< Owned by file_.
   int turns_ = 0;               ///< Quarter turns anticlockwise that stand the picture upright.
+  bool is_pipe_ = false;
   bool is_draining_ = false;
   std::optional<std::size_t> num_promised_;
   std::size_t num_whole_ = 0;

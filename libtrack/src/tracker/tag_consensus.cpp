@@ -239,6 +239,9 @@ TagReport TagConsensus::report_of(const BlurFrame& frame, const TagEvidence& evi
   report.tag = world_.tag_at(index).tag.key;
   report.state = state_of(evidence, votes);
   report.correlation = evidence.clean_correlation();
+  report.found_share = evidence.correlation * evidence.correlation;
+  report.expected_share = 1.0 - evidence.noise_share;
+  report.log_odds = evidence.log_likelihood();
   report.is_read = std::ranges::count(frame.read, index, &TagObservation::tag_index) > 0;
   const auto strain = std::ranges::find(strains_, index, &TagStrain::tag_index);
   if (strain != strains_.end()) report.shift_px = strain->shift_px;

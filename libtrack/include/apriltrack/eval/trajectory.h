@@ -1,7 +1,7 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
+#include <string>
 #include <vector>
 
 #include "apriltrack/base/timestamp.h"
@@ -20,8 +20,10 @@ using Trajectory = std::vector<TimedPose>;
 /// Reads TUM format, `timestamp tx ty tz qx qy qz qw`; `#` starts a comment.
 /// Throws Error(kIo) when unreadable, Error(kInvalidInput) with file and line when a row is wrong.
 Trajectory read_tum(const std::filesystem::path& path);
-/// Times as integer seconds and nanoseconds, numbers with nine decimals. Throws Error(kIo); an existing file
-/// is replaced only when the new one is complete.
+/// Times as integer seconds and nanoseconds, numbers with as many digits as tell them exactly. Throws
+/// Error(kIo); an existing file is replaced only when the new one is complete.
 void write_tum(const std::filesystem::path& path, const Trajectory& trajectory);
+/// One line of it, its end included.
+std::string tum_line(const TimedPose& pose);
 
 }  // namespace apriltrack

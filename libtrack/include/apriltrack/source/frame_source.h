@@ -80,12 +80,13 @@ class FrameSource {
 };
 
 /// A sequence folder, a folder of images, a glob, a EuRoC/ASL `mav0` folder (or one camera folder of it), a
-/// video file, a bag (ROS 1 bag, MCAP, rosbag2: apriltrack/bag/bag_reader.h), `camera:N` or a V4L2 path.
-/// Times of a bag's frames are those of their headers. A live camera's times are the driver's own (of arrival
-/// where it tells none), not corrected to the middle of the exposure. Throws Error(kIo) when there is nothing
-/// to read, Error(kInvalidInput) when images need a rate and none is given, a recording has no camera of the
-/// name asked for, its frames.csv knows none of its frames, a bag has no topic with pictures or several and
-/// none is named, or an option is out of its range.
+/// video file, a bag (ROS 1 bag, MCAP, rosbag2: apriltrack/bag/bag_reader.h), `camera:N` or a V4L2 path; `-`,
+/// standard input, or a FIFO: a video in a container that need not be gone back in, or JPEG or PNG pictures
+/// one after the other. A pipe can be opened once. Times of a bag's frames are those of their headers. A live
+/// camera's times are the driver's own (of arrival where it tells none), not corrected to the middle of the
+/// exposure. Throws Error(kIo) when there is nothing to read, Error(kInvalidInput) when images need a rate
+/// and none is given, a recording has no camera of the name asked for, its frames.csv knows none of its
+/// frames, a bag has no topic with pictures or several and none is named, or an option is out of its range.
 std::unique_ptr<FrameSource> open_source(const std::string& input, const SourceOptions& options = {});
 
 /// Files that a sequence folder brings with it; nullopt where it does not, or INPUT is no such folder.

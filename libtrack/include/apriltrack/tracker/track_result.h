@@ -47,6 +47,11 @@ struct TagReport {
   /// None where it is not seen well enough, or the tracker does not tell.
   std::optional<double> shift_px;
   bool is_read = false;  ///< Its code was decoded in this frame.
+  /// Of its pixels' variance, the share that its picture explains at the pose, and the share that is there to
+  /// be explained: the rest is noise from pixel to pixel.
+  double found_share = 0.0, expected_share = 1.0;
+  /// Of "it is there" over "it is not", by its pixels; nats.
+  double log_odds = 0.0;
 };
 
 /// The exposure that a frame's blur was explained with.

@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/eval/trajectory_formats.h"
+#include "command_help.h"
+#include "console.h"
+#include "option_checks.h"
+#include "outputs.h"
+#include "trajectory_command.h"
+#include "trajectory_input.h"
+#include "trajectory_loss_words.h"
+
+namespace apriltrack::app {
+namespace {
+
+struct ConvertOptions {
+  std::string input;
+  std::string output;
+  std::string to;
+  TrajectoryInputOptions of_input;
+  std::string times;
+  Console console;
+};
+
+std::string names_of_formats() {
+  std::string names;
+  for (const TrajectoryFormatInfo& info : trajectory_formats())
+    names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", info.name, info.title);
+  return names;
+}
+
+TrajectoryFormat format_to_write(const ConvertOptions& options) {
+  if (options.to.empty()) {
+    if (const auto format = trajectory_format_of_ending(options.output)) return *format;
+    throw invalid_input("--to",
+                        fmt::format("is required: the ending of '{}' does not tell the format; there are {}",
+                                    options.output, names_of_formats()));
+  }
+  if (const auto format = trajectory_format_named(options.to)) return *format;
+  throw invalid_input("--to",
+                      fmt::format("'{}' is no known format; there are {}", options.to, names_of_formats()));
+}
+
+void check_arguments(const ConvertOptions& options, TrajectoryFormat to) {
+  if (!options.times.empty() && options.of_input.read.rate_hz)
+    throw invalid_input("--rate", "is in place of times: give it or --times");
+  std::vector<OutputFile> outputs = {{options.output, "OUT"}};
+  if (to == TrajectoryFormat::kKitti) outputs.push_back({kitti_times_of(options.output, "OUT"), "OUT"});
+  check_outputs(outputs, {options.input, options.times});
+}
+
+void run_convert(const ConvertOptions& options) {
+  const TrajectoryFormat to = format_to_write(options);
+  check_arguments(options, to);
+  TrajectoryInputOptions of_input = options.of_input;
+  of_input.read.times = options.times;
+  const TrajectoryInput reading = read_trajectory_input(options.input, of_input, options.console);
+  write_trajectory_as(options.output, reading.trajectory, to);
+  const std::vector<TrajectoryLoss> losses = trajectory_losses(options.output, to);
+  const std::string_view from_title = reading.title, to_title = info_of(to).title;
+  tell_losses(reading.losses, from_title, options.input, options.console);
+  tell_losses(losses, to_title, options.output, options.console);
+  nlohmann::json all = losses_json(reading.losses, from_title);
+  for (const auto& loss : losses_json(losses, to_title)) all.push_back(loss);
+  options.console.finish({{"input", options.input},
+                          {"output", options.output},
+                          {"from", reading.format},
+                          {"to", info_of(to).name},
+                          {"poses", reading.trajectory.size()},
+                          {"losses", all}},
+                         fmt::format("{}: {} poses, a {} from a {}", options.output,
+                                     reading.trajectory.size(), to_title, from_title));
+}
+
+}  // namespace
+
+void add_trajectory_convert(CLI::App& trajectory_command) {
+  CLI::App& verb =
+      add_command(trajectory_command, "convert",
+                  {"Writes a trajectory in another format, and tells what that cannot hold.",
+                   "apriltrack trajectory convert camera.tum camera.csv\n"
+                   "apriltrack trajectory convert camera.tum camera.kitti\n"
+                   "apriltrack trajectory convert 00.txt 00.tum --times times.txt\n"
+                   "apriltrack trajectory convert mocap.bag truth.tum --topic /vicon/head/pose",
+                   "IN is of any known format, which its content tells (docs/file_formats.md). Formats, for "
+                   "--to: " +
+                       names_of_formats() + "."});
+  auto options = std::make_shared<ConvertOptions>();
+  verb.add_option("IN", options->input, "Trajectory to read, or a bag with poses")->required();
+  verb.add_option(
+          "OUT", options->output,
+          "Trajectory to write; KITTI's times go beside it, into OUT without its ending and .times.txt")
+      ->required();
+  verb.add_option(
+      "--to", options->to,
+      "Format of OUT; by default by its ending: .tum tum, .csv euroc, .kitti and kitti.txt kitti");
+  verb.add_option("--topic", options->of_input.topic,
+                  "Of a bag: the topic with poses, where there are several");
+  verb.add_option("--times", options->times,
+                  "Of KITTI's poses, which have no times: a file with one in seconds a line; by default "
+                  "IN without its ending and .times.txt, else times.txt beside IN");
+  verb.add_option("--rate", options->of_input.read.rate_hz,
+                  "Of KITTI's poses, in place of times: poses a second, from 0 on")
+      ->check(rate());
+  options->console.add_options(verb);
+  verb.callback([options] { run_convert(*options); });
+}
+
+}  // namespace apriltrack::app

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+
+#include "apriltrack/eval/trajectory_formats.h"
+#include "console.h"
+
+namespace apriltrack::app {
+
+/// What `--topic` of `trajectory convert` and the options of KITTI's times tell.
+struct TrajectoryInputOptions {
+  std::string topic;
+  TrajectoryReadOptions read;
+};
+
+struct TrajectoryInput {
+  Trajectory trajectory;
+  std::string format;  ///< "tum", "euroc", "kitti", "bag".
+  std::string title;   ///< For messages.
+  std::vector<TrajectoryLoss> losses;
+};
+
+/// A file of a trajectory in any format, or the poses of a bag. Throws as read_trajectory_file() and
+/// read_bag_poses() do, and Error(kInvalidInput) where two poses of a bag have one time, or an option is of
+/// the other kind of input.
+TrajectoryInput read_trajectory_input(const std::string& path, const TrajectoryInputOptions& options,
+                                      const Console& console);
+
+}  // namespace apriltrack::app

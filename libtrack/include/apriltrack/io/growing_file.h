@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace apriltrack {
+
+class StagedFiles;
+
+/// A file that is written piece by piece while a run goes on, from its beginning to its end and never gone
+/// back in, so that a pipe will do. It is put in place when the run commits `files`: until then it stands
+/// beside it, and what has its name already is kept.
+class GrowingFile {
+ public:
+  /// files: must outlive it. A device or a pipe is written to directly. Throws Error(kIo).
+  GrowingFile(StagedFiles& files, const std::filesystem::path& path);
+  ~GrowingFile();
+  GrowingFile(const GrowingFile&) = delete;
+  GrowingFile& operator=(const GrowingFile&) = delete;
+
+  /// The path, as messages call it.
+  const std::string& name() const { return name_; }
+  std::uint64_t size() const { return size_; }
+
+  /// Hands the bytes to the system: who reads a pipe has them. Throws Error(kIo).
+  void write(std::string_view bytes);
+  /// All is on the disk then. Throws Error(kIo).
+  void close();
+
+ private:
+  [[noreturn]] void fail() const;
+
+  std::string name_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace apriltrack
