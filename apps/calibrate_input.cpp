@@ -100,6 +100,7 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
     all.counts.readable += counts.readable;
     all.counts.unreadable += counts.unreadable;
     all.counts.blank += counts.blank;
+    all.counts.copies += counts.copies;
     all.counts.is_interrupted = counts.is_interrupted;
   }
   bring_to_one_clock(takes, all);

@@ -42,6 +42,7 @@ struct FrameFacts {
   double white_share = 0.0;  ///< Of the pixels, at 255.
   int bright_level = 255;    ///< 99 % of the pixels are no brighter.
   bool is_blank = false;     ///< Of one brightness all over.
+  bool is_copy = false;      ///< Of the frame before, pixel by pixel.
   bool tells_exposure = false;
   std::vector<SeenTag> tags = {};
 };

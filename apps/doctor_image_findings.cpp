@@ -8,6 +8,7 @@
 #include <map>
 
 #include "apriltrack/eval/statistics.h"
+#include "copied_frames.h"
 #include "doctor_findings.h"
 #include "inputs.h"
 
@@ -45,6 +46,12 @@ void find_in_times(const RecordingFacts& recording, std::vector<Finding>& findin
                         "the images' names are no times: calibrate and track need --rate HZ, the frames a "
                         "second at which they were taken (1 was taken here)"});
     return;
+  }
+  const auto copies = static_cast<std::size_t>(std::ranges::count_if(recording.frames, &FrameFacts::is_copy));
+  if (copies > 0) {
+    const auto first = std::ranges::find_if(recording.frames, &FrameFacts::is_copy);
+    findings.push_back(
+        {Severity::kWarning, "copied_frames", told_of_copies(copies, recording.frames.size(), first->name)});
   }
   const FrameTimes times = frame_times(recording.frames);
   if (times.not_forward > 0)
@@ -143,9 +150,14 @@ void find_in_exposure(const RecordingFacts& recording, std::vector<Finding>& fin
 FrameTimes frame_times(std::span<const FrameFacts> frames) {
   std::vector<double> intervals_s;
   FrameTimes times;
-  for (std::size_t i = 1; i < frames.size(); ++i) {
-    intervals_s.push_back(seconds_between(frames[i - 1].time, frames[i].time));
-    times.not_forward += intervals_s.back() <= 0.0;
+  const FrameFacts* before = nullptr;
+  for (const FrameFacts& frame : frames) {
+    if (frame.is_copy) continue;  // whose time is no picture's
+    if (before != nullptr) {
+      intervals_s.push_back(seconds_between(before->time, frame.time));
+      times.not_forward += intervals_s.back() <= 0.0;
+    }
+    before = &frame;
   }
   if (intervals_s.empty()) return times;
   const double usual_s = median(intervals_s);

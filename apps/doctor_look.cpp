@@ -84,6 +84,7 @@ FrameFacts facts_of(const DetectedFrame& frame, const ResponseCurve& response) {
                    .time = frame.source.timestamp,
                    .width = image.width(),
                    .height = image.height(),
+                   .is_copy = frame.is_copy,
                    .tells_exposure = frame.source.exposure_s.has_value()};
   add_light(image, facts);
   for (const Detection& detection : frame.detections)

@@ -12,6 +12,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
 #include "blank_images.h"
+#include "copied_frames.h"
 
 namespace apriltrack::app {
 namespace {
@@ -143,28 +144,36 @@ class BatchDetector {
   std::deque<Detector> detectors_;
 };
 
-/// Counts a frame; keeps the first one that is unreadable, with its cause.
-void count(const SourceFrame& frame, FrameCounts& counts, std::string& first_unreadable) {
+/// What is told of the first frame of a kind.
+struct FirstOnes {
+  std::string unreadable;  ///< With its cause.
+  std::string copy;
+};
+
+void count(const DetectedFrame& detected, FrameCounts& counts, FirstOnes& first) {
+  const SourceFrame& frame = detected.source;
+  if (detected.is_copy && counts.copies++ == 0) first.copy = frame.name;
   if (frame.is_readable()) {
     if (counts.blank == counts.readable && is_blank(frame.pixels.view())) ++counts.blank;
     ++counts.readable;
   } else if (counts.unreadable++ == 0) {
-    first_unreadable = frame.name + ": " + frame.error;
+    first.unreadable = frame.name + ": " + frame.error;
   }
 }
 
-void tell(const FrameSource& source, const FrameCounts& counts, const std::string& first_unreadable,
+void tell(const FrameSource& source, const FrameCounts& counts, const FirstOnes& first,
           const Console& console) {
   if (counts.readable == 0 && !counts.is_interrupted) {
     throw io_error(source.name(), counts.unreadable == 0
                                       ? "has no frames"
                                       : fmt::format("none of its {} frames can be read; the first: {}",
-                                                    counts.unreadable, first_unreadable));
+                                                    counts.unreadable, first.unreadable));
   }
   if (counts.unreadable > 0) {
     console.warning(fmt::format("{} of {} frames are left out; the first: {}", counts.unreadable,
-                                counts.readable + counts.unreadable, first_unreadable));
+                                counts.readable + counts.unreadable, first.unreadable));
   }
+  if (counts.copies > 0) console.warning(told_of_copies(counts.copies, counts.readable, first.copy));
   if (counts.is_interrupted) console.warning(kInterrupted);
 }
 
@@ -180,7 +189,8 @@ FrameCounts detect_frames(FrameSource& source, const FrameLoopOptions& options, 
                           const std::function<void(DetectedFrame)>& sink) {
   BatchDetector detector(options);
   FrameCounts counts;
-  std::string first_unreadable;
+  FirstOnes first;
+  CopyWatch copies;
   {
     Progress progress(console, options.label, source.num_frames());
     while (!(counts.is_interrupted = is_interrupted())) {
@@ -189,14 +199,15 @@ FrameCounts detect_frames(FrameSource& source, const FrameLoopOptions& options, 
       if (is_interrupted()) continue;
       for (DetectedFrame& frame : detector.detect(batch)) {
         if (is_interrupted()) break;
-        count(frame.source, counts, first_unreadable);
+        frame.is_copy = copies.is_copy(frame.source);
+        count(frame, counts, first);
         sink(std::move(frame));
         progress.advance();
       }
     }
   }
   counts.value_range = source.value_range();
-  tell(source, counts, first_unreadable, console);
+  tell(source, counts, first, console);
   return counts;
 }
 

@@ -28,13 +28,15 @@ struct DetectedFrame {
   const SourceFrame& source;
   std::vector<Detection> detections;
   std::vector<LeftOutTag> left_out;
+  bool is_copy = false;    ///< Of the frame before, pixel by pixel.
   double latency_s = 0.0;  ///< From the decoded image to the detections, other threads at work beside it.
 };
 
 struct FrameCounts {
   std::size_t readable = 0;
   std::size_t unreadable = 0;
-  std::size_t blank = 0;  ///< Readable ones that show nothing, until the first that shows something.
+  std::size_t copies = 0;  ///< Readable ones with the very pixels of the frame before (copied_frames.h).
+  std::size_t blank = 0;   ///< Readable ones that show nothing, until the first that shows something.
   bool is_interrupted = false;
   std::optional<ValueRange> value_range = std::nullopt;  ///< Of 16-bit image files.
 
@@ -47,10 +49,10 @@ nlohmann::json value_range_json(const std::optional<ValueRange>& range);
 /// Detects in every frame of `source`, several side by side, each thread with a detector of its own; `sink`
 /// gets all frames one by one, in order, so that the number of threads changes no result.
 ///
-/// Ctrl-C ends it before the next frame, and what `sink` has not had by then is dropped. It warns of that and
-/// of unreadable frames before it returns, so that users hear the cause before what follows from it. Throws
-/// Error(kIo) when no frame can be read, Error(kInvalidInput) when no image has the camera's resolution (one
-/// of many is left out and counted as unreadable).
+/// Ctrl-C ends it before the next frame, and what `sink` has not had by then is dropped. It warns of that, of
+/// unreadable frames and of copies before it returns, so that users hear the cause before what follows from
+/// it. Throws Error(kIo) when no frame can be read, Error(kInvalidInput) when no image has the camera's
+/// resolution (one of many is left out and counted as unreadable).
 FrameCounts detect_frames(FrameSource& source, const FrameLoopOptions& options, const Console& console,
                           const std::function<void(DetectedFrame)>& sink);
 

@@ -3,7 +3,9 @@
 #include <array>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "apriltrack/base/timestamp.h"
 #include "tag_sights.h"
@@ -17,8 +19,11 @@ class TagTally {
     std::array<std::size_t, 8> frames{};  ///< By SightStatus.
     /// Of the frames whose poses rest on it; none where there are none.
     std::optional<Timestamp> first_used, last_used;
+    std::vector<double> residuals_px;  ///< Of the frames in which it was read and has one (TagSight).
 
     std::size_t of(SightStatus status) const { return frames[static_cast<std::size_t>(status)]; }
+    /// None where it was never read in a frame with a pose.
+    std::optional<double> median_residual_px() const;
     std::size_t used() const { return of(SightStatus::kDetected) + of(SightStatus::kTracked); }
   };
 

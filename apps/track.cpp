@@ -20,6 +20,7 @@
 #include "inputs.h"
 #include "odd_picture_watch.h"
 #include "rig_detections.h"
+#include "still_background.h"
 #include "topics.h"
 #include "track_methods.h"
 #include "track_options.h"
@@ -124,6 +125,7 @@ bool track_images(const TrackArguments& arguments, const SourceOptions& source_o
       fmt::format("{}: {}.exposure_time", camera_file(arguments).string(), camera.name);
   ExposureCheck exposures(arguments.console);
   OddPictureWatch watch;
+  StillBackground background(camera, context.map);
   const auto track = [&](DetectedFrame detected) {
     const SourceFrame& image = detected.source;
     if (!image.is_readable()) {
@@ -131,10 +133,12 @@ bool track_images(const TrackArguments& arguments, const SourceOptions& source_o
       sinks.add_unreadable(image);
       return;
     }
-    if (image.exposure_s)
-      exposures.add(image.timestamp, image.exposure_s, image.exposure_where);
-    else
-      exposures.add(image.timestamp, camera.exposure_s, exposure_of_camera);
+    if (!detected.is_copy) {  // whose time is no picture's
+      if (image.exposure_s)
+        exposures.add(image.timestamp, image.exposure_s, image.exposure_where);
+      else
+        exposures.add(image.timestamp, camera.exposure_s, exposure_of_camera);
+    }
     record.searches(image.pixels.width(), arguments.options.localizer.detector.decimate);
     TrackResult result = method.track(image.frame(), detected.detections);
     result.latency_s += detected.latency_s;
@@ -144,6 +148,8 @@ bool track_images(const TrackArguments& arguments, const SourceOptions& source_o
     record.were_left_out(method.detector ? detected.left_out : result.left_out);
     watch.add(image.pixels.view(), frame.detections);
     record.add(frame, result, image.exposure_s);
+    if (result.pose && result.status == TrackStatus::kDetected)
+      background.add(image.timestamp, image.pixels.view(), *result.pose);
     const std::vector<TagSight> sights = tag_sights(result, frame.detections, context);
     record.add_sights(sights);
     sinks.add(result, sights, &image);
@@ -152,6 +158,8 @@ bool track_images(const TrackArguments& arguments, const SourceOptions& source_o
   if (counts.are_all_blank()) record.found_all_blank();
   record.set_value_range(counts.value_range);
   if (const auto odd = watch.told(method.looks_for)) record.are_odd(*odd);
+  record.found_copies(counts.copies);
+  if (const auto told = background.told(); told && arguments.mode == "ego") arguments.console.warning(*told);
   return counts.is_interrupted;
 }
 

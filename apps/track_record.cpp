@@ -207,6 +207,7 @@ nlohmann::json TrackRecord::summary() const {
                             {"predicted", count(TrackStatus::kPredicted)},
                             {"lost", num_lost()},
                             {"unreadable", num_unreadable_},
+                            {"copied_frames", num_copies_},
                             {"lost_reasons", lost_reasons_},
                             {"tags_seen", frames_by_tag_.size()},
                             {"readings_left_out", left_out_.json()},

@@ -44,6 +44,8 @@ class TrackRecord {
 
   /// That no image shows anything.
   void found_all_blank() { are_all_blank_ = true; }
+  /// Frames that are copies of the one before.
+  void found_copies(std::size_t copies) { num_copies_ = copies; }
   /// Of 16-bit image files.
   void set_value_range(const std::optional<ValueRange>& range) { value_range_ = range; }
 
@@ -119,6 +121,7 @@ class TrackRecord {
   std::string odd_pictures_;
   bool searches_large_images_ = false;
   bool are_all_blank_ = false;
+  std::size_t num_copies_ = 0;
   std::optional<ValueRange> value_range_;
 };
 

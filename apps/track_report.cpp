@@ -56,6 +56,7 @@ void add_claims(HtmlPage& page, const TrackRun& run) {
 void add_tags_and_time(HtmlPage& page, const TrackRun& run, const TrackFigures& figures) {
   page.heading("What was seen");
   page.paragraph(describe_tags(run.record, run.map));
+  page.table(tags_of_run_table(run.record, run.map));
   add_picture(page, draw_tags(run.record));
   page.heading("How long it took");
   add_picture(page, draw_latency(run.record, figures));

@@ -17,6 +17,9 @@ std::string verdict(const TrackRun& run, const TrackFigures& figures);
 /// Which tags were seen, which never, and which the map does not have.
 std::string describe_tags(const TrackRecord& record, const TagMap& map);
 
+/// Each tag of the map, and each that it has not: in how many frames it was what.
+HtmlTable tags_of_run_table(const TrackRecord& record, const TagMap& map);
+
 /// Times, errors claimed, exposure, latency: a line each.
 HtmlTable summary_table(const TrackRun& run, const TrackFigures& figures);
 /// Of the map's own uncertainty, where its tags' sigma is not small beside the claimed errors; otherwise

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "map_projection.h"
 #include "map_scene.h"
 #include "status_colours.h"
 #include "track_drawings.h"
+#include "track_figures.h"
 
 namespace apriltrack::app {
 namespace {

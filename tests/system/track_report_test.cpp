@@ -291,6 +291,42 @@ TEST_F(TrackReport, ShowsThePosesAndTheTruthOfTheFiles) {
         << i;
 }
 
+/// The table of tags against the log of the same run, counted anew.
+TEST_F(TrackReport, CountsWhatTheTagLogSays) {
+  run_for_json({"track", path("film"), "--method", "blur", "--output", path("tags.tum"), "--tags-csv",
+                path("tags.csv"), "--report", path("tags.html")});
+  const ReadReport page(path("tags.html"));
+  const std::vector<LogLine> log = read_log(path("tags.csv"));
+  ASSERT_FALSE(log.empty());
+  const nlohmann::json map = run_for_json({"map", "show", path("film/map.yaml")});
+  std::size_t counted = 0;
+  for (const auto& tag : map["tags"]) {
+    const std::string id = fmt::format("{}", tag["id"].get<int>());
+    const std::vector<std::string> cells = page.row("tag36h11/" + id);
+    ASSERT_EQ(cells.size(), 9U);
+    const auto frames = [&](const std::string& status) {
+      return std::ranges::count_if(
+          log, [&](const LogLine& line) { return line.at("id") == id && line.at("status") == status; });
+    };
+    const char* statuses[] = {"detected", "tracked", "occluded", "hidden"};
+    for (std::size_t i = 0; i < std::size(statuses); ++i) {
+      const auto count = frames(statuses[i]);
+      EXPECT_EQ(cells[i], count == 0 ? "-" : fmt::format("{}", count)) << id << " " << statuses[i];
+      counted += static_cast<std::size_t>(count);
+    }
+    std::vector<double> residuals_px;
+    for (const LogLine& line : log)
+      if (line.at("id") == id && !line.at("residual_px").empty())
+        residuals_px.push_back(std::stod(line.at("residual_px")));
+    if (residuals_px.empty()) {
+      EXPECT_EQ(cells[6], "-") << id;
+    } else {
+      EXPECT_NEAR(numbers_in(cells[6]).at(0), quantile(residuals_px, 0.5), 0.0051) << id;
+    }
+  }
+  EXPECT_GT(counted, 10U);
+}
+
 TEST_F(TrackReport, NumbersTheTagsOfThePath) {
   const std::vector<std::string> words = ReadReport(path("it's.html")).texts("text");
   const nlohmann::json map = run_for_json({"map", "show", path("film/map.yaml")});

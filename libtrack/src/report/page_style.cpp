@@ -94,6 +94,7 @@ pre { margin: 1.5rem 0; padding: .9rem 1.1rem; overflow-x: auto; background: var
   .wide img, .wide svg { min-width: 0; }
   pre { white-space: pre-wrap; }
   figure video, .scene .controls .bar:not(.legend) { display: none; }
+  .scene canvas, .scene:not([data-state="drawn"]) canvas { height: auto; }
 }
 )";
 

@@ -18,7 +18,8 @@ function unitSphere(rings) {
       points.push([Math.sin(down) * Math.cos(around), Math.sin(down) * Math.sin(around), Math.cos(down)]);
       if (ring === rings) continue;
       const here = ring * sectors + sector, next = ring * sectors + (sector + 1) % sectors;
-      indices.push(here, here + sectors, next, next, here + sectors, next + sectors);
+      if (ring > 0) indices.push(here, here + sectors, next);  // at the poles one of the two is none
+      if (ring < rings - 1) indices.push(next, here + sectors, next + sectors);
     }
   }
   return { points, indices };
@@ -37,7 +38,7 @@ const kEllipsoidFragmentShader = `
 function ellipsoids(scene) {
   const tags = scene.tags.filter((tag) => tag.covariance_m2 && tag.covariance_m2.some((value) => value !== 0));
   if (tags.length === 0) return null;
-  const sphere = unitSphere(tags.length > 100 ? 5 : 12);
+  const sphere = unitSphere(tags.length > 100 ? 4 : 12);  // most of the time to draw, in software
   const centers = [], asides = [], indices = [];
   tags.forEach((tag, i) => {
     const [a, b, c] = choleskyColumns(tag.covariance_m2);

@@ -2,7 +2,7 @@
 //   #view=x,y,z,tx,ty,tz   seen from (x, y, z), looking at (tx, ty, tz), in metres of the map's frame
 //   #full                  as large as the window
 //   #bare                  tags alone: no ids, outlines, ellipsoids, path, grid
-//   #measure               how many frames a second are drawn, written below the picture
+//   #measure, #measure=N   how many frames a second are drawn, over 60 or N of them, written below the picture
 // Several are joined by &.
 
 function addressWords() {
@@ -15,20 +15,20 @@ function addressWords() {
 }
 
 /** Draws while turning about the scene; reading a pixel back waits until all of it is done. */
-function framesPerSecond(view) {
+function framesPerSecond(view, frames) {
   const { center } = view.world.ball();
   const arm = view.camera.position.clone().sub(center), up = new THREE.Vector3(...view.scene.up);
-  const context = view.renderer.getContext(), pixel = new Uint8Array(4), kFrames = 60;
+  const context = view.renderer.getContext(), pixel = new Uint8Array(4);
   const drawTurned = (i) => {
-    view.camera.position.copy(arm).applyAxisAngle(up, 2 * Math.PI * i / kFrames).add(center);
+    view.camera.position.copy(arm).applyAxisAngle(up, 2 * Math.PI * i / frames).add(center);
     view.camera.lookAt(center);
     view.draw();
     context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, pixel);
   };
   for (let i = 0; i < 5; ++i) drawTurned(i);  // what is done once is not counted
   const start_ms = performance.now();
-  for (let i = 0; i < kFrames; ++i) drawTurned(i);
-  const rate = 1000 * kFrames / (performance.now() - start_ms);
+  for (let i = 0; i < frames; ++i) drawTurned(i);
+  const rate = 1000 * frames / (performance.now() - start_ms);
   view.reset();
   return rate;
 }
@@ -46,7 +46,7 @@ function obey(view, words) {
   }
   if (words.has('measure')) {
     const { width, height } = view.canvas;
-    const told = `${framesPerSecond(view).toFixed(1)} frames a second, ${view.scene.tags.length} tags, ${width} x ${height} pixels`;
+    const told = `${framesPerSecond(view, Number(words.get('measure')) || 60).toFixed(1)} frames a second, ${view.scene.tags.length} tags, ${width} x ${height} pixels`;
     view.figure.append(element('p', 'measured', told));
   }
   view.draw();
