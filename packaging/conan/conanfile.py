@@ -17,7 +17,7 @@ class AprilTrack(ConanFile):
     settings = "os", "arch", "compiler", "build_type"
     requires = (
         "eigen/3.4.0", "fmt/10.2.1", "yaml-cpp/0.8.0", "nlohmann_json/3.11.3", "cli11/2.4.1", "apriltag/3.4.2", "highway/1.1.0",
-        "ceres-solver/2.2.0", "opencv/4.10.0", "ffmpeg/7.0.1", "lz4/1.9.4", "zstd/1.5.5", "bzip2/1.0.8", "sqlite3/3.45.3",
+        "ceres-solver/2.2.0", "opencv/4.10.0", "ffmpeg/7.0.1", "libjpeg-turbo/3.0.2", "lz4/1.9.4", "zstd/1.5.5", "bzip2/1.0.8", "sqlite3/3.45.3",
     )
 
     def set_version(self):
