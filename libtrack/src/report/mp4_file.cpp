@@ -23,7 +23,7 @@ constexpr std::int64_t kIndexBytesPerFrame = 48;
 struct InputCloser {
   void operator()(AVFormatContext* context) const { avformat_close_input(&context); }
 };
-using InputFile = std::unique_ptr<AVFormatContext, InputCloser>;
+using Mp4Input = std::unique_ptr<AVFormatContext, InputCloser>;
 
 struct PacketFreer {
   void operator()(AVPacket* packet) const { av_packet_free(&packet); }
@@ -34,10 +34,10 @@ std::string url_of(const std::filesystem::path& file) {
   return "file:" + file.string();
 }
 
-InputFile open_input(const std::filesystem::path& file, const std::string& name) {
+Mp4Input open_input(const std::filesystem::path& file, const std::string& name) {
   AVFormatContext* context = nullptr;
   check_written(avformat_open_input(&context, url_of(file).c_str(), nullptr, nullptr), name);
-  return InputFile(context);
+  return Mp4Input(context);
 }
 
 void copy_packets(AVFormatContext& input, AVFormatContext& output, const std::string& name) {
@@ -81,7 +81,7 @@ void finish_output(OutputFile output, const std::string& name) {
 
 void move_index_to_front(const std::filesystem::path& from, const std::filesystem::path& to,
                          const std::string& name, std::int64_t num_frames) {
-  const InputFile input = open_input(from, name);
+  const Mp4Input input = open_input(from, name);
   OutputFile output = open_output(to, name);
   AVStream* stream = avformat_new_stream(output.get(), nullptr);
   check_written(avcodec_parameters_copy(stream->codecpar, input->streams[0]->codecpar), name);
