@@ -209,8 +209,10 @@ void check(const CLI::App& command, const CalibrateOptions& a) {
                         "corners are detected; for tag36h11 the outer edge of the black border");
   if (a.tag_size_m && !(*a.tag_size_m > 0.0 && *a.tag_size_m <= 100.0))
     throw invalid_input("--tag-size", fmt::format("must be in (0, 100] metres (is {})", *a.tag_size_m));
-  if (!a.detections.empty()) refuse_beside_detections(command, kFrameOptionNames);
-  refuse_beside_detections(command, {"--family", "--decimate", "--no-refine", "--response"});
+  if (!a.detections.empty()) {
+    refuse_beside_detections(command, kFrameOptionNames);
+    refuse_beside_detections(command, {"--family", "--decimate", "--no-refine", "--response"});
+  }
   check_families(a.detector.families);
   if (!a.held_tag.empty()) written_held_tag(a.held_tag);
   a.detector.check();

@@ -96,7 +96,7 @@ class Fish : public Shell {
 };
 
 TEST_F(Fish, OffersCommandsOptionsChoicesAndFiles) {
-  EXPECT_THAT(offers("apriltrack tr"), ElementsAre("track"));
+  EXPECT_THAT(offers("apriltrack tr"), UnorderedElementsAre("track", "trajectory"));
   EXPECT_THAT(offers("apriltrack map "), IsSupersetOf({"show", "convert", "diff", "print"}));
   EXPECT_THAT(offers("apriltrack map convert --fam"), ElementsAre("--family"));
   EXPECT_THAT(offers("apriltrack track --mode "), UnorderedElementsAre("ego", "joint"));
