@@ -23,10 +23,12 @@ class FewReadings : public ::testing::Test {
   }
 
   void add_empty_frames(int count) const {
-    const std::string half(1280 * 360, '\x60'), other_half(1280 * 360, '\x70');
-    for (int i = 0; i < count; ++i)
+    std::string pixels = std::string(1280 * 360, '\x60') + std::string(1280 * 360, '\x70');
+    for (int i = 0; i < count; ++i) {
+      pixels[static_cast<std::size_t>(i)] = '\x61';  // no copy of the one before
       write_text(film_ + "/frames/" + std::to_string(2'000'000'000 + 33'333'333LL * i) + ".pgm",
-                 "P5\n1280 720\n255\n" + half + other_half);
+                 "P5\n1280 720\n255\n" + pixels);
+    }
   }
   ProgramRun track(const std::string& map) const {
     return run_program({"track", film_, "--mode", "joint", "--method", "pnp", "--map", map, "--output",
