@@ -50,8 +50,7 @@ set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME apriltrack)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SHLIBDEPS ON)
 set(CPACK_COMPONENT_TOOLS_DESCRIPTION
-  "tag maps and camera poses from AprilTags, through motion blur
-AprilTags give robots and cameras cheap ground truth, until something moves
+  "AprilTags give robots and cameras cheap ground truth, until something moves
 fast: motion blur smears the payload and detectors see nothing. AprilTrack
 builds a map of the tags from images, video or bags, tracks the camera in it by
 the pixels of all visible tags, and says how sure it is.
@@ -66,8 +65,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libeigen3-dev, libfmt-dev, libyaml-cpp-dev, libapriltag-dev, libhwy-dev, libceres-dev, libopencv-dev, libavformat-dev, libavcodec-dev, libswscale-dev, liblz4-dev, libzstd-dev, libbz2-dev, libsqlite3-dev, libjpeg-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "apriltrack (= ${PROJECT_VERSION}), cmake, pkg-config")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
-  "library that tracks AprilTags through motion blur (development files)
-AprilTags give robots and cameras cheap ground truth, until something moves
+  "AprilTags give robots and cameras cheap ground truth, until something moves
 fast: motion blur smears the payload and detectors see nothing. AprilTrack
 builds a map of the tags from images, video or bags, tracks the camera in it by
 the pixels of all visible tags, and says how sure it is.

@@ -1,5 +1,9 @@
 # Manual pages and changelogs of a Debian package are packed, without the time at which that was done.
-file(GLOB_RECURSE files ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/*/share/man/*.1 ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/*/share/doc/*/changelog)
+file(GLOB_RECURSE files ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/*)
+list(FILTER files INCLUDE REGEX "/share/man/.*[.]1$|/share/doc/[^/]*/changelog$")
+if(NOT files)
+  message(FATAL_ERROR "no manual page and no changelog below ${CPACK_TEMPORARY_INSTALL_DIRECTORY}")
+endif()
 foreach(file IN LISTS files)
   execute_process(COMMAND gzip -9n ${file} RESULT_VARIABLE status)
   if(status)
