@@ -9,19 +9,9 @@
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/io/trimmed.h"
 
 namespace apriltrack {
-namespace {
-
-constexpr std::string_view kBlanks = " \t\r";
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
-}
-
-}  // namespace
 
 std::vector<ContentLine> content_lines(std::string_view contents) {
   std::vector<ContentLine> lines;

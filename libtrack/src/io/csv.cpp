@@ -9,17 +9,10 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/input_file.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/io/trimmed.h"
 
 namespace apriltrack {
 namespace {
-
-constexpr std::string_view kBlanks = " \t\r";
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
-}
 
 std::vector<std::string> split_fields(std::string_view line) {
   std::vector<std::string> fields;
