@@ -16,6 +16,7 @@
 #include "crc32.h"
 #include "recording.h"
 #include "support/error_message.h"
+#include "support/judge_output.h"
 #include "support/shared_data.h"
 
 namespace apriltrack::test {
@@ -174,13 +175,7 @@ TEST(Crc32, GoesOnWhereItEnded) {
 }
 
 std::vector<std::string> lines_of_judge(const std::string& command) {
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  std::string text;
-  char buffer[4096];
-  for (std::size_t size = 0; (size = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;)
-    text.append(buffer, size);
-  EXPECT_EQ(::pclose(pipe), 0) << command;
-  std::istringstream stream(text);
+  std::istringstream stream(judge_output(command));
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;

@@ -13,6 +13,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
 #include "support/error_message.h"
+#include "support/judge_output.h"
 #include "support/pose_matchers.h"
 #include "support/shared_data.h"
 
@@ -171,13 +172,7 @@ std::string python_with_numpy() {
 std::vector<JudgedPose> judged(const std::string& python, const std::string& arguments) {
   const std::string command = fmt::format(
       "{} '{}' {}", python, test::source_path("tests/eval/judge_trajectories.py").string(), arguments);
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  std::string text;
-  char buffer[4096];
-  for (std::size_t size = 0; (size = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;)
-    text.append(buffer, size);
-  EXPECT_EQ(::pclose(pipe), 0) << command;
-  std::istringstream lines(text);
+  std::istringstream lines(test::judge_output(command));
   std::vector<JudgedPose> poses;
   for (JudgedPose pose; lines >> pose.time_ns; poses.push_back(pose))
     for (int row = 0; row < 3; ++row)

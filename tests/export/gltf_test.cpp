@@ -8,25 +8,15 @@
 #include "apriltrack/tags/tag_family.h"
 #include "outside_judge.h"
 #include "placed_map.h"
+#include "support/base64.h"
 
 namespace apriltrack::test {
 namespace {
 
 using nlohmann::json;
 
-std::string decoded_base64(const std::string& uri) {
-  const std::string text = uri.substr(uri.find(',') + 1);
-  const std::string alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  unsigned bits = 0;
-  int count = 0;
-  for (const char c : text) {
-    if (c == '=') break;
-    bits = (bits << 6) | static_cast<unsigned>(alphabet.find(c));
-    count += 6;
-    if (count >= 8) out += static_cast<char>((bits >> (count -= 8)) & 0xFFu);
-  }
-  return out;
+std::string bytes_of_uri(const std::string& uri) {
+  return decoded_base64(std::string_view(uri).substr(uri.find(',') + 1));
 }
 
 /// A glTF file in memory, of either kind.
@@ -40,7 +30,7 @@ struct Scene {
   }
   std::string image(std::size_t index) const {
     const json& image = root["images"][index];
-    return image.contains("uri") ? decoded_base64(image["uri"]) : view(image["bufferView"]);
+    return image.contains("uri") ? bytes_of_uri(image["uri"]) : view(image["bufferView"]);
   }
   std::vector<float> floats(std::size_t index) const {
     const std::string bytes = view(index);
@@ -55,7 +45,7 @@ Scene scene_of(const TagMap& map, ExportFormat format) {
   Scene scene;
   if (format == ExportFormat::kGltf) {
     scene.root = json::parse(bytes);
-    scene.buffer = decoded_base64(scene.root["buffers"][0]["uri"]);
+    scene.buffer = bytes_of_uri(scene.root["buffers"][0]["uri"]);
     return scene;
   }
   const auto u32 = [&](std::size_t at) {

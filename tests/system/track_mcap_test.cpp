@@ -16,6 +16,8 @@
 #include "apriltrack/eval/trajectory.h"
 #include "apriltrack/tags/tag_map.h"
 #include "program.h"
+#include "support/base64.h"
+#include "support/judge_output.h"
 #include "support/shared_data.h"
 
 namespace apriltrack::test {
@@ -47,20 +49,6 @@ std::map<std::string, std::vector<Message>> messages_of(const fs::path& path) {
   }
   EXPECT_EQ(reader->damage(), "");
   return messages;
-}
-
-std::string decoded_base64(const std::string& text) {
-  const std::string alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  unsigned bits = 0;
-  int count = 0;
-  for (const char c : text) {
-    if (c == '=') break;
-    bits = (bits << 6) | static_cast<unsigned>(alphabet.find(c));
-    count += 6;
-    if (count >= 8) out += static_cast<char>((bits >> (count -= 8)) & 0xFFu);
-  }
-  return out;
 }
 
 Eigen::Vector3d vector_of(const json& v) {
@@ -200,13 +188,7 @@ TEST_F(TrackMcapTest, PicturesAreThoseOfTheFilm) {
 std::vector<json> judged(const std::string& file, const std::string& what = "") {
   const std::string command =
       fmt::format("node '{}' '{}' {}", source_path("tests/bag/read_mcap.mjs").string(), file, what);
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  std::string text;
-  char buffer[4096];
-  for (std::size_t size = 0; (size = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;)
-    text.append(buffer, size);
-  EXPECT_EQ(::pclose(pipe), 0) << command;
-  std::istringstream stream(text);
+  std::istringstream stream(judge_output(command));
   std::vector<json> lines;
   for (std::string line; std::getline(stream, line);) lines.push_back(json::parse(line));
   return lines;
