@@ -8,6 +8,10 @@ find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(apriltag REQUIRED)
 find_package(hwy REQUIRED)
+# The kernels keep vectors in structs, which types without a size known to the compiler forbid: scalable vectors of ARM (its
+# processors have NEON as well) and of RISC-V.
+set_property(TARGET hwy::hwy APPEND PROPERTY INTERFACE_COMPILE_DEFINITIONS
+  "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV)")
 find_package(Ceres REQUIRED)
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio)
 # For the times of video frames, which OpenCV tells wrongly, and to write videos, where OpenCV does not tell of a full

@@ -33,6 +33,10 @@ function(apriltrack_compile_options target)
     -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
     -Wold-style-cast -Wfloat-conversion -Wextra-semi
     $<$<BOOL:${APRILTRACK_WERROR}>:-Werror>)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm)")
+    # GCC tells there that pairs of numbers are passed in other registers than by GCC 9.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-psabi>)
+  endif()
   if(APRILTRACK_SANITIZE)
     # Eigen allocates otherwise under a sanitizer than in Debian's Ceres, whose static copy the linker mixes with ours.
     target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)
