@@ -170,7 +170,7 @@ std::vector<SeedText> seed_texts() {
       {"frames_csv", "timestamp_ns,exposure_s,gain\n0,0.016,1\n1000,,2.5\n2000,0.004,\n"},
       {"yaml", "a: [1, 2.5, .inf, 010]\nb: &x {c: \"d\\n\", e: 'f'}\ng: *x\nh: !!opencv-matrix\n  rows: 1\n"},
       {"json", R"({"a": [1, -2.5e3, true, null], "b": {"c": "\u00e9\n"}})"},
-      {"tum", "# timestamp tx ty tz qx qy qz qw\n1.5 1 2 3 0 0 0 1\n1.6 1 2 3.5 0.5 0.5 0.5 0.5\n"},
+      {"trajectory", "# timestamp tx ty tz qx qy qz qw\n1.5 1 2 3 0 0 0 1\n1.6 1 2 3.5 0.5 0.5 0.5 0.5\n"},
       {"image", "P2\n# c\n3 2\n15\n0 1 2\n3 4 15\n"},
   };
 }

@@ -14,7 +14,7 @@
 #include "apriltrack/camera/camera_formats.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/eval/frame_log.h"
-#include "apriltrack/eval/trajectory.h"
+#include "apriltrack/eval/trajectory_formats.h"
 #include "apriltrack/image/opencv_bridge.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/source/image_file.h"
@@ -98,7 +98,9 @@ void add_tables(Seeds& seeds) {
     frames[static_cast<std::size_t>(i)].detections.push_back(detection);
   }
   write_detections_csv(seeds.next("detections_csv"), frames);
-  write_tum(seeds.next("tum"), {{{1'500'000'000}, Pose()}, {{1'600'000'001}, small_map().tags[1].T_map_tag}});
+  const Trajectory trajectory = {{{1'500'000'000}, Pose()}, {{1'600'000'001}, small_map().tags[1].T_map_tag}};
+  for (const TrajectoryFormatInfo& info : trajectory_formats())
+    write_trajectory_as(seeds.next("trajectory", std::string(info.ending)), trajectory, info.format);
   std::vector<FrameLogRow> rows(3);
   rows[0].status = "lost";
   rows[1].timestamp = {5};
