@@ -24,12 +24,8 @@ struct Derivatives {
 };
 
 HWY_INLINE Derivatives differentiate(const TexelPath& path, V x, V y, V by_light, V by_presence) {
-  Derivatives sum;
-  sum.light = sum.presence = hn::Zero(d);
-  for (int k = 0; k < 3; ++k) {
-    sum.by_translation[k] = sum.by_depth[k] = hn::Zero(d);
-    sum.rate_by_translation[k] = sum.rate_by_depth[k] = hn::Zero(d);
-  }
+  const V zero = hn::Zero(d);
+  Derivatives sum{zero, zero, {zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}};
   for (const TexelInstant& instant : path.instants) {
     const Meeting at = meet(path.grid, instant, x, y);
     sum.light = hn::Add(sum.light, hn::IfThenElseZero(at.is_inside, at.light.at(at.fx, at.fy)));

@@ -85,7 +85,7 @@ void PredictPixels(const TexelPath& path, const RayColumns& rays, float* light, 
   const V share = all(1.0F / (Texel::kOne * static_cast<float>(kWeightSteps * num_instants)));
   const TexelGrid grid = path.grid;
   TexelStep steps[2];
-  TexelSums sums;
+  TexelSums sums{};
   sums.clear();
   std::size_t t = 0;  // steps so far
   locate(grid, path.instants[0], rays, 0, steps[0]);

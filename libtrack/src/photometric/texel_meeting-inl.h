@@ -57,7 +57,7 @@ struct Meeting {
 
 static HWY_INLINE Meeting meet(const TexelGrid& grid, const TexelInstant& instant, V x, V y) {
   const float* N = instant.texel_from_ray.data();
-  Meeting at;
+  Meeting at{};
   at.depth = reciprocal(row_of(N + 6, x, y));
   const V column = hn::Mul(at.depth, row_of(N, x, y)), row = hn::Mul(at.depth, row_of(N + 3, x, y));
   const V zero = hn::Zero(d);

@@ -27,6 +27,8 @@ using V = hn::Vec<Floats>;
 using I = hn::Vec<Ints>;
 using W = hn::Vec<Words>;
 using M = hn::Mask<Floats>;
+// A struct of vectors is made with values or {}: the constructor that GCC makes up otherwise is not of the
+// instruction set at hand, and does not compile on ARM.
 
 constexpr Floats d;
 constexpr Ints ints;
