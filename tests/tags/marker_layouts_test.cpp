@@ -1,4 +1,5 @@
 // Corners of the aruco library and angles of RTAB-Map.
+#include "apriltrack/tags/tag_family.h"
 #include "hand_made_layout.h"
 
 namespace apriltrack::test {
@@ -45,6 +46,47 @@ TEST(ArucoMarkerMap, RefusesPixelsOtherDictionariesAndOtherShapes) {
   EXPECT_NE(complaint_about_layout(more).find("complete"), std::string::npos);
 }
 
+/// Turned in the plane of its print.
+PlacedTag upside_down(const PlacedTag& tag) {
+  return {tag.at, -tag.right, -tag.down};
+}
+
+/// Tag 3 as OpenCV 4.6 draws it: cv2.aruco.drawMarker(cv2.aruco.getPredefinedDictionary(number), 3, cells).
+struct OpenCvPicture {
+  int dictionary = 0;
+  std::vector<std::string> rows;  ///< From top to bottom; '#' is black.
+};
+
+const std::vector<OpenCvPicture> kOpenCvPictures = {
+    {17, {"######", "#.##.#", "#..#.#", "#.#.##", "###.##", "######"}},
+    {18, {"#######", "#.#..##", "##...##", "##.##.#", "#.#.#.#", "##....#", "#######"}},
+    {19, {"########", "#..#..##", "##..#..#", "#..#.#.#", "#..##..#", "###.#..#", "##.#.###", "########"}},
+    {20, {"########", "####..##", "##.##..#", "#.##.#.#", "#...##.#", "#...####", "#.##...#", "########"}}};
+
+// Of zero rotation, with x to the right and y up in OpenCV's picture.
+TEST(Rtabmap, PosesAreOfThePictureThatOpenCvDraws) {
+  for (const OpenCvPicture& picture : kOpenCvPictures) {
+    const MapReading reading = read_layout(
+        fmt::format("[Core]\nMarker\\Dictionary = {}\nMarker\\Length = 2\nMarker\\Priors = 3 0 0 0 0 0 0\n",
+                    picture.dictionary));
+    ASSERT_EQ(reading.map.tags.size(), 1u);
+    const MapTag& tag = reading.map.tags[0];
+    const TagPattern pattern = TagFamily::get(tag.key.family).pattern(3);
+    const auto cells = static_cast<double>(picture.rows.size());
+    for (std::size_t row = 0; row < picture.rows.size(); ++row) {
+      for (std::size_t column = 0; column < picture.rows.size(); ++column) {
+        const Eigen::Vector3d at(2.0 * (static_cast<double>(column) + 0.5) / cells - 1.0,
+                                 1.0 - 2.0 * (static_cast<double>(row) + 0.5) / cells, 0.0);
+        const Eigen::Vector3d on_tag = tag.T_map_tag.inverse() * at;
+        EXPECT_EQ(pattern.brightness(on_tag.x(), on_tag.y()), picture.rows[row][column] == '#' ? 0.0 : 1.0)
+            << tag.key.family << " row " << row << " column " << column;
+      }
+    }
+    EXPECT_GT((tag.T_map_tag.rotation() * Eigen::Vector3d::UnitZ()).dot(-Eigen::Vector3d::UnitZ()), 0.99)
+        << "z out of the face";
+  }
+}
+
 // Rz(-90) Ry(10) Rx(90) in degrees.
 TEST(Rtabmap, PriorsAsStringLinesAndIni) {
   const std::string prior =
@@ -60,8 +102,8 @@ TEST(Rtabmap, PriorsAsStringLinesAndIni) {
     const MapReading reading = read_layout(text, options);
     EXPECT_EQ(reading.format, MapFormat::kRtabmap) << text;
     ASSERT_EQ(reading.map.tags.size(), 2u) << text;
-    EXPECT_THAT(reading.map.tags[0], IsAt(rolled_tag())) << text;
-    EXPECT_THAT(reading.map.tags[1], IsAt(floor_tag())) << text;
+    EXPECT_THAT(reading.map.tags[0], IsAt(upside_down(rolled_tag()))) << text;
+    EXPECT_THAT(reading.map.tags[1], IsAt(upside_down(floor_tag()))) << text;
   }
 }
 
@@ -90,6 +132,20 @@ TEST(Rtabmap, LeavesOutId0WhichItPassesOver) {
   map.tags.pop_back();
   EXPECT_NE(message_of([&] { write_tag_map_as(path, map, MapFormat::kRtabmap); }).find("id 0"),
             std::string::npos);
+}
+
+TEST(Rtabmap, CommonVarianceIsTheLargestInAnyDirection) {
+  TagMap map;
+  map.tags = {map_tag("tag36h11", 5, 0.16, floor_tag().T_map_tag())};
+  Matrix6d covariance = Matrix6d::Identity() * 1e-4;
+  covariance(0, 1) = covariance(1, 0) = 0.9e-4;  // along (1, 1): (1 + .9) 1e-4
+  covariance(4, 5) = covariance(5, 4) = -0.5e-4;
+  map.tags[0].covariance = covariance;
+  const auto path = temporary_folder() / "priors.ini";
+  write_tag_map_as(path, map, MapFormat::kRtabmap);
+  const TagMap back = read_tag_map(path);
+  EXPECT_NEAR((*back.tags.at(0).covariance)(2, 2), 1.9e-4, 1e-12);
+  EXPECT_NEAR((*back.tags.at(0).covariance)(3, 3), 1.5e-4, 1e-12);
 }
 
 TEST(Rtabmap, NamesTheLineOfAMistake) {

@@ -177,6 +177,11 @@ const Eigen::Quaterniond& rotation_ros_tag() {
   return rotation;
 }
 
+const Eigen::Quaterniond& rotation_opencv_tag() {
+  static const Eigen::Quaterniond rotation(0.0, 0.0, 1.0, 0.0);  // by 180 degrees about y
+  return rotation;
+}
+
 const Eigen::Quaterniond& rotation_wpilib_tag() {
   // Our x, y, z are their y, -z, -x: columns (0 1 0), (0 0 -1), (-1 0 0).
   static const Eigen::Quaterniond rotation(0.5, -0.5, -0.5, 0.5);

@@ -57,9 +57,11 @@ double read_coordinate(const YamlNode& node);
 Eigen::Quaterniond read_unit_quaternion(const YamlNode& node, double w, double x, double y, double z);
 /// A rotation but for rounding to three decimals; the nearest one.
 Eigen::Quaterniond nearest_rotation(const Eigen::Matrix3d& matrix, const MapPlace& place);
-/// What our tag frame is in that of apriltag_ros, TagSLAM, aruco and RTAB-Map: theirs has y up and z out of
-/// the face.
+/// What our tag frame is in that of apriltag_ros, TagSLAM and aruco: theirs has y up and z out of the face.
 const Eigen::Quaterniond& rotation_ros_tag();
+/// In that of OpenCV's aruco module, and so of RTAB-Map: y up and z out of the face as well, but of the print
+/// as OpenCV's dictionaries of AprilTags have it, which is the AprilTag library's upside down.
+const Eigen::Quaterniond& rotation_opencv_tag();
 /// In that of WPILib and Limelight: theirs has x out of the face, y to the right of who looks at it, z up
 /// (a tag of zero rotation is upright and faces along +x: AprilTagFieldLayout.java of wpilibsuite/allwpilib).
 const Eigen::Quaterniond& rotation_wpilib_tag();

@@ -2,11 +2,12 @@
 // or the 12 numbers of a 3x4 matrix (Parameters.h, Rtabmap.cpp and Transform.cpp of introlab/rtabmap;
 // rotations Rz Ry Rx). Read from the string itself, from one marker a line, and from an .ini with
 // Marker\Priors, whose Marker\Length, Marker\Dictionary and Marker\PriorsVariance... are used. The tag's
-// frame is OpenCV's: y up, z out of the face.
+// frame is that of OpenCV's aruco module, by which MarkerDetector.cpp there detects.
 #include "rtabmap.h"
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -152,7 +153,7 @@ ForeignTag tag_of_prior(const RtabmapValue& marker, const std::string& file) {
   if (!id || *id < 0 || *id > 1'000'000) tag.place.fail("must begin with the id of a tag");
   tag.id = static_cast<int>(*id);
   tag.T_map_tag =
-      pose_from_frame(pose_of_prior({values.begin() + 1, values.end()}, tag.place), rotation_ros_tag());
+      pose_from_frame(pose_of_prior({values.begin() + 1, values.end()}, tag.place), rotation_opencv_tag());
   return tag;
 }
 
@@ -191,7 +192,7 @@ std::optional<Matrix6d> rtabmap_covariance(const MapText& text) {
 }
 
 std::string text_of_prior(const MapTag& tag) {
-  const Pose pose = pose_to_frame(tag.T_map_tag, rotation_ros_tag());
+  const Pose pose = pose_to_frame(tag.T_map_tag, rotation_opencv_tag());
   const Eigen::Vector3d& p = pose.translation();
   const Eigen::Vector3d angles = roll_pitch_yaw_of(pose.rotation());
   return fmt::format("{} {} {} {} {} {} {}", tag.key.id, format_exact(p.x()), format_exact(p.y()),
@@ -199,17 +200,23 @@ std::string text_of_prior(const MapTag& tag) {
                      format_exact(angles.z()));
 }
 
-/// One variance for all tags: the largest, so that none claims more than it knows.
+/// One variance for all tags: the largest in any direction, so that none claims more than it knows.
 struct CommonVariance {
   double linear_m2 = 0.0, angular_rad2 = 0.0;
 };
+
+double largest_variance(const Eigen::Matrix3d& covariance) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()[2];
+}
 
 std::optional<CommonVariance> common_variance(const TagMap& map) {
   CommonVariance variance;
   for (const MapTag& tag : map.tags) {
     if (!tag.covariance) return std::nullopt;
-    variance.linear_m2 = std::max(variance.linear_m2, tag.covariance->diagonal().head<3>().maxCoeff());
-    variance.angular_rad2 = std::max(variance.angular_rad2, tag.covariance->diagonal().tail<3>().maxCoeff());
+    variance.linear_m2 =
+        std::max(variance.linear_m2, largest_variance(tag.covariance->topLeftCorner<3, 3>()));
+    variance.angular_rad2 =
+        std::max(variance.angular_rad2, largest_variance(tag.covariance->bottomRightCorner<3, 3>()));
   }
   if (!(variance.linear_m2 > 0.0 && variance.angular_rad2 > 0.0)) return std::nullopt;
   return variance;
