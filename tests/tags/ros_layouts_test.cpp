@@ -158,6 +158,28 @@ TEST(TagSlam, BodiesThatStandAreOneWorld) {
       << "of the body's own frame";
 }
 
+// A body that may be turned by 0.1 rad about its z axis moves a tag 0.5 m along its x axis by 50 mm along y.
+TEST(TagSlam, NoiseOfABodyIsOfItsTagsToo) {
+  const std::string still = "     is_static: true\n";
+  const std::string noise =
+      ", position_noise: {x: 0.01, y: 0.02, z: 0.03}, rotation_noise: {x: 0, y: 0, z: 0.1}";
+  const std::string own =
+      ", position_noise: {x: 0.001, y: 0.001, z: 0.001}, rotation_noise: {x: 0.2, y: 0.2, z: 0.2}";
+  const auto pose = [](const std::string& x, const std::string& more) {
+    return "pose: {position: {x: " + x + ", y: 0, z: 0}, rotation: {x: 0, y: 0, z: 0}" + more + "}";
+  };
+  const TagMap map = read_layout("bodies:\n - a:\n" + still + "     " + pose("7", noise) +
+                                 "\n     tags: [{id: 4, size: 0.1, " + pose("0.5", own) +
+                                 "}, {id: 5, size: 0.1, " + pose("0.5", "") + "}]\n")
+                         .map;
+  ASSERT_TRUE(map.find({"tag36h11", 4})->covariance);
+  const Vector6d variances = map.find({"tag36h11", 4})->covariance->diagonal();
+  const Vector6d expected =
+      (Vector6d() << 1e-4 + 1e-6, 4e-4 + 2.5e-3 + 1e-6, 9e-4 + 1e-6, 0.04, 0.04, 0.04 + 0.01).finished();
+  EXPECT_LT((variances - expected).norm(), 1e-12) << variances.transpose();
+  EXPECT_FALSE(map.find({"tag36h11", 5})->covariance) << "of which nothing is known";
+}
+
 TEST(TagSlam, FullCovariancesComeBack) {
   TagMap map;
   map.frame = "rig";

@@ -33,6 +33,7 @@ struct TagSlamBody {
   TagBundle bundle;
   bool is_static = true;
   std::optional<Pose> T_world_body;
+  std::optional<Matrix6d> covariance;  ///< Of T_world_body, along the body's axes.
 };
 
 Eigen::Vector3d tagslam_vector(const YamlNode& node) {
@@ -75,15 +76,19 @@ std::optional<ForeignTag> tagslam_tag(const YamlNode& node, const std::optional<
   tag.family = tagslam_family(node);
   tag.size_m = size ? std::optional(read_tag_size(*size)) : default_size_m;
   tag.T_map_tag = pose_from_frame(*T_body_theirs, rotation_ros_tag());
-  tag.covariance = covariance_of_tagslam(pose);
+  if (const auto covariance = covariance_of_tagslam(pose))
+    tag.covariance = covariance_from_frame(*covariance, rotation_ros_tag());
   return tag;
 }
 
 TagSlamBody tagslam_body(const std::string& name, const YamlNode& node,
                          std::vector<std::string>& without_pose) {
-  TagSlamBody body{{name, {}}, true, std::nullopt};
+  TagSlamBody body{{name, {}}, true, std::nullopt, std::nullopt};
   if (const auto is_static = node.find("is_static")) body.is_static = is_static->as_bool();
-  if (const auto pose = node.find("pose"); pose && pose->is_map()) body.T_world_body = tagslam_pose(*pose);
+  if (const auto pose = node.find("pose"); pose && pose->is_map()) {
+    body.T_world_body = tagslam_pose(*pose);
+    body.covariance = covariance_of_tagslam(*pose);
+  }
   std::optional<double> default_size_m;
   if (const auto size = node.find("default_tag_size"); size && size->as_double() > 0.0)
     default_size_m = read_tag_size(*size);
@@ -122,6 +127,11 @@ std::vector<ForeignTag> tags_in_world(const std::vector<TagSlamBody>& bodies) {
   std::vector<ForeignTag> tags;
   for (const TagSlamBody& body : bodies) {
     for (ForeignTag tag : body.bundle.tags) {
+      if (tag.covariance && body.covariance) {
+        // T_world_body exp(xi) T_body_tag = T_world_tag exp(Ad(T_tag_body) xi).
+        const Matrix6d to_tag = tag.T_map_tag.inverse().adjoint();
+        *tag.covariance += to_tag * *body.covariance * to_tag.transpose();
+      }
       tag.T_map_tag = *body.T_world_body * tag.T_map_tag;
       tags.push_back(std::move(tag));
     }
@@ -176,10 +186,10 @@ MapReading read_tagslam(const MapText& text, const MapReadOptions& options) {
                       .value = fmt::format("{}, which have no pose", fmt::join(without_pose, ", "))});
   add_foreign_keys(foreign, losses);
   if (options.bundle.empty() && stand_still(bodies)) {
-    const std::string frame = bodies.size() == 1 && bodies[0].T_world_body->log().isZero(0.0)
-                                  ? bodies[0].bundle.name
-                                  : std::string("world");
-    return map_of(MapFormat::kTagSlam, options, text.file, frame, tags_in_world(bodies), std::move(losses));
+    // Of one body that is at the origin the map is its own: how well the world knows it is no matter.
+    const bool is_own = bodies.size() == 1 && bodies[0].T_world_body->log().isZero(0.0);
+    return map_of(MapFormat::kTagSlam, options, text.file, is_own ? bodies[0].bundle.name : "world",
+                  is_own ? bodies[0].bundle.tags : tags_in_world(bodies), std::move(losses));
   }
   std::vector<TagBundle> bundles;
   for (const TagSlamBody& body : bodies) bundles.push_back(body.bundle);

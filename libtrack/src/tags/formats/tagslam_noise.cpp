@@ -60,7 +60,7 @@ std::optional<Matrix6d> covariance_of_tagslam(const YamlNode& pose) {
     return std::nullopt;
   }
   if (const auto fault = fault_of_covariance(covariance)) pose.fail("noise: " + *fault);
-  return covariance_from_frame(covariance, rotation_ros_tag());
+  return covariance;
 }
 
 std::optional<std::string> text_of_tagslam_covariance(const Matrix6d& covariance, const std::string& indent) {

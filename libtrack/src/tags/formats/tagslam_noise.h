@@ -7,8 +7,8 @@
 
 namespace apriltrack {
 
-/// The covariance that a pose of TagSLAM states, in our order and our tag frame; nullopt where it states
-/// none.
+/// The covariance that a pose of TagSLAM states, in our order, along the axes of the body or of TagSLAM's
+/// tag; nullopt where it states none.
 std::optional<Matrix6d> covariance_of_tagslam(const YamlNode& pose);
 
 /// The same as lines for a file, each behind `indent`; nullopt of a covariance that has no inverse, such as
