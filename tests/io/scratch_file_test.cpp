@@ -1,5 +1,4 @@
 #include "apriltrack/io/scratch_file.h"
-
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -9,6 +8,9 @@
 #include <string>
 
 #include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/growing_file.h"
+#include "apriltrack/io/staged_files.h"
+#include "apriltrack/io/staged_files.h"
 #include "support/error_message.h"
 #include "support/shared_data.h"
 
@@ -85,6 +87,35 @@ TEST(AtomicFile, OfAKilledProcessLeavesTheOldOneAlone) {
     });
   });
   EXPECT_EQ(read_file(folder / "map.yaml"), "old");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+}
+
+TEST(GrowingFile, OfAKilledProcessLeavesTheOldOneAlone) {
+  const auto folder = test::temporary_folder();
+  if (!has_nameless_files(folder)) GTEST_SKIP() << "this file system has no files without a name (O_TMPFILE)";
+  write_file_atomically(folder / "run.mcap", "old");
+  kill_in_the_middle_of([&](const auto& wait_to_be_killed) {
+    StagedFiles files;
+    GrowingFile file(files, folder / "run.mcap");
+    file.write("half of the n");
+    wait_to_be_killed();
+  });
+  EXPECT_EQ(read_file(folder / "run.mcap"), "old");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+}
+
+TEST(GrowingFile, TakesTheOldOnesPlaceWhenItIsCommitted) {
+  const auto folder = test::temporary_folder();
+  write_file_atomically(folder / "run.mcap", "old");
+  StagedFiles files;
+  GrowingFile file(files, folder / "run.mcap");
+  file.write("12");
+  file.write("345");
+  file.close();
+  EXPECT_EQ(read_file(folder / "run.mcap"), "old");
+  files.commit();
+  EXPECT_EQ(read_file(folder / "run.mcap"), "12345");
+  EXPECT_EQ(file.size(), 5U);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
 }
 

@@ -36,7 +36,7 @@ class AsideFile {
   /// Of a complete file. A name that an ended process of the same number left is in the way.
   bool replace(const fs::path& target) {
     if (!has_name_) ::unlink(path_.c_str());
-    has_name_ = has_name_ || give_name(file_, path_);
+    has_name_ = has_name_ || give_name(file_.get(), path_);
     if (!has_name_ || !file_.close() || ::rename(path_.c_str(), target.c_str()) != 0) return false;
     has_name_ = false;
     return true;
@@ -47,16 +47,6 @@ class AsideFile {
   Descriptor file_;
   bool has_name_ = false;
 };
-
-bool write_all(int fd, std::string_view contents) {
-  while (!contents.empty()) {
-    const ssize_t written = ::write(fd, contents.data(), contents.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
-    contents.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return true;
-}
 
 [[noreturn]] void fail_to_write(const fs::path& path, int code, std::string_view kept = "") {
   throw io_error(path.string(), fmt::format("cannot be written: {}{}", system_reason(code), kept));
@@ -85,9 +75,10 @@ void write_beside_and_rename(const fs::path& path, const PieceWriter& writer, co
   AsideFile aside(beside);
   const int file = aside.descriptor();
   if (file < 0) fail_to_write(path, errno);
-  const bool is_complete = (!existing || ::fchmod(file, existing->st_mode & 07777) == 0) &&
-                           write_pieces(file, writer) &&
-                           (durability == Durability::kComplete || ::fsync(file) == 0) && aside.replace(path);
+  const bool is_complete =
+      (!existing || ::fchmod(file, existing->st_mode & 07777) == 0) && write_pieces(file, writer) &&
+      (durability == Durability::kComplete || ::fsync(file) == 0) && aside.replace(path) &&
+      (durability == Durability::kComplete || sync_folder_of(path));
   if (!is_complete) fail_to_write(path, errno, existing ? "; the existing file was kept" : "");
 }
 

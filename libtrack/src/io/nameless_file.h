@@ -12,9 +12,9 @@ namespace apriltrack {
 Descriptor open_nameless_file(const std::filesystem::path& folder);
 
 /// The path by which this process reaches what it holds open.
-std::filesystem::path path_of(const Descriptor& file);
+std::filesystem::path path_of(int descriptor);
 
 /// Gives a nameless file its name, which must be free; false, with errno, where that fails.
-bool give_name(const Descriptor& file, const std::filesystem::path& path);
+bool give_name(int descriptor, const std::filesystem::path& path);
 
 }  // namespace apriltrack

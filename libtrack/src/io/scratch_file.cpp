@@ -16,7 +16,7 @@ namespace apriltrack {
 ScratchFile::ScratchFile(const std::filesystem::path& place) {
   Descriptor nameless = open_nameless_file(place.parent_path());
   if (nameless.get() >= 0) {
-    path_ = path_of(nameless);
+    path_ = path_of(nameless.get());
     descriptor_ = nameless.release();
     return;
   }

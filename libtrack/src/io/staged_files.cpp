@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <system_error>
 
 #include "apriltrack/base/error.h"
@@ -64,6 +65,7 @@ void StagedFiles::commit() {
     const fs::file_status existing = fs::status(file.target, error);
     if (fs::exists(existing)) fs::permissions(file.written, existing.permissions(), error);
     fs::rename(file.written, file.target, error);
+    if (!error && !sync_folder_of(file.target)) error = {errno, std::generic_category()};
     if (error) throw io_error(file.name.string(), fmt::format("cannot be written: {}", error.message()));
     files_.erase(files_.begin());
   }

@@ -1,12 +1,15 @@
 #include "write_target.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <system_error>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/staged_files.h"
+#include "descriptor.h"
 
 namespace apriltrack {
 namespace fs = std::filesystem;
@@ -24,6 +27,13 @@ bool is_open_descriptor(const fs::path& path) {
 }
 
 }  // namespace
+
+bool sync_folder_of(const fs::path& path) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (opened.get() < 0) return errno == EACCES;  // who may write there need not be able to list it
+  return ::fsync(opened.get()) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
+}
 
 fs::path follow_links(const fs::path& path) {
   constexpr int kMaxLinks = 40;  // as Linux: path_resolution(7)

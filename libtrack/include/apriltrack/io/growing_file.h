@@ -10,8 +10,9 @@ namespace apriltrack {
 class StagedFiles;
 
 /// A file that is written piece by piece while a run goes on, from its beginning to its end and never gone
-/// back in, so that a pipe will do. It is put in place when the run commits `files`: until then it stands
-/// beside it, and what has its name already is kept.
+/// back in, so that a pipe will do. It is put in place when the run commits `files`: what has its name
+/// already is kept until then. Where the file system can, it has no name until it is closed, so that nothing
+/// is left of it, however the program ends.
 class GrowingFile {
  public:
   /// files: must outlive it. A device or a pipe is written to directly. Throws Error(kIo).
@@ -33,7 +34,9 @@ class GrowingFile {
   [[noreturn]] void fail() const;
 
   std::string name_;
+  std::filesystem::path place_;  ///< Its own, until `files` are committed.
   int descriptor_ = -1;
+  bool is_nameless_ = false;
   std::uint64_t size_ = 0;
 };
 
