@@ -115,6 +115,25 @@ TEST(UrdfExport, LinksAreOurTagFrames) {
   EXPECT_EQ(joints, 3);
 }
 
+TEST(UrdfExport, NamesOfItsLinksAreDistinctAndAChangedFrameIsTold) {
+  TagMap map = placed_map();
+  const auto root_and_loss = [&](const std::string& frame) {
+    map.frame = frame;
+    const MapExport result = export_tag_map(map, ExportFormat::kUrdf);
+    std::smatch root;
+    const std::string& text = result.files.at(0).contents;
+    EXPECT_TRUE(std::regex_search(text, root, std::regex("<link name=\"([^\"]*)\"/>")));
+    std::string told = "nothing";
+    for (const MapLoss& loss : result.losses)
+      if (loss.kind == MapLossKind::kFrameName && loss.how == MapLossHow::kConverted) told = loss.value;
+    return std::pair(root[1].str(), told);
+  };
+  EXPECT_EQ(root_and_loss("hall"), std::pair(std::string("hall"), std::string("nothing")));
+  EXPECT_EQ(root_and_loss("tag36h11_2"),
+            std::pair(std::string("tag36h11_2_frame"), std::string("tag36h11_2_frame")));
+  EXPECT_EQ(root_and_loss("hall <2>"), std::pair(std::string("hall__2_"), std::string("hall__2_")));
+}
+
 TEST(UrdfExport, CheckUrdfAccepts) {
   if (!succeeds("command -v check_urdf")) GTEST_SKIP() << "check_urdf (liburdfdom-tools) is not installed";
   const auto path = written(placed_map(), ExportFormat::kUrdf, "map.urdf");

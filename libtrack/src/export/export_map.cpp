@@ -10,6 +10,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/staged_files.h"
+#include "export_words.h"
 #include "writers.h"
 
 namespace apriltrack {
@@ -77,6 +78,9 @@ std::optional<ExportFormat> export_format_named(std::string_view name) {
 MapExport export_tag_map(const TagMap& map, ExportFormat format) {
   MapExport result{files_of(map, format), {}};
   add_left_out(map, holdings_of(format), result.losses);
+  const bool has_plain_names = format == ExportFormat::kUrdf || format == ExportFormat::kSdf;
+  if (const std::string name = plain_frame_name(map); has_plain_names && name != map.frame)
+    result.losses.push_back({.kind = MapLossKind::kFrameName, .how = MapLossHow::kConverted, .value = name});
   return result;
 }
 

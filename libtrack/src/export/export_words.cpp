@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "apriltrack/io/numbers.h"
 
 namespace apriltrack {
@@ -28,6 +30,13 @@ std::string plain_name(std::string_view text) {
     name += is_plain ? c : '_';
   }
   return name.empty() ? "map" : name;
+}
+
+std::string plain_frame_name(const TagMap& map) {
+  std::string name = plain_name(map.frame);
+  while (std::ranges::any_of(map.tags, [&](const MapTag& tag) { return flat_name(tag.key) == name; }))
+    name += "_frame";
+  return name;
 }
 
 }  // namespace apriltrack

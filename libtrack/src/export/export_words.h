@@ -20,4 +20,7 @@ std::string flat_name(const TagKey& key);
 /// Letters, digits, underscores: for names of links and models.
 std::string plain_name(std::string_view text);
 
+/// What the map's frame is called where names are plain, and no tag is called so (flat_name()).
+std::string plain_frame_name(const TagMap& map);
+
 }  // namespace apriltrack

@@ -38,7 +38,7 @@ std::string sdf_link(const MapTag& tag) {
 }  // namespace
 
 std::string sdf_text(const TagMap& map) {
-  const std::string name = plain_name(map.frame);
+  const std::string name = plain_frame_name(map);
   std::string out = fmt::format(
       "<?xml version=\"1.0\"?>\n<!-- Tags of frame {0}. Links: x right, y down, z into the tag; metres, "
       "radians. -->\n"

@@ -34,7 +34,7 @@ std::string urdf_tag(const MapTag& tag, const std::string& root) {
 }  // namespace
 
 std::string urdf_text(const TagMap& map) {
-  const std::string root = plain_name(map.frame);
+  const std::string root = plain_frame_name(map);
   std::string out = fmt::format(
       "<?xml version=\"1.0\"?>\n<!-- Tags of frame {}. Links: x right, y down, z into the tag; metres, "
       "radians. -->\n"
