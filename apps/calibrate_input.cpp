@@ -12,6 +12,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/estimate_response.h"
 #include "frame_loop.h"
+#include "frame_options.h"
 #include "inputs.h"
 #include "odd_picture_watch.h"
 #include "patch_keeper.h"
@@ -79,7 +80,7 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
     SourceOptions source_of_camera = source_options;
     source_of_camera.log = console.log();
     source_of_camera.topic = recording.topic;
-    source_of_camera.exposure_s = camera.exposure_s;
+    set_shutter(source_of_camera, camera);
     if (recording.is_named) source_of_camera.camera_name = recording.camera;
     const std::unique_ptr<FrameSource> source = open_source(recording.input, source_of_camera);
     std::vector<FrameDetections> frames;

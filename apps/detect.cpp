@@ -101,7 +101,7 @@ SourceOptions source_options(const DetectArguments& arguments, const std::option
   options.camera_name = arguments.camera_name;
   options.topic = topic_of(arguments.input, arguments.frames.topics, camera ? camera->name : "cam0",
                            camera_source(arguments.camera, arguments.input).value_or(""), arguments.console);
-  options.exposure_s = camera ? camera->exposure_s : std::nullopt;
+  if (camera) set_shutter(options, *camera);
   options.log = arguments.console.log();
   return options;
 }

@@ -182,7 +182,7 @@ RecordingFacts look_at_one(const Recording& named, const LookOptions& options, c
   source_options.log = console.log();
   source_options.camera_name = named.is_named ? named.camera : options.camera_name;
   source_options.topic = named.topic;
-  if (facts.camera) source_options.exposure_s = facts.camera->exposure_s;
+  if (facts.camera) set_shutter(source_options, *facts.camera);
   facts.tells_times = has_times(named.input, source_options);
   if (!facts.tells_times) source_options.rate_hz = 1.0;
   DetectorOptions detector = options.detector;

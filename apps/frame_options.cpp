@@ -1,6 +1,7 @@
 #include "frame_options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "config_file.h"
 #include "option_checks.h"
@@ -30,6 +31,11 @@ void add_config_option(CLI::App& command, std::string& config) {
   };
   command.add_option_function<std::string>(
       "--config", apply, "YAML file of options, keys = their long names; the command line wins");
+}
+
+void set_shutter(SourceOptions& options, const Camera& camera) {
+  options.exposure_s = camera.exposure_s;
+  options.readout_s = std::max(0, camera.height - 1) * camera.line_delay_s;
 }
 
 }  // namespace apriltrack::app

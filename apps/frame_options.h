@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/camera/camera.h"
 #include "apriltrack/source/frame_source.h"
 
 namespace CLI {
@@ -29,5 +30,8 @@ inline constexpr std::initializer_list<const char*> kFrameOptionNames = {
 
 /// Adds --config: a YAML file of further options. It is applied before the parser asks for what is required.
 void add_config_option(CLI::App& command, std::string& config);
+
+/// What --stamp-is needs to know of the camera.
+void set_shutter(SourceOptions& options, const Camera& camera);
 
 }  // namespace apriltrack::app

@@ -16,6 +16,7 @@
 #include "corner_claims.h"
 #include "exposure_check.h"
 #include "frame_loop.h"
+#include "frame_options.h"
 #include "frame_sinks.h"
 #include "inputs.h"
 #include "odd_picture_watch.h"
@@ -92,7 +93,7 @@ SourceOptions source_options(const TrackArguments& arguments, const Camera& came
   if (!arguments.input.empty())
     options.topic = topic_of(arguments.input, arguments.frames.topics, camera.name, camera_file(arguments),
                              arguments.console);
-  options.exposure_s = camera.exposure_s;
+  set_shutter(options, camera);
   options.log = arguments.console.log();
   return options;
 }

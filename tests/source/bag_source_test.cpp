@@ -171,6 +171,20 @@ TEST(StampIs, MovesTimesToTheMiddleOfTheExposure) {
   EXPECT_EQ(times(StampIs::kEnd), (std::vector<std::int64_t>{992'000'000, 1'992'000'000}));
 }
 
+// 480 rows, 10 us apart: the middle of row 239.5 is 2.395 ms after that of the first.
+TEST(StampIs, OfARollingShutterIsMovedToItsMiddleRow) {
+  const fs::path bag = temporary_folder() / "any.mcap";
+  write_mcap(bag, Wire::kCdr, {small_picture("/image", kSecond)});
+  const auto time_ns = [&](StampIs stamp_is) {
+    return times_of(
+               read_all(bag.string(), {.stamp_is = stamp_is, .exposure_s = 0.016, .readout_s = 479 * 10e-6}))
+        .at(0);
+  };
+  EXPECT_EQ(time_ns(StampIs::kStart), kSecond + 8'000'000 + 2'395'000);
+  EXPECT_EQ(time_ns(StampIs::kMiddle), kSecond);
+  EXPECT_EQ(time_ns(StampIs::kEnd), kSecond - 8'000'000 - 2'395'000);
+}
+
 TEST(StampIs, NeedsAnExposure) {
   const fs::path bag = temporary_folder() / "any.mcap";
   write_mcap(bag, Wire::kCdr, {small_picture("/image", kSecond)});

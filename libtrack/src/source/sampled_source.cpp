@@ -9,13 +9,14 @@
 namespace apriltrack {
 namespace {
 
-/// From a frame's stamp to the middle of its exposure.
-double seconds_to_middle(StampIs stamp_is, double exposure_s) {
+/// From a frame's stamp to the middle of the exposure of its middle row; capture_s: from the start of the
+/// first row's to the end of the last row's.
+double seconds_to_middle(StampIs stamp_is, double capture_s) {
   switch (stamp_is) {
     case StampIs::kStart:
-      return 0.5 * exposure_s;
+      return 0.5 * capture_s;
     case StampIs::kEnd:
-      return -0.5 * exposure_s;
+      return -0.5 * capture_s;
     case StampIs::kMiddle:
       break;
   }
@@ -44,7 +45,8 @@ std::optional<SourceFrame> SampledSource::next() {
   std::optional<SourceFrame> frame = source_->next();
   if (!frame || options_.stamp_is == StampIs::kMiddle) return frame;
   const double exposure_s = frame->exposure_s ? *frame->exposure_s : options_.exposure_s.value_or(0.0);
-  frame->timestamp = advance(frame->timestamp, seconds_to_middle(options_.stamp_is, exposure_s));
+  frame->timestamp =
+      advance(frame->timestamp, seconds_to_middle(options_.stamp_is, exposure_s + options_.readout_s));
   return frame;
 }
 

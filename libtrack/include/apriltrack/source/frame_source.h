@@ -25,7 +25,8 @@ struct SourceFrame {
   Frame frame(int camera_index = 0) const;
 };
 
-/// Which moment of a frame's exposure its recorded time is.
+/// Which moment of a frame's exposure its recorded time is: the start of its first row's, the middle of its
+/// middle row's, the end of its last row's.
 enum class StampIs { kStart, kMiddle, kEnd };
 
 struct SourceOptions {
@@ -43,10 +44,12 @@ struct SourceOptions {
   std::string camera_name = {};
   /// Which topic of a bag; empty: the only one with pictures. Of other inputs it is an error.
   std::string topic = {};
-  /// Frames' times are moved by half the exposure to its middle: by the frame's own where it is told, else by
-  /// exposure_s, which is required then.
+  /// Frames' times are moved to the middle of the exposure of the middle row: by half the frame's own
+  /// exposure where it is told, else by half of exposure_s, which is required then; and by what a rolling
+  /// shutter needs from the first row to the middle, or from there to the last.
   StampIs stamp_is = StampIs::kMiddle;
   std::optional<double> exposure_s = std::nullopt;  ///< Of the camera's file. For stamp_is alone.
+  double readout_s = 0.0;  ///< From the first row of a rolling shutter to the last; for stamp_is alone.
   /// Hears of a recording that is not as its own files say: frames that its frames.csv does not know, a video
   /// that ends before its header's count, a bag that is damaged.
   LogSink log = silent_log();
