@@ -52,12 +52,21 @@ json to_json(const TagMap& map) {
   return out;
 }
 
-std::string table_row(const MapTag& tag) {
+/// Of the columns of positions: of a map in UTM coordinates they are wide.
+std::size_t position_width(const TagMap& map) {
+  std::size_t width = 10;
+  for (const MapTag& tag : map.tags)
+    for (const double metres : tag.T_map_tag.translation())
+      width = std::max(width, fmt::formatted_size("{:.4f}", metres) + 2);
+  return width;
+}
+
+std::string table_row(const MapTag& tag, std::size_t width) {
   const Eigen::Vector3d& p = tag.T_map_tag.translation();
   const Eigen::Vector3d n = normal_map(tag);
   std::string text =
-      fmt::format("{:<18}{:>8.1f}{:>10.4f}{:>10.4f}{:>10.4f}{:>7.2f}{:>6.2f}{:>6.2f}", to_string(tag.key),
-                  kMmPerM * tag.size_m, p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
+      fmt::format("{:<18}{:>8.1f}{:>{w}.4f}{:>{w}.4f}{:>{w}.4f}{:>7.2f}{:>6.2f}{:>6.2f}", to_string(tag.key),
+                  kMmPerM * tag.size_m, p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), fmt::arg("w", width));
   const bool has_sigma = tag.covariance.has_value();
   text += has_sigma ? fmt::format("{:>10.3f}{:>11.4f}", kMmPerM * block_sigma(*tag.covariance, 0),
                                   kDegPerRad * block_sigma(*tag.covariance, 3))
@@ -71,10 +80,12 @@ std::string table_row(const MapTag& tag) {
 }
 
 std::string to_text(const TagMap& map) {
+  const std::size_t width = position_width(map);
   std::string text = fmt::format("{} tags in frame '{}'\n", map.tags.size(), map.frame);
-  text += fmt::format("{:<18}{:>8}{:>10}{:>10}{:>10}{:>19}{:>10}{:>11}{:>7}{:>9}\n", "tag", "size mm", "x m",
-                      "y m", "z m", "normal", "sigma mm", "sigma deg", "views", "resid px");
-  for (const MapTag& tag : map.tags) text += table_row(tag);
+  text +=
+      fmt::format("{:<18}{:>8}{:>{w}}{:>{w}}{:>{w}}{:>19}{:>10}{:>11}{:>7}{:>9}\n", "tag", "size mm", "x m",
+                  "y m", "z m", "normal", "sigma mm", "sigma deg", "views", "resid px", fmt::arg("w", width));
+  for (const MapTag& tag : map.tags) text += table_row(tag, width);
   for (const auto& [key, value] : map.provenance) text += fmt::format("{}: {}\n", key, value);
   text.pop_back();
   return text;
