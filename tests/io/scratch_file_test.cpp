@@ -1,4 +1,5 @@
 #include "apriltrack/io/scratch_file.h"
+
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -9,7 +10,6 @@
 
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/growing_file.h"
-#include "apriltrack/io/staged_files.h"
 #include "apriltrack/io/staged_files.h"
 #include "support/error_message.h"
 #include "support/shared_data.h"
