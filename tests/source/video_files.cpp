@@ -117,21 +117,23 @@ void write_mjpeg_video(const std::filesystem::path& path, const VideoPlan& plan)
   container.end();
 }
 
-void write_b_frame_video(const std::filesystem::path& path, const VideoPlan& plan) {
+namespace {
+
+/// set_up: what is particular to the codec.
+template <class SetUp>
+void write_encoded_video(const std::filesystem::path& path, const VideoPlan& plan, AVCodecID codec,
+                         const SetUp& set_up) {
   Container container(path);
-  AVCodecContext* encoder = avcodec_alloc_context3(avcodec_find_encoder(AV_CODEC_ID_MPEG4));
+  AVCodecContext* encoder = avcodec_alloc_context3(avcodec_find_encoder(codec));
   encoder->width = plan.pictures.front().width();
   encoder->height = plan.pictures.front().height();
   encoder->pix_fmt = AV_PIX_FMT_YUV420P;
-  encoder->time_base = kTick;
-  encoder->max_b_frames = 2;
-  encoder->gop_size = 12;
-  encoder->flags |= AV_CODEC_FLAG_QSCALE;
-  encoder->global_quality = 2 * FF_QP2LAMBDA;
-  if (container.wants_global_header()) encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
-  av_opt_set_int(encoder->priv_data, "b_strategy", 0, 0);  // always two, whatever the pictures
   // MPEG-4 holds times in ticks of at most 16 bits a second.
   encoder->time_base = {1, 30000};
+  encoder->gop_size = 12;
+  if (container.wants_global_header()) encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+  set_up(*encoder);
+  container.stream().avg_frame_rate = encoder->framerate;
   require(avcodec_open2(encoder, nullptr, nullptr) >= 0, "encoder");
   avcodec_parameters_from_context(container.stream().codecpar, encoder);
   container.begin(plan.turn_clockwise_deg);
@@ -158,6 +160,29 @@ void write_b_frame_video(const std::filesystem::path& path, const VideoPlan& pla
   av_packet_free(&packet);
   av_frame_free(&frame);
   avcodec_free_context(&encoder);
+}
+
+}  // namespace
+
+void write_b_frame_video(const std::filesystem::path& path, const VideoPlan& plan) {
+  write_encoded_video(path, plan, AV_CODEC_ID_MPEG4, [](AVCodecContext& encoder) {
+    encoder.max_b_frames = 2;
+    encoder.flags |= AV_CODEC_FLAG_QSCALE;
+    encoder.global_quality = 2 * FF_QP2LAMBDA;
+    av_opt_set_int(encoder.priv_data, "b_strategy", 0, 0);  // always two, whatever the pictures
+  });
+}
+
+bool can_write_h264() {
+  return avcodec_find_encoder(AV_CODEC_ID_H264) != nullptr;
+}
+
+void write_live_h264_video(const std::filesystem::path& path, const VideoPlan& plan) {
+  av_log_set_level(AV_LOG_WARNING);  // it tells its statistics
+  write_encoded_video(path, plan, AV_CODEC_ID_H264, [](AVCodecContext& encoder) {
+    encoder.max_b_frames = 0;
+    encoder.framerate = {30, 1};  // which the header tells then
+  });
 }
 
 }  // namespace apriltrack::test

@@ -24,4 +24,8 @@ void write_mjpeg_video(const std::filesystem::path& path, const VideoPlan& plan)
 /// MPEG-4 with two B-frames between its neighbours, stored in another order than shown; range 16 to 235.
 void write_b_frame_video(const std::filesystem::path& path, const VideoPlan& plan);
 
+/// H.264 in the order of showing, as live encoders send it at 30 Hz; only where FFmpeg can encode it.
+void write_live_h264_video(const std::filesystem::path& path, const VideoPlan& plan);
+bool can_write_h264();
+
 }  // namespace apriltrack::test

@@ -1,11 +1,15 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <cmath>
+#include <fstream>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
+#include <thread>
 
 #include "apriltrack/image/opencv_bridge.h"
+#include "apriltrack/io/atomic_file.h"
 #include "source_support.h"
 #include "support/shared_data.h"
 #include "video_files.h"
@@ -83,6 +87,38 @@ TEST(Video, JoinsEachPictureWithItsOwnTimeWhereStoredInAnotherOrder) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     EXPECT_TRUE(frames[i].is_readable()) << frames[i].error;
     EXPECT_NEAR(level_of(frames[i]), 5.0 + 15.0 * static_cast<double>(i), kMaxCodingError) << "frame " << i;
+  }
+}
+
+/// What is read of a pipe into which the file is written.
+std::vector<SourceFrame> read_all_by_pipe(const fs::path& path) {
+  const fs::path pipe = path.string() + ".pipe";
+  EXPECT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::jthread writer([&] { std::ofstream(pipe, std::ios::binary) << read_file(path); });
+  return read_all(pipe.string());
+}
+
+// FFmpeg tells of such a stream no start, and later one that is the time of a later frame.
+TEST(Video, HasTheTimesOfItsFileByAPipe) {
+  if (!can_write_h264()) GTEST_SKIP() << "FFmpeg has no encoder of H.264 (libx264) here";
+  std::vector<std::int64_t> times_ticks;
+  for (std::int64_t i = 0; i < 40; ++i) times_ticks.push_back(3000 * i);
+  VideoPlan plan;
+  for (int i = 0; i < 40; ++i)
+    plan.pictures.emplace_back(kWidth, kHeight, static_cast<std::uint8_t>(40 + 5 * i));
+  const fs::path folder = temporary_folder();
+  for (const char* name : {"live.mkv", "live.ts"}) {
+    const fs::path path = folder / name;
+    plan.times_ticks = times_ticks;
+    write_live_h264_video(path, plan);
+    const auto by_pipe = read_all_by_pipe(path);
+    ASSERT_EQ(by_pipe.size(), 40U) << name;
+    for (std::size_t i = 0; i < by_pipe.size(); ++i) {
+      EXPECT_TRUE(by_pipe[i].is_readable()) << name << ": " << by_pipe[i].error;
+      EXPECT_NEAR(static_cast<double>(by_pipe[i].timestamp.ns),
+                  static_cast<double>(times_ticks[i]) * 1e9 / 90e3, 1e6)
+          << name << " frame " << i << ": Matroska has milliseconds";
+    }
   }
 }
 

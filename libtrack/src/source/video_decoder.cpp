@@ -156,6 +156,8 @@ void VideoDecoder::open_stream() {
   num_promised_ = count_in_header(*file_, *stream_);
   promised_s_ = duration_in_header(*file_, *stream_);
   turns_ = quarter_turns_anticlockwise(*stream_);
+  // Of a pipe it may not be known yet, and what FFmpeg says later may be the time of a later frame.
+  if (stream_->start_time != AV_NOPTS_VALUE) start_ = stream_->start_time;
   codec_.reset(avcodec_alloc_context3(decoder));
   avcodec_parameters_to_context(codec_.get(), stream_->codecpar);
   codec_->pkt_timebase = stream_->time_base;
@@ -209,10 +211,10 @@ std::optional<VideoDecoder::Decoded> VideoDecoder::feed() {
   return std::nullopt;
 }
 
-std::optional<Timestamp> VideoDecoder::time_of(std::int64_t stream_time) const {
+std::optional<Timestamp> VideoDecoder::time_of(std::int64_t stream_time) {
   if (stream_time == AV_NOPTS_VALUE) return std::nullopt;
-  const std::int64_t start = stream_->start_time == AV_NOPTS_VALUE ? 0 : stream_->start_time;
-  return Timestamp{av_rescale_q(av_sat_sub64(stream_time, start), stream_->time_base, kNanoseconds)};
+  if (!start_) start_ = stream_time;
+  return Timestamp{av_rescale_q(av_sat_sub64(stream_time, *start_), stream_->time_base, kNanoseconds)};
 }
 
 GrayImage VideoDecoder::picture() {

@@ -68,7 +68,7 @@ class VideoDecoder {
   void open_stream();
   /// Feeds the decoder one packet; the word of what is wrong with it, if anything is.
   std::optional<Decoded> feed();
-  std::optional<Timestamp> time_of(std::int64_t stream_time) const;
+  std::optional<Timestamp> time_of(std::int64_t stream_time);
 
   VideoBytes bytes_;
   std::unique_ptr<AVIOContext, Deleter> reader_;  ///< Of bytes_.
@@ -77,8 +77,9 @@ class VideoDecoder {
   std::unique_ptr<AVFrame, Deleter> frame_;
   std::unique_ptr<AVPacket, Deleter> packet_;
   GrayConverter converter_;
-  AVStream* stream_ = nullptr;  ///< Owned by file_.
-  int turns_ = 0;               ///< Quarter turns anticlockwise that stand the picture upright.
+  AVStream* stream_ = nullptr;         ///< Owned by file_.
+  int turns_ = 0;                      ///< Quarter turns anticlockwise that stand the picture upright.
+  std::optional<std::int64_t> start_;  ///< In the stream's units; the first frame's time where none is told.
   bool is_draining_ = false;
   std::optional<std::size_t> num_promised_;
   std::size_t num_whole_ = 0;
