@@ -147,7 +147,8 @@ ResponseFinding run_with_response(
   const std::span<const FrameDetections> frames =
       detect(camera.assumed, rival_response(camera.assumed, origin));
   ResponseFinding finding = check_by_frames(frames, camera, origin, TagSizes(), num_threads);
-  if (origin == ResponseOrigin::kStated || !finding.estimate.is_found() || is_interrupted()) return finding;
+  const bool is_settled = origin == ResponseOrigin::kStated || !finding.estimate.is_found();
+  if (is_settled || is_interrupted() || !can_be_read_again(input.input)) return finding;
   detect(finding.estimate.response, std::nullopt);  // without a doubt, if not by another curve
   finding.origin = ResponseOrigin::kEstimated;
   return finding;

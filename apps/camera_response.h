@@ -58,8 +58,8 @@ ResponseFinding response_of_sample(std::span<const SampledInput> inputs, const D
                                    const ResponseCamera& camera, const TagSizes& sizes, int num_threads);
 
 /// Runs `detect`, which keeps the tags with their pictures, with the response that is stated; else with what
-/// a sample of the frames tells; else with that assumed, and once more if all its tags tell one. rival: what
-/// it may be as well, for DetectorOptions.
+/// a sample of the frames tells; else with that assumed, and once more if all its tags tell one and the input
+/// can be read again. rival: what it may be as well, for DetectorOptions.
 ResponseFinding run_with_response(
     const ResponseCamera& camera, ResponseOrigin origin, const SampledInput& input,
     const DetectorOptions& detector, int num_threads,

@@ -174,6 +174,26 @@ TEST_F(Pipes, PosesOfAPipedVideoAreThoseOfItsFile) {
   EXPECT_NE(read_text(err_file()).find("with a pose"), std::string::npos);
 }
 
+// All its tags tell the response, and a pipe cannot be read again by it.
+TEST_F(Pipes, TagsOfAPipeAreKeptWhereNothingStatesTheResponse) {
+  const std::string camera = files_->folder / "unstated.yaml", table = files_->folder / "tags.csv";
+  std::string text = read_text(files_->film + "/camera.yaml");
+  const std::size_t at = text.find("  response:");
+  ASSERT_NE(at, std::string::npos) << text;
+  text.replace(at, text.find('\n', at) - at, "  # nothing of its response");
+  write_text(camera, text);
+  poses_of(files_->ts, {"detect", "-", "--camera", camera, "--output", table}, 0);
+  EXPECT_EQ(run_for_json({"detect", files_->ts, "--camera", camera, "--output",
+                          files_->folder / "of_file.csv"})["response"]["origin"],
+            "estimated");
+  const auto lines = [](const std::string& file) { return std::ranges::count(read_text(file), '\n'); };
+  EXPECT_NEAR(static_cast<double>(lines(table)), static_cast<double>(lines(files_->folder / "of_file.csv")),
+              3.0)
+      << "by another response hardly other tags are found";
+  EXPECT_THAT(read_text(err_file()),
+              ::testing::HasSubstr("was taken for its response, which nothing states"));
+}
+
 TEST_F(Pipes, EachPoseIsToldBeforeThePicturesEnd) {
   std::vector<std::string> words = track("-", "-");
   words.insert(words.end(), {"--rate", "20"});
