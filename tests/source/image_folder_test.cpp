@@ -14,14 +14,14 @@ using ::testing::StartsWith;
 
 TEST(ImageFolder, TakesTimesFromNamesInTheOrderOfNumbers) {
   const auto folder = temporary_folder();
-  write_frames(folder, {"10000.pgm", "9000.pgm", "1000000000000000001.pgm"});
+  write_frames(folder, {"10000000.pgm", "9000000.pgm", "1000000000000000001.pgm"});
   write_text(folder / "notes.txt", "not a frame");
   write_frames(folder, {".hidden.pgm"});
   const auto frames = read_all(folder.string());
-  EXPECT_THAT(times_of(frames), ElementsAre(9000, 10000, 1000000000000000001));
+  EXPECT_THAT(times_of(frames), ElementsAre(9000000, 10000000, 1000000000000000001));
   EXPECT_THAT(frames[0].pixels, SamePixels(test_picture(8, 6, 1)));
   EXPECT_THAT(frames[1].pixels, SamePixels(test_picture(8, 6, 0)));
-  EXPECT_EQ(frames[0].name, (folder / "9000.pgm").string());
+  EXPECT_EQ(frames[0].name, (folder / "9000000.pgm").string());
   EXPECT_EQ(frames[0].gain, 1.0);
   EXPECT_FALSE(frames[0].exposure_s);
 }
@@ -63,7 +63,7 @@ TEST(ImageFolder, TakesCountedNamesForFrameNumbersWhenARateIsGiven) {
 
 TEST(ImageFolder, RefusesNumbersThatAreNeitherTimesNorFramesOfTheRate) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
-      {{"1000000.pgm", "1033333.pgm", "1066666.pgm"}, "33.33 us"},        // microseconds
+      {{"1000000.pgm", "1003333.pgm", "1006666.pgm"}, "3.333 us"},        // 300 Hz in microseconds
       {{"1000.pgm", "2000.pgm", "3000.pgm"}, "1 us"},                     // every thousandth frame
       {{"1000000000.pgm", "1200000000.pgm", "1400000000.pgm"}, "200 ms"}  // nanoseconds at 5 Hz
   };
@@ -75,11 +75,10 @@ TEST(ImageFolder, RefusesNumbersThatAreNeitherTimesNorFramesOfTheRate) {
         frames, ErrorKind::kInvalidInput,
         {frames.string(), step + " apart", "--rate 30 says 33.33 ms", "nanoseconds", "frame numbers"},
         {.rate_hz = 30.0});
-    EXPECT_EQ(read_all(frames.string()).size(), 3u) << "without a rate they are nanoseconds";
   }
   const auto endless = folder / "endless";
   write_frames(endless, {"9000000000000000000.pgm", "9000000000000000001.pgm"});
-  expect_refused(endless, ErrorKind::kInvalidInput, {"9000000000000000000", "64 bits"}, {.rate_hz = 30.0});
+  expect_refused(endless, ErrorKind::kInvalidInput, {"1 ns apart"}, {.rate_hz = 30.0});
 }
 
 TEST(ImageFolder, KeepsTimesWithinThreeTimesTheRatesPeriod) {
@@ -104,10 +103,30 @@ TEST(ImageFolder, RefusesFrameNumbersWithoutARate) {
               ElementsAre(100000000, 200000000, 900000000000));
 }
 
-TEST(ImageFolder, TakesNamesAMicrosecondApartForTimes) {
+TEST(ImageFolder, TakesTheUnitOfTimesInNamesFromTheRate) {
   const auto folder = temporary_folder();
-  write_frames(folder, {"1.pgm", "1001.pgm"});
-  EXPECT_THAT(times_of(read_all(folder.string())), ElementsAre(1, 1001));
+  write_frames(folder / "us", {"1700000000000000.pgm", "1700000000033333.pgm", "1700000000066666.pgm"});
+  EXPECT_THAT(times_of(read_all((folder / "us").string(), {.rate_hz = 30.0})),
+              ElementsAre(1700000000000000000, 1700000000033333000, 1700000000066666000));
+  write_frames(folder / "ms", {"1700000000000.pgm", "1700000000033.pgm", "1700000000067.pgm"});
+  EXPECT_THAT(times_of(read_all((folder / "ms").string(), {.rate_hz = 30.0})),
+              ElementsAre(1700000000000000000, 1700000000033000000, 1700000000067000000));
+  write_frames(folder / "s", {"1700000000.pgm", "1700000002.pgm"});
+  EXPECT_THAT(times_of(read_all((folder / "s").string(), {.rate_hz = 0.5})),
+              ElementsAre(1700000000000000000, 1700000002000000000));
+  write_frames(folder / "beyond", {"9300000000000000.pgm", "9300000000033333.pgm"});
+  expect_refused(folder / "beyond", ErrorKind::kInvalidInput, {"9300000000000000.pgm", "64 bits"},
+                 {.rate_hz = 30.0});
+}
+
+TEST(ImageFolder, RefusesRatesThatNoCameraHasWithoutBeingTold) {
+  const auto folder = temporary_folder();
+  write_frames(folder / "us", {"1700000000000000.pgm", "1700000000033333.pgm", "1700000000066666.pgm"});
+  expect_refused(folder / "us", ErrorKind::kInvalidInput, {"33.33 us apart", "3e+04 frames", "--rate HZ"});
+  write_frames(folder / "fast", {"1.pgm", "1001.pgm"});
+  EXPECT_THAT(times_of(read_all((folder / "fast").string(), {.rate_hz = 1e6})), ElementsAre(1, 1001));
+  write_frames(folder / "10_kHz", {"1.pgm", "100001.pgm"});
+  EXPECT_THAT(times_of(read_all((folder / "10_kHz").string())), ElementsAre(1, 100001));
 }
 
 TEST(ImageFolder, RefusesHalfTimedRepeatedAndOverlongNames) {
@@ -125,11 +144,11 @@ TEST(ImageFolder, RefusesHalfTimedRepeatedAndOverlongNames) {
 
 TEST(ImageFolder, HandsOutDamagedImagesAsUnreadableFrames) {
   const auto folder = temporary_folder();
-  write_frames(folder, {"1000.pgm", "4000.pgm"});
-  write_text(folder / "2000.jpg", "");
-  write_text(folder / "3000.png", "words");
+  write_frames(folder, {"1000000.pgm", "4000000.pgm"});
+  write_text(folder / "2000000.jpg", "");
+  write_text(folder / "3000000.png", "words");
   const auto frames = read_all(folder.string());
-  EXPECT_THAT(times_of(frames), ElementsAre(1000, 2000, 3000, 4000));
+  EXPECT_THAT(times_of(frames), ElementsAre(1000000, 2000000, 3000000, 4000000));
   EXPECT_TRUE(frames[0].is_readable());
   EXPECT_EQ(frames[1].error, "the file is empty (0 bytes)");
   EXPECT_THAT(frames[2].error, StartsWith("is not an image"));
@@ -139,8 +158,8 @@ TEST(ImageFolder, HandsOutDamagedImagesAsUnreadableFrames) {
 
 TEST(ImageFolder, HandsOutMixedSizesAsTheyAre) {
   const auto folder = temporary_folder();
-  write_pgm(folder / "1000.pgm", test_picture(8, 6));
-  write_pgm(folder / "2000.pgm", test_picture(5, 9));
+  write_pgm(folder / "1000000.pgm", test_picture(8, 6));
+  write_pgm(folder / "2000000.pgm", test_picture(5, 9));
   const auto frames = read_all(folder.string());
   EXPECT_EQ(frames[0].pixels.width(), 8);
   EXPECT_EQ(frames[1].pixels.width(), 5);
@@ -148,11 +167,11 @@ TEST(ImageFolder, HandsOutMixedSizesAsTheyAre) {
 
 TEST(ImageFolder, ReadsEachImageOnlyWhenItIsAskedFor) {
   const auto folder = temporary_folder();
-  write_frames(folder, {"1000.pgm", "2000.pgm"});
+  write_frames(folder, {"1000000.pgm", "2000000.pgm"});
   const auto source = open_source(folder.string());
   EXPECT_EQ(source->num_frames(), 2U);
   EXPECT_TRUE(source->next()->is_readable());
-  write_pgm(folder / "2000.pgm",
+  write_pgm(folder / "2000000.pgm",
             test_picture(3, 3));  // after opening: a source that read ahead would not see it
   EXPECT_EQ(source->next()->pixels.width(), 3);
   EXPECT_FALSE(source->next());
@@ -176,14 +195,14 @@ TEST(ImageFolder, KeepsFramesApartAtTheEndsOfTheRateRange) {
 
 TEST(ImageFolder, HandsOutALoopOfLinksAsAnUnreadableFrame) {
   const auto folder = temporary_folder();
-  write_frames(folder, {"1000.pgm"});
-  fs::create_symlink("2000.pgm", folder / "2000.pgm");
+  write_frames(folder, {"1000000.pgm"});
+  fs::create_symlink("2000000.pgm", folder / "2000000.pgm");
   for (const std::string& input : {folder.string(), (folder / "*.pgm").string()}) {
     const auto frames = read_all(input);
-    ASSERT_THAT(times_of(frames), ElementsAre(1000, 2000)) << input;
+    ASSERT_THAT(times_of(frames), ElementsAre(1000000, 2000000)) << input;
     EXPECT_TRUE(frames[0].is_readable());
     EXPECT_THAT(frames[1].error, HasSubstr("symbolic links"));
-    EXPECT_THAT(frames[1].error, Not(HasSubstr("2000.pgm")));  // which is the frame's name
+    EXPECT_THAT(frames[1].error, Not(HasSubstr("2000000.pgm")));  // which is the frame's name
   }
 }
 

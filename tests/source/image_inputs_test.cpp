@@ -23,16 +23,17 @@ TEST(SequenceFolder, WithAFileThatCannotBeLookedAtIsAnIoError) {
 
 TEST(Sampling, LeavesOutAndStopsAsAsked) {
   const auto folder = temporary_folder();
-  write_frames(folder, {"0000.pgm", "1000.pgm", "2000.pgm", "3000.pgm", "4000.pgm", "5000.pgm", "6000.pgm"});
+  write_frames(folder, {"0000000.pgm", "1000000.pgm", "2000000.pgm", "3000000.pgm", "4000000.pgm",
+                        "5000000.pgm", "6000000.pgm"});
   const auto times = [&](const SourceOptions& options) {
     const auto frames = read_all(folder.string(), options);
     EXPECT_EQ(open_source(folder.string(), options)->num_frames(), frames.size());
     return times_of(frames);
   };
-  EXPECT_THAT(times({.skip = 2}), ElementsAre(2000, 3000, 4000, 5000, 6000));
-  EXPECT_THAT(times({.step = 3}), ElementsAre(0, 3000, 6000));
-  EXPECT_THAT(times({.skip = 1, .step = 2, .max_frames = 2}), ElementsAre(1000, 3000));
-  EXPECT_THAT(times({.step = 4}), ElementsAre(0, 4000));
+  EXPECT_THAT(times({.skip = 2}), ElementsAre(2000000, 3000000, 4000000, 5000000, 6000000));
+  EXPECT_THAT(times({.step = 3}), ElementsAre(0, 3000000, 6000000));
+  EXPECT_THAT(times({.skip = 1, .step = 2, .max_frames = 2}), ElementsAre(1000000, 3000000));
+  EXPECT_THAT(times({.step = 4}), ElementsAre(0, 4000000));
   EXPECT_THAT(times({.skip = 9}), ElementsAre());
   EXPECT_THAT(times({.max_frames = 0}), ElementsAre());
 }
@@ -50,11 +51,11 @@ TEST(Sampling, RefusesSenselessOptions) {
 
 TEST(Glob, TakesWhatMatches) {
   const auto folder = temporary_folder();
-  write_frames(folder, {"9000.pgm", "10000.pgm", "11000.pgm", "200000.pgm"});
+  write_frames(folder, {"9000000.pgm", "10000000.pgm", "11000000.pgm", "200000000.pgm"});
   write_text(folder / "1.txt", "x");
-  EXPECT_THAT(times_of(read_all((folder / "1*").string())), ElementsAre(10000, 11000));
-  EXPECT_THAT(times_of(read_all((folder / "[29]*.pgm").string())), ElementsAre(9000, 200000));
-  EXPECT_THAT(times_of(read_all((folder / "????.pgm").string())), ElementsAre(9000));
+  EXPECT_THAT(times_of(read_all((folder / "1*").string())), ElementsAre(10000000, 11000000));
+  EXPECT_THAT(times_of(read_all((folder / "[29]*.pgm").string())), ElementsAre(9000000, 200000000));
+  EXPECT_THAT(times_of(read_all((folder / "???????.pgm").string())), ElementsAre(9000000));
   expect_refused(folder / "x*.pgm", ErrorKind::kIo, {"x*.pgm", "no file matches"});
   expect_refused(folder / "*.txt", ErrorKind::kIo, {"matches 1 files", "no images"});
 }
@@ -76,7 +77,7 @@ class Sequence : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = temporary_folder();
-    write_frames(folder_ / "frames", {"100000.pgm", "90000.pgm", "110000.pgm"});
+    write_frames(folder_ / "frames", {"100000000.pgm", "90000000.pgm", "110000000.pgm"});
   }
   void write_csv(const std::string& text) const { write_text(folder_ / "frames.csv", text); }
 
@@ -84,9 +85,10 @@ class Sequence : public ::testing::Test {
 };
 
 TEST_F(Sequence, BringsExposureAndGainOfEachFrame) {
-  write_csv("timestamp_ns,exposure_s,gain\n90000,0.004,1\n95000,0.5,7\n100000,0.016,2.5\n110000,,\n");
+  write_csv(
+      "timestamp_ns,exposure_s,gain\n90000000,0.004,1\n95000000,0.5,7\n100000000,0.016,2.5\n110000000,,\n");
   const auto frames = read_all(folder_.string());
-  EXPECT_THAT(times_of(frames), ElementsAre(90000, 100000, 110000));
+  EXPECT_THAT(times_of(frames), ElementsAre(90000000, 100000000, 110000000));
   EXPECT_EQ(frames[0].exposure_s, 0.004);
   EXPECT_EQ(frames[1].exposure_s, 0.016);
   EXPECT_EQ(frames[1].gain, 2.5);
@@ -94,7 +96,7 @@ TEST_F(Sequence, BringsExposureAndGainOfEachFrame) {
   EXPECT_EQ(frames[2].gain, 1.0);
   const Frame view = frames[1].frame(1);
   EXPECT_EQ(view.image.data(), frames[1].pixels.row(0));
-  EXPECT_EQ(view.timestamp.ns, 100000);
+  EXPECT_EQ(view.timestamp.ns, 100000000);
   EXPECT_EQ(view.exposure_s, 0.016);
   EXPECT_EQ(view.gain, 2.5);
   EXPECT_EQ(view.camera_index, 1);
@@ -117,16 +119,16 @@ TEST_F(Sequence, RefusesAWrongFramesCsv) {
 
 TEST_F(Sequence, RefusesExposuresThatNoCameraHas) {
   for (const char* exposure : {"1e-09", "0", "1.01", "16"}) {
-    write_csv(std::string("timestamp_ns,exposure_s\n90000,0.01\n100000,") + exposure + "\n");
+    write_csv(std::string("timestamp_ns,exposure_s\n90000000,0.01\n100000000,") + exposure + "\n");
     expect_refused(folder_, ErrorKind::kInvalidInput,
                    {"frames.csv:3: exposure_s: must lie in [1e-07, 1] seconds", exposure});
   }
-  write_csv("timestamp_ns,exposure_s\n90000,1e-7\n100000,1\n110000,5e-7\n");
+  write_csv("timestamp_ns,exposure_s\n90000000,1e-7\n100000000,1\n110000000,5e-7\n");
   EXPECT_EQ(read_all(folder_.string()).back().exposure_s, 5e-7);
 }
 
 TEST_F(Sequence, TellsWhereAnExposureStands) {
-  write_csv("timestamp_ns,exposure_s,gain\n\n90000,0.004,1\n100000,,2\n110000,0.002,1\n");
+  write_csv("timestamp_ns,exposure_s,gain\n\n90000000,0.004,1\n100000000,,2\n110000000,0.002,1\n");
   const auto frames = read_all(folder_.string());
   EXPECT_EQ(frames[0].exposure_where, (folder_ / "frames.csv").string() + ":3: exposure_s");
   EXPECT_EQ(frames[1].exposure_where, "");
@@ -136,7 +138,7 @@ TEST_F(Sequence, TellsWhereAnExposureStands) {
 TEST_F(Sequence, RefusesAFramesCsvOfOtherTimes) {
   write_csv("timestamp_ns,exposure_s\n90,0.01\n100,0.01\n110,0.01\n");  // microseconds
   expect_refused(folder_, ErrorKind::kInvalidInput,
-                 {"frames.csv: none of its rows", "from 90 to 110", "from 90000 to 110000"});
+                 {"frames.csv: none of its rows", "from 90 to 110", "from 90000000 to 110000000"});
   write_csv("timestamp_ns,exposure_s\n");
   EXPECT_FALSE(read_all(folder_.string())[0].exposure_s) << "tells nothing, and nothing wrong";
 }
@@ -144,14 +146,15 @@ TEST_F(Sequence, RefusesAFramesCsvOfOtherTimes) {
 TEST_F(Sequence, WarnsOfFramesThatItsFramesCsvDoesNotKnow) {
   std::vector<std::string> told;
   const SourceOptions options{.log = [&](LogLevel, std::string_view text) { told.emplace_back(text); }};
-  write_csv("timestamp_ns,exposure_s\n80000,0.01\n90000,0.01\n100000,0.01\n110000,0.01\n");
+  write_csv("timestamp_ns,exposure_s\n80000000,0.01\n90000000,0.01\n100000000,0.01\n110000000,0.01\n");
   read_all(folder_.string(), options);
   EXPECT_THAT(told, ElementsAre()) << "a row without a frame is of one that was dropped";
-  write_csv("timestamp_ns,exposure_s\n80000,0.01\n90000,0.02\n");
+  write_csv("timestamp_ns,exposure_s\n80000000,0.01\n90000000,0.02\n");
   EXPECT_EQ(read_all(folder_.string(), options)[0].exposure_s, 0.02);
   ASSERT_EQ(told.size(), 1U);
   EXPECT_THAT(told[0], ::testing::HasSubstr("frames.csv: 2 of 3 frames have no row in it"));
-  EXPECT_THAT(told[0], ::testing::HasSubstr("from 80000 to 90000, the frames from 90000 to 110000"));
+  EXPECT_THAT(told[0],
+              ::testing::HasSubstr("from 80000000 to 90000000, the frames from 90000000 to 110000000"));
 }
 
 TEST_F(Sequence, NamesItsCameraAndMapFiles) {

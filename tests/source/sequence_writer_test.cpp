@@ -46,7 +46,7 @@ TEST(SequenceWriter, TakesFramesFromSeveralThreads) {
   const SequenceWriter writer(folder, false);
   constexpr int kThreads = 4;
   constexpr int kFramesEach = 8;
-  constexpr std::int64_t kPeriod_ns = 1000;
+  constexpr std::int64_t kPeriod_ns = 1'000'000;
   const auto write_some = [&](int first) {
     for (int i = 0; i < kFramesEach; ++i) {
       const int time = first * kFramesEach + i;

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -91,26 +93,60 @@ std::string in_unit(double time_ns) {
   return time_ns < 1e9 ? fmt::format("{:.4g} ms", 1e-6 * time_ns) : fmt::format("{:.4g} s", 1e-9 * time_ns);
 }
 
-/// With a rate, the steps between the names tell what they are: times, if they agree with it but for frames
-/// that were dropped or taken away, or frame numbers.
+/// Units of time that programs name pictures by, in ns: nanoseconds, microseconds, milliseconds, seconds.
+constexpr std::array<std::int64_t, 4> kUnits_ns = {1, 1'000, 1'000'000, 1'000'000'000};
+
+std::vector<ImageEntry> entries_by_unit(std::vector<ImageEntry> entries, std::int64_t unit_ns) {
+  for (ImageEntry& entry : entries) {
+    if (entry.timestamp.ns > std::numeric_limits<std::int64_t>::max() / unit_ns)
+      throw invalid_input(entry.path.string(),
+                          fmt::format("its name in units of {} is a time beyond 64 bits of nanoseconds",
+                                      in_unit(static_cast<double>(unit_ns))));
+    entry.timestamp.ns *= unit_ns;
+  }
+  return entries;
+}
+
+/// With a rate, the steps between the names tell what they are: times in one of the units, if they agree with
+/// it but for frames that were dropped or taken away, or frame numbers.
 std::vector<ImageEntry> entries_by_digits_and_rate(std::vector<ImageEntry> entries, double rate_hz,
                                                    const std::string& where) {
   constexpr double kMaxRatio = 3.0;
-  constexpr std::uint64_t kMaxStepOfNumbers = 1000;  // every thousandth frame of a film
+  constexpr std::uint64_t kMaxStepOfNumbers = 1000;    // every thousandth frame of a film
+  constexpr std::int64_t kMostNumber = 1'000'000'000;  // of a year at 30 Hz
   if (entries.size() < 2) return entries;
   const auto same = std::ranges::adjacent_find(entries, {}, &ImageEntry::timestamp);
   if (same != entries.end()) refuse_times(*same, *std::next(same));
   const double period_ns = 1e9 / rate_hz;
   const std::uint64_t step = median_step(entries);
-  const double ratio = static_cast<double>(step) / period_ns;
-  if (ratio <= kMaxRatio && ratio >= 1.0 / kMaxRatio) return entries;
-  if (step < kMaxStepOfNumbers) return entries_by_number(std::move(entries), rate_hz);
+  const auto agrees = [&](std::int64_t unit_ns) {
+    const double ratio = static_cast<double>(step) * static_cast<double>(unit_ns) / period_ns;
+    return ratio <= kMaxRatio && ratio >= 1.0 / kMaxRatio;
+  };
+  if (agrees(1)) return entries;
+  if (step < kMaxStepOfNumbers && entries.front().timestamp.ns < kMostNumber)
+    return entries_by_number(std::move(entries), rate_hz);
+  const auto unit = std::ranges::find_if(kUnits_ns, agrees);
+  if (unit != kUnits_ns.end()) return entries_by_unit(std::move(entries), *unit);
   throw invalid_input(
-      where, fmt::format(
-                 "read as nanoseconds, the names of its images are {} apart, but --rate {:g} says {}: rename "
-                 "them to nanoseconds if they are times in another unit; leave out --rate if they are right; "
-                 "frame numbers must be less than {} apart",
-                 in_unit(static_cast<double>(step)), rate_hz, in_unit(period_ns), kMaxStepOfNumbers));
+      where,
+      fmt::format(
+          "read as nanoseconds, the names of its images are {} apart, but --rate {:g} says {}, with which "
+          "micro- and milliseconds and seconds do not agree either; leave out --rate if they are "
+          "nanoseconds; frame numbers must be less than {} apart",
+          in_unit(static_cast<double>(step)), rate_hz, in_unit(period_ns), kMaxStepOfNumbers));
+}
+
+/// Names in microseconds would pass for nanoseconds.
+void refuse_rate_of_names(const std::vector<ImageEntry>& entries, const std::string& where) {
+  constexpr std::uint64_t kLeastStep_ns = 100'000;  // no film of tags has 10,000 frames a second
+  if (entries.size() < 2) return;
+  const std::uint64_t step_ns = median_step(entries);
+  if (step_ns >= kLeastStep_ns) return;
+  throw invalid_input(
+      where, fmt::format("read as nanoseconds, the names of its images are {} apart, {:.3g} frames a second: "
+                         "give the frame rate with --rate HZ, which tells their unit",
+                         in_unit(static_cast<double>(step_ns)), 1e9 / static_cast<double>(step_ns)));
 }
 
 std::vector<ImageEntry> entries_by_digits(const std::vector<fs::path>& images, std::optional<double> rate_hz,
@@ -119,6 +155,7 @@ std::vector<ImageEntry> entries_by_digits(const std::vector<fs::path>& images, s
   if (rate_hz) return entries_by_digits_and_rate(std::move(entries), *rate_hz, where);
   const auto close = std::ranges::adjacent_find(entries, are_no_frame_period_apart);
   if (close != entries.end()) refuse_times(*close, *std::next(close));
+  refuse_rate_of_names(entries, where);
   return entries;
 }
 
