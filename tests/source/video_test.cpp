@@ -216,6 +216,15 @@ TEST(Video, WithoutTimesNeedsARate) {
   EXPECT_THAT(times_of(frames), ::testing::ElementsAre(0, 33333333, 66666667, 100000000));
 }
 
+TEST(Video, WithTimesIsNoFilmOfAnotherRate) {
+  const auto path = temporary_folder() / "film.mp4";
+  write_mjpeg_video(path, plan_of_levels({0, 3000, 6000, 9000, 12000}));  // 5 frames in 4 steps
+  for (const double rate_hz : {600.0, 9.0})
+    expect_refused(path, ErrorKind::kInvalidInput, {"37.5 a second", "--rate", "-itsscale"},
+                   {.rate_hz = rate_hz});
+  EXPECT_EQ(times_of(read_all(path.string(), {.rate_hz = 25.0})), times_of(read_all(path.string())));
+}
+
 TEST(Video, WithoutAFrameIsAnError) {
   const auto path = temporary_folder() / "none.mkv";
   write_mjpeg_video(path, {});

@@ -230,6 +230,11 @@ std::optional<std::size_t> VideoDecoder::num_frames() const {
   return static_cast<std::size_t>(std::lround(count));
 }
 
+double VideoDecoder::rate_hz() const {
+  const double rate_hz = av_q2d(stream_->avg_frame_rate);
+  return std::isfinite(rate_hz) && rate_hz > 0.0 ? rate_hz : 0.0;
+}
+
 bool VideoDecoder::has_times() const {
   // Of pictures one after the other ("jpeg_pipe") they are a rate that nobody stated.
   const bool are_pictures = std::string_view(file_->iformat->name).find("pipe") != std::string_view::npos;

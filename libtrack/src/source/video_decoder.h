@@ -52,6 +52,8 @@ class VideoDecoder {
   std::optional<double> promised_s() const { return promised_s_; }
   /// Until when the last of the whole frames so far is shown, by the same clock; as far as the file tells.
   double shown_s() const { return shown_s_; }
+  /// Of its frames' times, as the header states or FFmpeg estimates it; 0 where nothing tells it.
+  double rate_hz() const;
   /// False for raw streams, whose times the demuxer makes up.
   bool has_times() const;
 

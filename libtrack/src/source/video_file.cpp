@@ -20,6 +20,7 @@ class VideoFile : public SkippableSource {
     has_times_ = decoder_.has_times() && (pending_->timestamp || !pending_->error.empty());
     if (!has_times_ && !rate_hz_)
       throw invalid_input(name_, "its frames carry no times: give the frame rate with --rate HZ");
+    if (has_times_ && rate_hz_) refuse_another_rate();
   }
 
   std::optional<SourceFrame> next() override {
@@ -53,6 +54,18 @@ class VideoFile : public SkippableSource {
   std::string name() const override { return name_; }
 
  private:
+  /// As of images whose names are times.
+  void refuse_another_rate() const {
+    constexpr double kMaxRatio = 3.0;
+    const double stored_hz = decoder_.rate_hz();
+    if (stored_hz == 0.0 || (*rate_hz_ <= kMaxRatio * stored_hz && stored_hz <= kMaxRatio * *rate_hz_))
+      return;
+    throw invalid_input(name_,
+                        fmt::format("its frames carry times, {:.4g} a second, but --rate says {:g}: leave it "
+                                    "out. A slow-motion film is given the times of its camera by `ffmpeg "
+                                    "-itsscale {:.4g} -i FILM -c copy OUT`",
+                                    stored_hz, *rate_hz_, stored_hz / *rate_hz_));
+  }
   void tell_if_cut() {
     if (has_told_) return;
     const std::string missing = decoder_.num_promised() ? missing_frames() : missing_time();
