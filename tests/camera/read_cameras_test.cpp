@@ -298,7 +298,15 @@ TEST(ReadCameras, WarnsOfOddButPossibleCameras) {
   };
   EXPECT_THAT(read("[500, 500, 320, 240]", "0.0"), IsEmpty());
   EXPECT_THAT(read("[500, 500, 700, 240]", "0.0"),
-              ElementsAre(HasSubstr("principal point (700, 240) lies outside")));
+              ElementsAre(HasSubstr("principal point (700, 240) lies at the edge")));
+  EXPECT_THAT(read("[500, 500, 0, 0]", "0.0"),
+              ElementsAre(HasSubstr("principal point (0, 0) lies at the edge")));
+  // 2 atan(400 / 0.52) = 179.9 degrees; 2 atan(400 / 50000) = 0.92.
+  EXPECT_THAT(read("[0.52, 0.52, 320, 240]", "0.0"),
+              ElementsAre(HasSubstr("a field of view of 180 degrees")));
+  EXPECT_THAT(read("[50000, 50000, 320, 240]", "0.0"),
+              ElementsAre(HasSubstr("a field of view of 0.917 degrees")));
+  EXPECT_THAT(read("[120, 120, 320, 240]", "0.0"), IsEmpty()) << "147 degrees";
   EXPECT_THAT(read("[300, 300, 320, 240]", "-0.4"), ElementsAre(HasSubstr("4 of the picture's corners")));
 }
 

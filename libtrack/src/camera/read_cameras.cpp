@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "apriltrack/base/degrees.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/auto_response.h"
 #include "apriltrack/camera/camera.h"
@@ -119,6 +120,21 @@ std::optional<std::string> sign_of_another_scale(const Camera& camera) {
       lens.cx, lens.cy, x * camera.width, y * camera.height, camera.width, camera.height);
 }
 
+/// Focal lengths in millimetres, or of a picture of width 1.
+std::optional<std::string> sign_of_another_unit(const Camera& camera) {
+  // Lenses that are no fisheye end far below the one, telescopes hardly reach the other.
+  constexpr double kWidest_rad = 150.0 * kRadPerDeg, kNarrowest_rad = 1.0 * kRadPerDeg;
+  const Pinhole& lens = camera.model.pinhole();
+  const double view_rad = 2.0 * std::atan(0.5 * std::hypot(camera.width / lens.fx, camera.height / lens.fy));
+  const bool is_fisheye = std::holds_alternative<EquidistantDistortion>(camera.model.distortion());
+  if ((is_fisheye || view_rad < kWidest_rad) && view_rad > kNarrowest_rad) return std::nullopt;
+  return fmt::format(
+      "a focal length of {:.4g} x {:.4g} pixels is a field of view of {:.3g} degrees from corner to corner "
+      "of {} x {} "
+      "pixels: is it in millimetres, or of another picture?",
+      lens.fx, lens.fy, kDegPerRad * view_rad, camera.width, camera.height);
+}
+
 /// Odd, but it may be meant: cropped pictures, fisheyes with black corners.
 void warn_of_oddities(const Camera& camera, const std::string& where, const LogSink& log) {
   if (camera.width == 0) return;
@@ -126,12 +142,15 @@ void warn_of_oddities(const Camera& camera, const std::string& where, const LogS
     log(LogLevel::kWarning, fmt::format("{}: {}: {}", where, camera.name, what));
   };
   const Pinhole& pinhole = camera.model.pinhole();
-  if (pinhole.cx < 0 || pinhole.cy < 0 || pinhole.cx > camera.width - 1 || pinhole.cy > camera.height - 1) {
-    warn(fmt::format("the principal point ({}, {}) lies outside the picture of {} x {} pixels", pinhole.cx,
-                     pinhole.cy, camera.width, camera.height));
+  if (pinhole.cx <= 0 || pinhole.cy <= 0 || pinhole.cx >= camera.width - 1 ||
+      pinhole.cy >= camera.height - 1) {
+    warn(fmt::format(
+        "the principal point ({}, {}) lies at the edge of the picture of {} x {} pixels, or outside",
+        pinhole.cx, pinhole.cy, camera.width, camera.height));
   } else if (const auto sign = sign_of_another_scale(camera)) {
     warn(*sign);
   }
+  if (const auto sign = sign_of_another_unit(camera)) warn(*sign);
   int num_unseen = 0;
   for (const double x : {0.0, camera.width - 1.0}) {
     for (const double y : {0.0, camera.height - 1.0}) num_unseen += camera.model.unproject({x, y}) ? 0 : 1;
