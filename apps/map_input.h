@@ -20,6 +20,7 @@ struct MapInputOptions {
   std::string family;
   std::string bundle;
 
+  bool is_given() const { return tag_size_m || !tag_sizes.empty() || !family.empty() || !bundle.empty(); }
   /// Throws Error for sizes that are none, or a file of sizes that cannot be read.
   MapReadOptions read_options() const;
 };

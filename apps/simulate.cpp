@@ -141,6 +141,13 @@ void report(const Scene& scene, const BlurFigures& figures, const std::vector<st
       options.output, figures.num_frames,
       options.map.empty() ? fmt::format("scene '{}'", scene.name) : options.map, figures.num_with_tags,
       100.0 * share, figures.max_px);
+  if (figures.num_with_tags == 0 && !options.map.empty())
+    options.console.warning(fmt::format(
+        "no frame shows a tag of {}: is {} in metres, with quaternions in the order x y z w, of {}, and in "
+        "the frame of the map?",
+        options.map, options.trajectory,
+        scene.truth == TruthKind::kEgo ? "the camera's pose in the map (T_world_camera), not its inverse"
+                                       : "the body's pose before the camera (T_camera_body)"));
   if (!unseen.empty())
     text += fmt::format("\n{} of {} tags are never in view: {}", unseen.size(), scene.map.tags.size(),
                         fmt::join(unseen, ", "));

@@ -16,7 +16,10 @@ namespace {
 Camera camera_to_render(const SimulateOptions& options) {
   Camera camera = read_camera(options.camera, options.camera_name, options.console);
   if (camera.width == 0)
-    throw invalid_input(options.camera, "does not tell the resolution, and there are no images that would");
+    throw invalid_input(
+        options.camera,
+        "does not tell the resolution, and there are no images that would: apriltrack camera convert IN OUT "
+        "--resolution WIDTHxHEIGHT writes it into a file");
   if (camera.line_delay_s != 0.0) {
     options.console.warning(
         fmt::format("{}: line_delay is {:g} s, but rolling shutters are not rendered: all rows are exposed "
@@ -58,7 +61,7 @@ Scene scene_of_map(const SimulateOptions& options) {
   const Camera camera = camera_to_render(options);
   const SampledPath path = read_path(options);
   warn_of_gaps(options, path);
-  return make_map_scene({.map = read_tag_map(options.map),
+  return make_map_scene({.map = read_map_input(options.map, options.map_input, options.console),
                          .camera = camera,
                          .path = path,
                          .truth = options.mode,

@@ -64,6 +64,9 @@ void check_what_is_filmed(const SimulateOptions& options) {
   if (!options.scene.empty() && has_own)
     throw invalid_input(
         "--scene", "films its own tags by its own camera: leave it out, or --map, --camera and --trajectory");
+  if (!has_own && options.map_input.is_given())
+    throw invalid_input("--map",
+                        "is missing: --tag-size, --tag-sizes, --family and --bundle are of its layout");
   if (options.scene.empty() && !has_own)
     throw invalid_input("--scene", "is missing: name a scene, or give --map, --camera and --trajectory");
   if (!has_own) return;
@@ -113,6 +116,7 @@ Scene configured_scene(const SimulateOptions& options) {
 void add_simulate_options(CLI::App& command, SimulateOptions& options) {
   command.add_option("--scene", options.scene, "What to film: see the list above");
   command.add_option("--map", options.map, "Film these tags instead, by --camera along --trajectory");
+  add_map_input_options(command, options.map_input);
   command.add_option("--camera", options.camera,
                      "Of --map: the camera file; its exposure_time and response hold, too");
   command.add_option("--camera-name", options.camera_name,

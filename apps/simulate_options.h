@@ -8,12 +8,14 @@
 
 #include "apriltrack/sim/scene.h"
 #include "console.h"
+#include "map_input.h"
 
 namespace apriltrack::app {
 
 struct SimulateOptions {
   std::string scene;
   std::string map;  ///< With camera and trajectory instead of a scene.
+  MapInputOptions map_input;
   std::string camera;
   std::string camera_name;
   std::string trajectory;

@@ -93,6 +93,25 @@ TEST_F(SimulateMap, SaysWhatIsMissingAndWhatDoesNotGoTogether) {
   EXPECT_FALSE(fs::exists(file("film")));
 }
 
+TEST_F(SimulateMap, TakesLayoutsThatStateNoSize) {
+  run_for_json({"map", "convert", file("map.yaml"), file("field.json"), "--to", "wpilib"});
+  std::vector<std::string> wanted = words({"--frames", "1", "--tag-size", "0.16", "--family", "tag36h11"});
+  wanted[2] = file("field.json");
+  EXPECT_EQ(run_for_json(wanted).at("frames_with_tags"), 1);
+  EXPECT_EQ(read_tag_map(file("film/map.yaml")).tags.front().size_m, 0.16);
+  EXPECT_THAT(run_program({"simulate", "--scene", "room", "--tag-size", "0.1", "--output", file("other")}),
+              EndsWith(2, "--map"));
+}
+
+TEST_F(SimulateMap, AsksWhyNoTagIsEverInView) {
+  // 100 m above the room, looking up.
+  for (TimedPose& pose : path_) pose.pose = Pose(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, 100));
+  write_tum(file("path.tum"), path_);
+  const json summary = run_for_json(words({"--frames", "2"}));
+  ASSERT_EQ(summary.at("frames_with_tags"), 0) << "the test is of a path that sees none";
+  EXPECT_THAT(summary.at("warnings").at(0).get<std::string>(), HasSubstr("not its inverse"));
+}
+
 TEST_F(SimulateMap, TellsOfGapsAndOfARollingShutter) {
   camera_.line_delay_s = 3e-5;
   write_cameras(file("camera.yaml"), {{camera_}});
