@@ -47,6 +47,15 @@ Eigen::VectorXd texture_of(const Image<float>& small, int column, int row) {
   return values;
 }
 
+/// Whether it reaches into what no light falls on: beside a fisheye's circle, or beyond the edge of a
+/// rectified picture. Such edges are the camera's own, and stand still.
+bool has_unlit_pixels(const Image<float>& small, int column, int row) {
+  constexpr float kUnlit = 1.0F;  // grey levels, mean of a small picture's pixel
+  for (int i = 0; i < kPiece * kPiece; ++i)
+    if (small(kPiece * column + i % kPiece, kPiece * row + i / kPiece) < kUnlit) return true;
+  return false;
+}
+
 /// A tag, and as much again round it, for it hangs on something that moves with it.
 struct HiddenDisc {
   Eigen::Vector2d center_px;
@@ -80,9 +89,10 @@ StillBackground::Reference StillBackground::reference(Timestamp time, const Gray
   for (int row = 0; row < made.small.height() / kPiece; ++row) {
     for (int column = 0; column < made.small.width() / kPiece; ++column) {
       const Eigen::Vector2d middle = kPiece_px * Eigen::Vector2d(column + 0.5, row + 0.5);
-      made.is_hidden.push_back(std::ranges::any_of(discs, [&](const HiddenDisc& disc) {
-        return (disc.center_px - middle).norm() < disc.radius_px + kPiece_px;
-      }));
+      made.is_hidden.push_back(has_unlit_pixels(made.small, column, row) ||
+                               std::ranges::any_of(discs, [&](const HiddenDisc& disc) {
+                                 return (disc.center_px - middle).norm() < disc.radius_px + kPiece_px;
+                               }));
     }
   }
   return made;

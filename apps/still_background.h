@@ -29,7 +29,8 @@ class StillBackground {
   std::optional<std::string> told() const;
 
  private:
-  /// A picture four times smaller, and where in it tags of the map may hide the background.
+  /// A picture four times smaller, and where in it tags of the map, or the edge of the lit part, may hide the
+  /// background.
   struct Reference {
     Timestamp time;
     Pose T_world_camera;
