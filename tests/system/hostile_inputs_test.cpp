@@ -1,10 +1,12 @@
 // What stands where a file should: devices, pipes, sockets and folders.
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <thread>
@@ -48,6 +50,36 @@ TEST_F(HostileInput, ThatIsADeviceAmongPicturesIsAFrameThatCannotBeRead) {
   const ProgramRun run = detect();
   EXPECT_THAT(run, EndsWith(1, "1 of 2 frames are left out"));
   EXPECT_NE(run.err.find("2000000000.png: cannot be read: it is a device"), std::string::npos) << run.err;
+}
+
+/// The program with so much memory, in kilobytes; its words in err_file.
+int status_with_memory(long most_kb, const std::string& words, const std::string& err_file) {
+  const std::string command =
+      fmt::format("ulimit -v {}; '{}' {} >/dev/null 2>'{}'", most_kb, APRILTRACK_PROGRAM, words, err_file);
+  const int status = std::system(command.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+// 20 MB each, of values of one digit: what a text costs most for.
+TEST_F(HostileInput, ThatIsMadeOfSmallValuesTakesLittleMemory) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need more memory than the test allows";
+#endif
+  std::string ones = "1";
+  for (int i = 0; i < 10'000'000; ++i) ones += ",1";
+  write_text(path("big.json"), "{\"tags\": [" + ones + "]}");
+  EXPECT_EQ(status_with_memory(1'500'000, "map show '" + path("big.json") + "'", path("err")), 2);
+  EXPECT_NE(read_text(path("err")).find("has more than 2000000 values"), std::string::npos)
+      << read_text(path("err"));
+
+  std::string table = "timestamp_ns,exposure_s,gain,a,b\n";
+  for (int i = 1; i <= 1'500'000; ++i) table += std::to_string(i) + ",,1,1,1\n";
+  write_text(path("frames.csv"), table);
+  EXPECT_EQ(status_with_memory(1'500'000, "track '" + folder_.string() + "' --output '" + path("o.tum") + "'",
+                               path("err")),
+            2);
+  EXPECT_NE(read_text(path("err")).find("none of its rows has the time of a frame"), std::string::npos)
+      << read_text(path("err"));
 }
 
 TEST_F(HostileInput, ThatIsAPipeWithoutAWriterHoldsNobodyUpWhoReadsTwice) {

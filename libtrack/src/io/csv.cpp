@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
@@ -14,12 +16,13 @@
 namespace apriltrack {
 namespace {
 
-std::vector<std::string> split_fields(std::string_view line) {
-  std::vector<std::string> fields;
+/// Passes each without the blanks around it.
+template <class Function>
+void for_each_field(std::string_view line, const Function& function) {
   for (;;) {
     const std::size_t comma = line.find(',');
-    fields.emplace_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return fields;
+    function(trimmed(line.substr(0, comma)));
+    if (comma == std::string_view::npos) return;
     line.remove_prefix(comma + 1);
   }
 }
@@ -27,7 +30,9 @@ std::vector<std::string> split_fields(std::string_view line) {
 std::vector<std::string> split_header(std::string_view line) {
   line = trimmed(line);
   if (line.starts_with('#')) line.remove_prefix(1);
-  return split_fields(line);
+  std::vector<std::string> names;
+  for_each_field(line, [&](std::string_view name) { names.emplace_back(name); });
+  return names;
 }
 
 /// Passes the lines that are not blank, with their numbers from 1.
@@ -72,25 +77,34 @@ CsvTable CsvTable::read_file(const std::filesystem::path& path,
   return read_text(apriltrack::read_file(path, kMaxTableBytes), path.string(), required_columns);
 }
 
-CsvTable CsvTable::read_text(std::string_view text, const std::string& name,
+void CsvTable::add_row(std::size_t line_number, std::string_view line) {
+  const std::size_t first = fields_.size();
+  for_each_field(line, [&](std::string_view field) {
+    const std::ptrdiff_t begin = field.empty() ? 0 : field.data() - text_.data();
+    fields_.push_back({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(field.size())});
+  });
+  lines_.push_back(line_number);
+  const std::size_t count = fields_.size() - first;
+  if (count != header_.size())
+    throw invalid_input(where(lines_.size() - 1),
+                        fmt::format("has {} fields, the header has {}", count, header_.size()));
+}
+
+CsvTable CsvTable::read_text(std::string text, const std::string& name,
                              const std::vector<std::string>& required_columns) {
   CsvTable table;
   table.name_ = name;
+  APRILTRACK_CHECK(text.size() <= kMaxTableBytes, "places in a table have 32 bits");
+  table.text_ = std::move(text);
   std::size_t header_line = 0;
-  for_each_line(text, [&](std::size_t number, std::string_view line) {
+  for_each_line(table.text_, [&](std::size_t number, std::string_view line) {
     if (header_line == 0) {
       header_line = number;
       table.header_ = split_header(line);
       require_header(fmt::format("{}:{}", table.name_, number), table.header_, required_columns);
       return;
     }
-    Row row{number, split_fields(line)};
-    if (row.fields.size() != table.header_.size()) {
-      throw invalid_input(
-          fmt::format("{}:{}", table.name_, number),
-          fmt::format("has {} fields, the header has {}", row.fields.size(), table.header_.size()));
-    }
-    table.rows_.push_back(std::move(row));
+    table.add_row(number, line);
   });
   if (header_line == 0) {
     throw invalid_input(table.name_, fmt::format("is empty; it must begin with a header line such as {}",
@@ -100,10 +114,11 @@ CsvTable CsvTable::read_text(std::string_view text, const std::string& name,
 }
 
 std::string_view CsvTable::text(std::size_t row, std::string_view column_name) const {
-  APRILTRACK_CHECK(row < rows_.size(), "row beyond the end of the table");
+  APRILTRACK_CHECK(row < lines_.size(), "row beyond the end of the table");
   const auto index = column(column_name);
   APRILTRACK_CHECK(index.has_value(), "no such column: " + std::string(column_name));
-  return rows_[row].fields[*index];
+  const Field& field = fields_[row * header_.size() + *index];
+  return std::string_view(text_).substr(field.begin, field.size);
 }
 
 double CsvTable::number(std::size_t row, std::string_view column_name) const {
@@ -123,8 +138,8 @@ long long CsvTable::integer(std::size_t row, std::string_view column_name) const
 }
 
 std::string CsvTable::where(std::size_t row) const {
-  APRILTRACK_CHECK(row < rows_.size(), "row beyond the end of the table");
-  return fmt::format("{}:{}", name_, rows_[row].line);
+  APRILTRACK_CHECK(row < lines_.size(), "row beyond the end of the table");
+  return fmt::format("{}:{}", name_, lines_[row]);
 }
 
 std::optional<std::size_t> CsvTable::column(std::string_view name) const {

@@ -96,6 +96,7 @@ class TreeSax {
 std::shared_ptr<const YamlTreeNode> parse_json(const std::string& text, const std::string& name) {
   LineCounter counter;
   YamlTreeBuilder builder(name);
+  builder.refuse_too_many_values(text);
   TreeSax sax(builder, counter);
   Json::sax_parse(CountingIterator(text.data(), &counter),
                   CountingIterator(text.data() + text.size(), &counter), &sax);

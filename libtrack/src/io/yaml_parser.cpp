@@ -130,6 +130,7 @@ std::string explain(const YAML::Exception& error, std::string_view text) {
 
 std::shared_ptr<const YamlTreeNode> parse_yaml(const std::string& text, const std::string& name) {
   YamlTreeBuilder builder(name);
+  builder.refuse_too_many_values(text);
   if (text.find('\0') != std::string::npos) builder.fail(1, {}, "is no text file (it holds zero bytes)");
   std::istringstream stream(without_opencv_directive(text));
   TreeEvents events(builder);

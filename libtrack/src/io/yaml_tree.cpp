@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "apriltrack/base/error.h"
 
 namespace apriltrack {
@@ -20,6 +22,15 @@ YamlTreeBuilder::YamlTreeBuilder(const std::string& file)
 
 void YamlTreeBuilder::fail(std::size_t line, const std::string& path, const std::string& what) const {
   throw invalid_input(fmt::format("{}:{}", *file_, line), path.empty() ? what : path + ": " + what);
+}
+
+void YamlTreeBuilder::fail_of_too_many_values(std::size_t line) const {
+  fail(line, {}, fmt::format("has more than {} values, which no file of this kind needs", kMaxNodes));
+}
+
+void YamlTreeBuilder::refuse_too_many_values(std::string_view text) const {
+  const auto num_parted = std::ranges::count_if(text, [](char c) { return c == ',' || c == '\n'; });
+  if (static_cast<std::size_t>(num_parted) > kMaxNodes) fail_of_too_many_values(1);
 }
 
 bool YamlTreeBuilder::expects_key() const {
@@ -46,7 +57,8 @@ std::string YamlTreeBuilder::next_path() const {
   return fmt::format("{}[{}]", level.node->path, level.node->children.size());
 }
 
-std::shared_ptr<YamlTreeNode> YamlTreeBuilder::make(Kind kind, std::size_t line) const {
+std::shared_ptr<YamlTreeNode> YamlTreeBuilder::make(Kind kind, std::size_t line) {
+  if (++num_nodes_ > kMaxNodes) fail_of_too_many_values(line);
   auto node = std::make_shared<YamlTreeNode>();
   node->kind = kind;
   node->file = file_;

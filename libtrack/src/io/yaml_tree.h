@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -49,6 +50,10 @@ class YamlTreeBuilder {
   /// The whole; a null node when the text was empty.
   std::shared_ptr<const YamlTreeNode> finish();
 
+  /// Before a parser sees it: yaml-cpp holds all signs of a line in memory, 200 bytes each. Throws
+  /// Error(kInvalidInput) where commas and ends of lines part more values than a tree may have.
+  void refuse_too_many_values(std::string_view text) const;
+
   [[noreturn]] void fail(std::size_t line, const std::string& path, const std::string& what) const;
 
  private:
@@ -56,6 +61,9 @@ class YamlTreeBuilder {
   static constexpr std::size_t kMaxDepth = 64;
   /// Ten aliases of ten aliases of ... grow without bound from a few lines.
   static constexpr std::size_t kMaxRepeatedNodes = 100'000;
+  /// A node takes 340 bytes, a text for it as few as two: maps of 30,000 tags with their covariances have
+  /// these.
+  static constexpr std::size_t kMaxNodes = 2'000'000;
 
   struct Level {
     std::shared_ptr<YamlTreeNode> node;
@@ -67,7 +75,8 @@ class YamlTreeBuilder {
   bool expects_key() const;
   void take_key(std::size_t line, std::string key);
   std::string next_path() const;
-  std::shared_ptr<YamlTreeNode> make(YamlTreeNode::Kind kind, std::size_t line) const;
+  [[noreturn]] void fail_of_too_many_values(std::size_t line) const;
+  std::shared_ptr<YamlTreeNode> make(YamlTreeNode::Kind kind, std::size_t line);
   void begin(YamlTreeNode::Kind kind, std::size_t line, std::string tag);
   void add(std::shared_ptr<const YamlTreeNode> node);
 
@@ -75,6 +84,7 @@ class YamlTreeBuilder {
   std::vector<Level> open_;
   std::shared_ptr<const YamlTreeNode> last_;
   std::shared_ptr<const YamlTreeNode> root_;
+  std::size_t num_nodes_ = 0;
   std::size_t num_repeated_nodes_ = 0;
 };
 

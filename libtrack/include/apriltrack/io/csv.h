@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -17,11 +18,11 @@ class CsvTable {
   /// are).
   static CsvTable read_file(const std::filesystem::path& path,
                             const std::vector<std::string>& required_columns);
-  /// The same of a text; name: what messages call it.
-  static CsvTable read_text(std::string_view text, const std::string& name,
+  /// The same of a text, which the table keeps; name: what messages call it.
+  static CsvTable read_text(std::string text, const std::string& name,
                             const std::vector<std::string>& required_columns);
 
-  std::size_t num_rows() const { return rows_.size(); }
+  std::size_t num_rows() const { return lines_.size(); }
   bool has_column(std::string_view name) const { return column(name).has_value(); }
 
   /// The field as it stands, without blanks around it. Requires that the column exists.
@@ -35,15 +36,19 @@ class CsvTable {
   std::string where(std::size_t row) const;
 
  private:
-  struct Row {
-    std::size_t line = 0;
-    std::vector<std::string> fields;
+  /// Where a field is in the text: tables have tens of millions of them.
+  struct Field {
+    std::uint32_t begin = 0;
+    std::uint32_t size = 0;
   };
   std::optional<std::size_t> column(std::string_view name) const;
+  void add_row(std::size_t line_number, std::string_view line);
 
   std::string name_;
+  std::string text_;
   std::vector<std::string> header_;
-  std::vector<Row> rows_;
+  std::vector<Field> fields_;       ///< Row by row, each as long as the header.
+  std::vector<std::size_t> lines_;  ///< Number of each row's line.
 };
 
 }  // namespace apriltrack

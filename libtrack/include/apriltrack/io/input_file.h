@@ -57,9 +57,10 @@ class InputPipe {
   int descriptor_ = -1;
 };
 
-/// A map of a tag with a covariance takes 1.5 kB: so many are of 170,000 tags.
+/// A day of poses at 30 Hz in a text; of YAML and JSON the number of values is limited as well (yaml_tree.h).
 inline constexpr std::uint64_t kMaxTextBytes = std::uint64_t{256} << 20;
-/// The corners of an hour at 30 Hz with 100 tags in every frame; a table is five times as large in memory.
+/// The corners of an hour at 30 Hz with 100 tags in every frame; a table is up to five times as large in
+/// memory.
 inline constexpr std::uint64_t kMaxTableBytes = std::uint64_t{2} << 30;
 /// Decoders count a picture's bytes by 31 bits.
 inline constexpr std::uint64_t kMaxPictureBytes = INT32_MAX;
