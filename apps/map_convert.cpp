@@ -10,6 +10,7 @@
 #include "apriltrack/tags/map_formats.h"
 #include "map_command.h"
 #include "map_loss_words.h"
+#include "map_oddity_words.h"
 #include "option_checks.h"
 #include "outputs.h"
 
@@ -114,6 +115,7 @@ void run_convert(const MapOptions& options) {
       write_as(output, options.second, reading.map, {.field = read_options.field});
   const std::string_view from = info_of(reading.format).title;
   tell_losses(reading.losses, LossStage::kRead, from, options.first, options.console);
+  tell_oddities(reading.map, options.first, options.console);
   tell_losses(losses, LossStage::kWrite, title_of(output), options.second, options.console);
   nlohmann::json all = losses_json(reading.losses, LossStage::kRead, from);
   for (const auto& loss : losses_json(losses, LossStage::kWrite, title_of(output))) all.push_back(loss);
@@ -123,7 +125,8 @@ void run_convert(const MapOptions& options) {
                           {"to", name_of(output)},
                           {"frame", reading.map.frame},
                           {"tags", num_written(reading.map, losses)},
-                          {"losses", all}},
+                          {"losses", all},
+                          {"oddities", oddities_json(reading.map)}},
                          fmt::format("{}: {} tags, a {} from a {}", options.second,
                                      num_written(reading.map, losses), title_of(output), from));
 }

@@ -7,6 +7,7 @@
 
 #include "apriltrack/base/error.h"
 #include "map_loss_words.h"
+#include "map_oddity_words.h"
 #include "option_checks.h"
 
 namespace apriltrack::app {
@@ -56,6 +57,7 @@ void add_map_input_options(CLI::App& command, MapInputOptions& input) {
 TagMap read_map_input(const std::string& path, const MapInputOptions& input, const Console& console) {
   MapReading reading = read_tag_map(path, input.read_options());
   tell_losses(reading.losses, LossStage::kRead, info_of(reading.format).title, path, console);
+  tell_oddities(reading.map, path, console);
   return std::move(reading.map);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "map_command.h"
+#include "map_oddity_words.h"
 #include "map_report.h"
 #include "outputs.h"
 
@@ -95,6 +96,7 @@ void run_show(const MapOptions& options) {
   if (!options.report.empty()) check_output(options.report, "--report", {options.first});
   const TagMap map = read_map_input(options.first, options.input, options.console);
   json summary = to_json(map);
+  summary["oddities"] = oddities_json(map);
   std::string text = to_text(map);
   if (!options.report.empty()) {
     write_map_report(options.report, options.first, map);

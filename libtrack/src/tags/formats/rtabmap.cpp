@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <sstream>
 
 #include "../tag_faults.h"
@@ -126,6 +127,12 @@ Pose pose_of_prior(const std::vector<double>& v, const MapPlace& place) {
     }
     return Eigen::Vector3d(x, y, z);
   };
+  if (v.size() == 6) {
+    for (const double angle_rad : {v[3], v[4], v[5]})
+      if (std::abs(angle_rad) > 2.0 * std::numbers::pi)
+        place.fail(
+            fmt::format("roll, pitch and yaw are in radians, and {} is more than a whole turn", angle_rad));
+  }
   if (v.size() == 6) return {rotation_of_roll_pitch_yaw({v[3], v[4], v[5]}), position(v[0], v[1], v[2])};
   if (v.size() == 7) {
     const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
