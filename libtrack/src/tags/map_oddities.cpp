@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "formats/field.h"
+#include "formats/formats.h"
 
 namespace apriltrack {
 namespace {
@@ -66,13 +66,12 @@ std::optional<MapOddity> overlapping_tags(const std::vector<const MapTag*>& tags
 }
 
 std::optional<MapOddity> tags_outside_field(const TagMap& map) {
-  const std::optional<FieldSize> field = field_of(map).size;
-  if (!field || (map.frame != kFieldFrame && map.frame != kFieldCentreFrame)) return std::nullopt;
-  const Eigen::Vector2d half(0.5 * field->length_m, 0.5 * field->width_m);
-  const Eigen::Vector2d centre = map.frame == kFieldFrame ? half : Eigen::Vector2d(0.0, 0.0);
+  const std::optional<StatedField> field = stated_field(map);
+  if (!field) return std::nullopt;
+  const Eigen::Vector2d half(0.5 * field->size.length_m, 0.5 * field->size.width_m);
   MapOddity found{MapOddityKind::kOutsideField, {}, 0.0};
   for (const MapTag& tag : map.tags) {
-    const double beyond_m = ((place_of(tag).head<2>() - centre).cwiseAbs() - half).maxCoeff();
+    const double beyond_m = ((place_of(tag).head<2>() - field->centre_m).cwiseAbs() - half).maxCoeff();
     if (beyond_m <= kBesideField_m) continue;
     found.tags.push_back(tag.key);
     found.value = std::max(found.value, beyond_m);

@@ -6,6 +6,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/numbers.h"
+#include "formats.h"
 #include "map_words.h"
 
 namespace apriltrack {
@@ -83,6 +84,14 @@ TagMap with_origin(const TagMap& map, const char* frame, const std::optional<Fie
   }
   losses.push_back(loss);
   return moved;
+}
+
+std::optional<StatedField> stated_field(const TagMap& map) {
+  const std::optional<FieldSize> size = field_of(map).size;
+  if (!size) return std::nullopt;
+  if (map.frame == kFieldFrame) return StatedField{*size, centre_of(*size).head<2>()};
+  if (map.frame == kFieldCentreFrame) return StatedField{*size, Eigen::Vector2d::Zero()};
+  return std::nullopt;
 }
 
 }  // namespace apriltrack

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,14 @@ struct MapFormatCode {
 };
 
 const std::vector<MapFormatCode>& map_format_codes();
+
+/// The sports field of a map whose origin is the field's corner or its centre.
+struct StatedField {
+  FieldSize size;
+  Eigen::Vector2d centre_m;  ///< In the map.
+};
+/// nullopt where the map does not tell it.
+std::optional<StatedField> stated_field(const TagMap& map);
 
 /// Throws Error(kIo) when it cannot be read, Error(kInvalidInput) when it is too large to be a layout.
 MapText load_map_text(const std::filesystem::path& path);
