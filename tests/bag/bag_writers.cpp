@@ -34,6 +34,24 @@ std::map<std::string, std::uint32_t> numbered(const std::vector<TestMessage>& me
   return ids;
 }
 
+/// CRC-32 of ISO-HDLC, bit by bit.
+std::uint32_t crc_of(const std::string& bytes) {
+  std::uint32_t crc = 0xFFFFFFFF;
+  for (const char byte : bytes) {
+    crc ^= static_cast<unsigned char>(byte);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xEDB88320 : 0);
+  }
+  return ~crc;
+}
+
+std::uint64_t told_size(const std::string& chunk, const ChunkForm& form) {
+  return chunk.size() + static_cast<std::uint64_t>(std::int64_t{form.size_error});
+}
+
+std::string packed(const std::string& chunk, const ChunkForm& form) {
+  return form.pack ? form.pack(chunk) : chunk;
+}
+
 std::string ros2_type(const std::string& type) {
   return type.substr(0, type.find('/')) + "/msg" + type.substr(type.find('/'));
 }
@@ -114,7 +132,8 @@ std::string camera_info_message(Wire wire, const CameraInfoFields& fields) {
   return message.done();
 }
 
-void write_ros1_bag(const std::filesystem::path& path, const std::vector<TestMessage>& messages) {
+void write_ros1_bag(const std::filesystem::path& path, const std::vector<TestMessage>& messages,
+                    const ChunkForm& form) {
   const auto record = [](const std::vector<std::pair<std::string, std::string>>& fields,
                          const std::string& data) {
     std::string header;
@@ -141,12 +160,15 @@ void write_ros1_bag(const std::filesystem::path& path, const std::vector<TestMes
                    {"index_pos", little(0, 8)},
                    {"op", "\x03"}},
                   std::string(4027, ' '));
-  bytes += record({{"compression", "none"}, {"op", "\x05"}, {"size", little(chunk.size(), 4)}}, chunk);
+  bytes += record({{"compression", form.compression.empty() ? "none" : form.compression},
+                   {"op", "\x05"},
+                   {"size", little(told_size(chunk, form), 4)}},
+                  packed(chunk, form));
   write_file(path, bytes);
 }
 
 void write_mcap(const std::filesystem::path& path, Wire wire, const std::vector<TestMessage>& messages,
-                std::size_t messages_per_chunk) {
+                std::size_t messages_per_chunk, const ChunkForm& form) {
   const auto record = [](char op, const std::string& content) {
     return op + little(content.size(), 8) + content;
   };
@@ -168,8 +190,10 @@ void write_mcap(const std::filesystem::path& path, Wire wire, const std::vector<
       const std::string time = little(static_cast<std::uint64_t>(one.log_time_ns), 8);
       chunk += record(5, id + little(i, 4) + time + time + one.bytes);
     }
-    bytes += record(6, std::string(16, '\0') + little(chunk.size(), 8) + little(0, 4) + sized("") +
-                           little(chunk.size(), 8) + chunk);
+    const std::string data = packed(chunk, form);
+    bytes += record(6, std::string(16, '\0') + little(told_size(chunk, form), 8) +
+                           little(form.has_crc ? crc_of(chunk) : 0, 4) + sized(form.compression) +
+                           little(data.size(), 8) + data);
   }
   bytes += record(15, little(0, 4)) + record(2, std::string(20, '\0')) + magic;
   write_file(path, bytes);

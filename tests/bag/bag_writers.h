@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,11 +72,20 @@ struct TestMessage {
   std::string bytes;
 };
 
-/// All of one chunk that is not packed.
-void write_ros1_bag(const std::filesystem::path& path, const std::vector<TestMessage>& messages);
-/// A chunk for every so many messages, without CRC and indices. wire: of the messages.
+/// How a chunk is packed, and what its header says of it.
+struct ChunkForm {
+  std::string compression = {};                              ///< As its header names it; empty: as it is.
+  std::function<std::string(const std::string&)> pack = {};  ///< Of that compression.
+  bool has_crc = false;                                      ///< MCAP.
+  int size_error = 0;  ///< Of the size that the header says, less the true one.
+};
+
+/// All of one chunk.
+void write_ros1_bag(const std::filesystem::path& path, const std::vector<TestMessage>& messages,
+                    const ChunkForm& form = {});
+/// A chunk for every so many messages, without indices. wire: of the messages.
 void write_mcap(const std::filesystem::path& path, Wire wire, const std::vector<TestMessage>& messages,
-                std::size_t messages_per_chunk = 4);
+                std::size_t messages_per_chunk = 4, const ChunkForm& form = {});
 /// CDR messages.
 void write_db3(const std::filesystem::path& path, const std::vector<TestMessage>& messages);
 
