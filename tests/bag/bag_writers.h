@@ -3,16 +3,20 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
+
+struct sqlite3;
 
 namespace apriltrack::test {
 
 // Small writers of bags, for what the files of other projects' writers (tests/bag/data) do not have. The
 // readers are judged by those; these follow the same documents.
 
-enum class Wire { kRos1, kCdr, kCdrBigEndian };
+/// kJson: of MCAP, messages are text, and types as they are given.
+enum class Wire { kRos1, kCdr, kCdrBigEndian, kJson };
 
 /// One message after the other, as ROS 1 or CDR serialises them.
 class MessageBytes {
@@ -86,6 +90,26 @@ void write_ros1_bag(const std::filesystem::path& path, const std::vector<TestMes
 /// A chunk for every so many messages, without indices. wire: of the messages.
 void write_mcap(const std::filesystem::path& path, Wire wire, const std::vector<TestMessage>& messages,
                 std::size_t messages_per_chunk = 4, const ChunkForm& form = {});
+/// A SQLite file of rosbag2 while it is recorded.
+class Db3Recorder {
+ public:
+  /// pragmas: run before the tables are made.
+  explicit Db3Recorder(const std::filesystem::path& path, const std::string& pragmas = "");
+  ~Db3Recorder();
+  Db3Recorder(const Db3Recorder&) = delete;
+  Db3Recorder& operator=(const Db3Recorder&) = delete;
+
+  void run(const std::string& sql);
+  /// A CDR message.
+  void add(const TestMessage& message);
+
+ private:
+  void must(int status) const;
+
+  sqlite3* database_ = nullptr;
+  std::map<std::string, int> ids_;
+};
+
 /// CDR messages.
 void write_db3(const std::filesystem::path& path, const std::vector<TestMessage>& messages);
 
