@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "apriltrack/bag/bag_reader.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/source/decoder_messages.h"
 #include "commands.h"
@@ -147,5 +148,6 @@ int main(int argc, char** argv) {
   apriltrack::app::install_interrupt_handler();
   std::signal(SIGPIPE,
               SIG_IGN);  // a reader that goes away is an output that cannot be written; files are kept
+  const apriltrack::UnpackedBags kept;  // commands open their input several times
   return apriltrack::app::run(argc, argv);
 }

@@ -34,6 +34,37 @@ std::map<std::string, std::uint32_t> numbered(const std::vector<TestMessage>& me
   return ids;
 }
 
+/// CRC-32 of ISO-HDLC, bit by bit.
+std::uint32_t crc_of(const std::string& bytes) {
+  std::uint32_t crc = 0xFFFFFFFF;
+  for (const char byte : bytes) {
+    crc ^= static_cast<unsigned char>(byte);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xEDB88320 : 0);
+  }
+  return ~crc;
+}
+
+std::uint64_t told_size(const std::string& chunk, const ChunkForm& form) {
+  return chunk.size() + static_cast<std::uint64_t>(std::int64_t{form.size_error});
+}
+
+std::string packed(const std::string& chunk, const ChunkForm& form) {
+  return form.pack ? form.pack(chunk) : chunk;
+}
+
+/// What an MCAP file calls it.
+struct WireWords {
+  std::string profile;
+  std::string schema;
+  std::string message;
+};
+
+WireWords words_of(Wire wire) {
+  if (wire == Wire::kRos1) return {"ros1", "ros1msg", "ros1"};
+  if (wire == Wire::kJson) return {"", "jsonschema", "json"};
+  return {"ros2", "ros2msg", "cdr"};
+}
+
 std::string ros2_type(const std::string& type) {
   return type.substr(0, type.find('/')) + "/msg" + type.substr(type.find('/'));
 }
@@ -114,7 +145,8 @@ std::string camera_info_message(Wire wire, const CameraInfoFields& fields) {
   return message.done();
 }
 
-void write_ros1_bag(const std::filesystem::path& path, const std::vector<TestMessage>& messages) {
+void write_ros1_bag(const std::filesystem::path& path, const std::vector<TestMessage>& messages,
+                    const ChunkForm& form) {
   const auto record = [](const std::vector<std::pair<std::string, std::string>>& fields,
                          const std::string& data) {
     std::string header;
@@ -141,18 +173,22 @@ void write_ros1_bag(const std::filesystem::path& path, const std::vector<TestMes
                    {"index_pos", little(0, 8)},
                    {"op", "\x03"}},
                   std::string(4027, ' '));
-  bytes += record({{"compression", "none"}, {"op", "\x05"}, {"size", little(chunk.size(), 4)}}, chunk);
+  bytes += record({{"compression", form.compression.empty() ? "none" : form.compression},
+                   {"op", "\x05"},
+                   {"size", little(told_size(chunk, form), 4)}},
+                  packed(chunk, form));
   write_file(path, bytes);
 }
 
 void write_mcap(const std::filesystem::path& path, Wire wire, const std::vector<TestMessage>& messages,
-                std::size_t messages_per_chunk) {
+                std::size_t messages_per_chunk, const ChunkForm& form) {
   const auto record = [](char op, const std::string& content) {
     return op + little(content.size(), 8) + content;
   };
-  const bool is_ros1 = wire == Wire::kRos1;
+  const WireWords words = words_of(wire);
+  const bool is_ros2 = wire == Wire::kCdr || wire == Wire::kCdrBigEndian;
   const std::string magic("\x89MCAP0\r\n", 8);
-  std::string bytes = magic + record(1, sized(is_ros1 ? "ros1" : "ros2") + sized("test"));
+  std::string bytes = magic + record(1, sized(words.profile) + sized("test"));
   const auto ids = numbered(messages);
   std::map<std::string, bool> is_told;
   for (std::size_t begin = 0; begin < messages.size(); begin += messages_per_chunk) {
@@ -161,56 +197,70 @@ void write_mcap(const std::filesystem::path& path, Wire wire, const std::vector<
       const TestMessage& one = messages[i];
       const std::string id = little(ids.at(one.topic), 2);
       if (!std::exchange(is_told[one.topic], true)) {
-        chunk += record(3, id + sized(is_ros1 ? one.type : ros2_type(one.type)) +
-                               sized(is_ros1 ? "ros1msg" : "ros2msg") + sized(""));
-        chunk += record(4, id + id + sized(one.topic) + sized(is_ros1 ? "ros1" : "cdr") + sized(""));
+        chunk +=
+            record(3, id + sized(is_ros2 ? ros2_type(one.type) : one.type) + sized(words.schema) + sized(""));
+        chunk += record(4, id + id + sized(one.topic) + sized(words.message) + sized(""));
       }
       const std::string time = little(static_cast<std::uint64_t>(one.log_time_ns), 8);
       chunk += record(5, id + little(i, 4) + time + time + one.bytes);
     }
-    bytes += record(6, std::string(16, '\0') + little(chunk.size(), 8) + little(0, 4) + sized("") +
-                           little(chunk.size(), 8) + chunk);
+    const std::string data = packed(chunk, form);
+    bytes += record(6, std::string(16, '\0') + little(told_size(chunk, form), 8) +
+                           little(form.has_crc ? crc_of(chunk) : 0, 4) + sized(form.compression) +
+                           little(data.size(), 8) + data);
   }
   bytes += record(15, little(0, 4)) + record(2, std::string(20, '\0')) + magic;
   write_file(path, bytes);
 }
 
-void write_db3(const std::filesystem::path& path, const std::vector<TestMessage>& messages) {
-  sqlite3* database = nullptr;
-  const auto must = [&](int status) {
-    if (status != SQLITE_OK && status != SQLITE_DONE) throw std::runtime_error(sqlite3_errmsg(database));
-  };
-  must(sqlite3_open(path.c_str(), &database));
-  must(sqlite3_exec(
-      database,
-      "BEGIN; CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,"
+Db3Recorder::Db3Recorder(const std::filesystem::path& path, const std::string& pragmas) {
+  must(sqlite3_open(path.c_str(), &database_));
+  run(pragmas);
+  run("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,"
       " serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);"
       "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL,"
-      " timestamp INTEGER NOT NULL, data BLOB NOT NULL);",
-      nullptr, nullptr, nullptr));
-  std::map<std::string, bool> is_told;
-  const auto ids = numbered(messages);
-  for (const TestMessage& one : messages) {
-    sqlite3_stmt* statement = nullptr;
-    if (!std::exchange(is_told[one.topic], true)) {
-      must(sqlite3_prepare_v2(database, "INSERT INTO topics VALUES (?, ?, ?, 'cdr', '')", -1, &statement,
-                              nullptr));
-      sqlite3_bind_int64(statement, 1, ids.at(one.topic));
-      sqlite3_bind_text(statement, 2, one.topic.c_str(), -1, SQLITE_TRANSIENT);
-      sqlite3_bind_text(statement, 3, ros2_type(one.type).c_str(), -1, SQLITE_TRANSIENT);
-      must(sqlite3_step(statement));
-      sqlite3_finalize(statement);
-    }
-    must(sqlite3_prepare_v2(database, "INSERT INTO messages (topic_id, timestamp, data) VALUES (?, ?, ?)", -1,
-                            &statement, nullptr));
-    sqlite3_bind_int64(statement, 1, ids.at(one.topic));
-    sqlite3_bind_int64(statement, 2, one.log_time_ns);
-    sqlite3_bind_blob(statement, 3, one.bytes.data(), static_cast<int>(one.bytes.size()), SQLITE_TRANSIENT);
+      " timestamp INTEGER NOT NULL, data BLOB NOT NULL);");
+}
+
+Db3Recorder::~Db3Recorder() {
+  sqlite3_close(database_);
+}
+
+void Db3Recorder::must(int status) const {
+  if (status != SQLITE_OK && status != SQLITE_DONE) throw std::runtime_error(sqlite3_errmsg(database_));
+}
+
+void Db3Recorder::run(const std::string& sql) {
+  must(sqlite3_exec(database_, sql.c_str(), nullptr, nullptr, nullptr));
+}
+
+void Db3Recorder::add(const TestMessage& message) {
+  sqlite3_stmt* statement = nullptr;
+  const auto [id, is_new] = ids_.insert({message.topic, static_cast<int>(ids_.size() + 1)});
+  if (is_new) {
+    must(sqlite3_prepare_v2(database_, "INSERT INTO topics VALUES (?, ?, ?, 'cdr', '')", -1, &statement,
+                            nullptr));
+    sqlite3_bind_int64(statement, 1, id->second);
+    sqlite3_bind_text(statement, 2, message.topic.c_str(), -1, SQLITE_TRANSIENT);
+    sqlite3_bind_text(statement, 3, ros2_type(message.type).c_str(), -1, SQLITE_TRANSIENT);
     must(sqlite3_step(statement));
     sqlite3_finalize(statement);
   }
-  must(sqlite3_exec(database, "COMMIT;", nullptr, nullptr, nullptr));
-  sqlite3_close(database);
+  must(sqlite3_prepare_v2(database_, "INSERT INTO messages (topic_id, timestamp, data) VALUES (?, ?, ?)", -1,
+                          &statement, nullptr));
+  sqlite3_bind_int64(statement, 1, id->second);
+  sqlite3_bind_int64(statement, 2, message.log_time_ns);
+  sqlite3_bind_blob(statement, 3, message.bytes.data(), static_cast<int>(message.bytes.size()),
+                    SQLITE_TRANSIENT);
+  must(sqlite3_step(statement));
+  sqlite3_finalize(statement);
+}
+
+void write_db3(const std::filesystem::path& path, const std::vector<TestMessage>& messages) {
+  Db3Recorder recorder(path);
+  recorder.run("BEGIN");
+  for (const TestMessage& one : messages) recorder.add(one);
+  recorder.run("COMMIT");
 }
 
 }  // namespace apriltrack::test

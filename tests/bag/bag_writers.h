@@ -2,16 +2,21 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
+
+struct sqlite3;
 
 namespace apriltrack::test {
 
 // Small writers of bags, for what the files of other projects' writers (tests/bag/data) do not have. The
 // readers are judged by those; these follow the same documents.
 
-enum class Wire { kRos1, kCdr, kCdrBigEndian };
+/// kJson: of MCAP, messages are text, and types as they are given.
+enum class Wire { kRos1, kCdr, kCdrBigEndian, kJson };
 
 /// One message after the other, as ROS 1 or CDR serialises them.
 class MessageBytes {
@@ -71,11 +76,40 @@ struct TestMessage {
   std::string bytes;
 };
 
-/// All of one chunk that is not packed.
-void write_ros1_bag(const std::filesystem::path& path, const std::vector<TestMessage>& messages);
-/// A chunk for every so many messages, without CRC and indices. wire: of the messages.
+/// How a chunk is packed, and what its header says of it.
+struct ChunkForm {
+  std::string compression = {};                              ///< As its header names it; empty: as it is.
+  std::function<std::string(const std::string&)> pack = {};  ///< Of that compression.
+  bool has_crc = false;                                      ///< MCAP.
+  int size_error = 0;  ///< Of the size that the header says, less the true one.
+};
+
+/// All of one chunk.
+void write_ros1_bag(const std::filesystem::path& path, const std::vector<TestMessage>& messages,
+                    const ChunkForm& form = {});
+/// A chunk for every so many messages, without indices. wire: of the messages.
 void write_mcap(const std::filesystem::path& path, Wire wire, const std::vector<TestMessage>& messages,
-                std::size_t messages_per_chunk = 4);
+                std::size_t messages_per_chunk = 4, const ChunkForm& form = {});
+/// A SQLite file of rosbag2 while it is recorded.
+class Db3Recorder {
+ public:
+  /// pragmas: run before the tables are made.
+  explicit Db3Recorder(const std::filesystem::path& path, const std::string& pragmas = "");
+  ~Db3Recorder();
+  Db3Recorder(const Db3Recorder&) = delete;
+  Db3Recorder& operator=(const Db3Recorder&) = delete;
+
+  void run(const std::string& sql);
+  /// A CDR message.
+  void add(const TestMessage& message);
+
+ private:
+  void must(int status) const;
+
+  sqlite3* database_ = nullptr;
+  std::map<std::string, int> ids_;
+};
+
 /// CDR messages.
 void write_db3(const std::filesystem::path& path, const std::vector<TestMessage>& messages);
 

@@ -107,6 +107,8 @@ TEST(DamagedBag, BelievesNoSizeWithoutBytes) {
   for (std::size_t i = 0; i < 8; ++i) bytes[chunk.begin + 9 + 16 + i] = '\x7f';
   const Outcome outcome = read_damaged(bytes);
   EXPECT_EQ(right_ones(outcome).size(), expected_messages().size());
+  // Its CRC is right.
+  EXPECT_THAT(outcome.damage, testing::HasSubstr("1 chunk can be read in spite of a wrong header"));
 }
 
 /// A large file, most of it a hole, whose footer says that the summary begins at the file's beginning.

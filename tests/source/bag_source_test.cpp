@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <map>
+
 #include "apriltrack/source/bag_input.h"
 #include "bag_pictures.h"
 #include "source_support.h"
@@ -148,7 +150,7 @@ TEST(BagSource, AsksForARateWhereHeadersHaveNoTime) {
 TEST(BagSource, GivesPicturesWhoseTimesGoBackAsUnreadable) {
   const fs::path bag = temporary_folder() / "any.mcap";
   std::vector<TestMessage> messages;
-  for (const std::int64_t stamp : {10, 12, 11, 12, 13}) {
+  for (const std::int64_t stamp : {10, 11, 10, 11, 12}) {
     messages.push_back(small_picture("/image", stamp * kSecond));
     messages.back().log_time_ns = kSecond * static_cast<std::int64_t>(20 + messages.size());
   }
@@ -158,6 +160,71 @@ TEST(BagSource, GivesPicturesWhoseTimesGoBackAsUnreadable) {
   EXPECT_TRUE(frames[0].is_readable() && frames[1].is_readable() && frames[4].is_readable());
   for (const std::size_t i : {2u, 3u}) EXPECT_THAT(frames[i].error, HasSubstr("is not later than"));
   EXPECT_TRUE(frames[2].pixels.is_empty());
+}
+
+/// Ten frames a second, recorded 20 ms later; `wrong` has some of the stamps by their numbers, in ns.
+fs::path bag_with_wrong_stamps(const std::map<int, std::int64_t>& wrong, int count = 12) {
+  std::vector<TestMessage> messages;
+  for (int k = 0; k < count; ++k) {
+    const std::int64_t right = 100 * kSecond + k * kSecond / 10;
+    const auto other = wrong.find(k);
+    messages.push_back(small_picture("/image", other == wrong.end() ? right : other->second));
+    messages.back().log_time_ns = right + kSecond / 50;
+  }
+  const fs::path bag = temporary_folder() / "any.mcap";
+  write_mcap(bag, Wire::kCdr, messages);
+  return bag;
+}
+
+/// All but the wrong ones are given with their times.
+void expect_only_these_lost(const std::map<int, std::int64_t>& wrong) {
+  const auto frames = read_all(bag_with_wrong_stamps(wrong).string());
+  ASSERT_EQ(frames.size(), 12u);
+  for (int k = 0; k < 12; ++k) {
+    const SourceFrame& frame = frames[static_cast<std::size_t>(k)];
+    EXPECT_EQ(frame.is_readable(), !wrong.contains(k)) << k << ": " << frame.error;
+    EXPECT_TRUE(!frame.is_readable() || frame.timestamp.ns == 100 * kSecond + k * kSecond / 10) << k;
+    EXPECT_TRUE(k == 0 || frame.timestamp > frames[static_cast<std::size_t>(k) - 1].timestamp) << k;
+  }
+}
+
+TEST(WrongStamps, ThatJumpAheadCostNoOtherFrame) {
+  expect_only_these_lost({{1, 1'000'000'000 * kSecond}});
+  expect_only_these_lost({{5, 101 * kSecond}});
+  expect_only_these_lost({{5, 4'000'000'000 * kSecond}, {6, 4'000'000'001 * kSecond}});
+  expect_only_these_lost({{0, 1'000'000'000 * kSecond}});
+}
+
+TEST(WrongStamps, ThatFallBackCostNoOtherFrame) {
+  expect_only_these_lost({{5, 0}});
+  expect_only_these_lost({{5, 50 * kSecond}, {8, 1}});
+}
+
+/// As Gazebo writes.
+TEST(WrongStamps, OfZeroInTheBeginningAreThoseOfNoOtherFrame) {
+  expect_only_these_lost({{0, 0}});
+  expect_only_these_lost({{0, 0}, {1, 0}, {2, 0}});
+}
+
+TEST(WrongStamps, AreNoStepsOfAClock) {
+  std::map<int, std::int64_t> later;
+  for (int k = 4; k < 12; ++k) later[k] = 1'000'000'000 * kSecond + k * kSecond / 10;
+  for (const SourceFrame& frame : read_all(bag_with_wrong_stamps(later).string())) EXPECT_EQ(frame.error, "");
+}
+
+TEST(WrongStamps, AreToldInWords) {
+  const auto frames = read_all(bag_with_wrong_stamps({{0, 0}, {4, 500 * kSecond}}).string());
+  EXPECT_THAT(frames.at(0).error, HasSubstr("header.stamp is 0"));
+  EXPECT_THAT(frames.at(4).error, HasSubstr("500.000000000 s, is not before those of the frames after it"));
+}
+
+TEST(WrongStamps, AreLookedForWhileFramesAreLeftOut) {
+  const fs::path bag = bag_with_wrong_stamps({{4, 500 * kSecond}});
+  EXPECT_EQ(times_of(read_all(bag.string(), {.skip = 1, .step = 3}))[0], 100 * kSecond + kSecond / 10);
+  const auto frames = read_all(bag.string(), {.skip = 1, .step = 3});
+  ASSERT_EQ(frames.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(frames[i].is_readable(), i != 1) << frames[i].error;
+  EXPECT_EQ(frames[3].timestamp.ns, 101 * kSecond);
 }
 
 TEST(StampIs, MovesTimesToTheMiddleOfTheExposure) {

@@ -204,8 +204,24 @@ class ChunkedReader : public BagReader {
       if (!result.error.empty() && hurt_.insert(loaded_).second)
         damage_.hurt_chunk(chunk.offset, result.error);
     }
-    if (chunk.crc != 0 && !chunk.is_partial && crc32(content_) != chunk.crc)
-      return "its CRC-32 is not that of its content";
+    return chunk.is_partial ? "" : check_content(chunk);
+  }
+
+  /// Of a size that is not as told, the header may be wrong or the content: the CRC decides. Without one,
+  /// what is there is given, as of a chunk that is damaged.
+  std::string check_content(const Chunk& chunk) {
+    const bool has_size = content_.size() == chunk.unpacked_size;
+    const std::string wrong_size = has_size ? ""
+                                            : fmt::format("it has {} bytes, and its header says {}",
+                                                          content_.size(), chunk.unpacked_size);
+    if (chunk.crc != 0 && crc32(content_) != chunk.crc)
+      return has_size ? "its CRC-32 is not that of its content"
+                      : wrong_size + ", nor is its CRC-32 that of its content";
+    if (has_size || !hurt_.insert(loaded_).second) return "";
+    if (chunk.crc != 0)
+      damage_.wrong_header(chunk.offset, wrong_size);
+    else
+      damage_.hurt_chunk(chunk.offset, wrong_size);
     return "";
   }
 

@@ -30,6 +30,7 @@ std::string Damage::told() const {
   };
   tell(chunks_, "chunk", "cannot be read");
   tell(hurt_, "chunk", "can be read in part only");
+  tell(headers_, "chunk", "can be read in spite of a wrong header");
   tell(messages_, "message", "cannot be read");
   if (places_.count > 0)
     parts.push_back(fmt::format("{} bytes in {} (the first at byte {}) are no records", num_bytes_,

@@ -14,6 +14,8 @@ class Damage {
   void lost_chunk(std::uint64_t offset, std::string_view why) { chunks_.add(offset, why); }
   /// A chunk of which messages are missing.
   void hurt_chunk(std::uint64_t offset, std::string_view why) { hurt_.add(offset, why); }
+  /// A chunk that is whole, whatever its header says.
+  void wrong_header(std::uint64_t offset, std::string_view why) { headers_.add(offset, why); }
   void lost_message(std::uint64_t offset, std::string_view why) { messages_.add(offset, why); }
   /// Bytes that are no records.
   void lost_bytes(std::uint64_t offset, std::uint64_t count) {
@@ -39,7 +41,7 @@ class Damage {
     void add(std::uint64_t offset, std::string_view reason);
   };
 
-  Kind chunks_, hurt_, messages_, places_;
+  Kind chunks_, hurt_, headers_, messages_, places_;
   std::uint64_t num_bytes_ = 0;
   bool is_cut_ = false;
   std::uint64_t cut_ = 0;

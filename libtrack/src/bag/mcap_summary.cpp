@@ -95,7 +95,6 @@ Chunk indexed_chunk(const RandomAccessFile& file, std::string_view index) {
   const std::uint64_t indices_length = cursor.u64();
   const std::string_view compression = cursor.sized();
   chunk.data_size = cursor.u64();
-  chunk.unpacked_size = cursor.u64();
   if (chunk.offset > file.size() || chunk_length > file.size() - chunk.offset ||
       chunk.data_size > chunk_length || indices_length > kMostSmallRecordBytes)
     throw BadBytes("the index of a chunk is damaged");
@@ -106,7 +105,9 @@ Chunk indexed_chunk(const RandomAccessFile& file, std::string_view index) {
   chunk.packing = *packing;
   // The fields before the packed bytes have a fixed size, but for the name.
   const std::string start = file.read(chunk.offset + kMcapPrefixBytes, kMostChunkHeaderBytes);
-  chunk.crc = read_chunk_header(start).crc;
+  const McapChunkHeader header = read_chunk_header(start);
+  chunk.crc = header.crc;
+  chunk.unpacked_size = header.unpacked_size;
   chunk.data_offset = chunk.offset + chunk_length - chunk.data_size;
   try {
     read_indices(file, chunk.offset + chunk_length, indices_length, chunk);

@@ -11,7 +11,9 @@
 #include <mutex>
 #include <system_error>
 #include <tuple>
+#include <vector>
 
+#include "apriltrack/bag/bag_reader.h"
 #include "apriltrack/base/error.h"
 #include "random_access_file.h"
 
@@ -85,21 +87,51 @@ std::shared_ptr<const ScratchFile> unpack_anew(const fs::path& path, const LogSi
   return file;
 }
 
+using Identity = std::tuple<dev_t, ino_t, off_t, std::int64_t, std::int64_t>;
+
+Identity identity_of(const InputFile& file) {
+  struct stat found {};
+  if (::fstat(file.descriptor(), &found) != 0)
+    throw io_error(file.name(), fmt::format("cannot be read: {}", std::generic_category().message(errno)));
+  return {found.st_dev, found.st_ino, found.st_size, found.st_mtim.tv_sec, found.st_mtim.tv_nsec};
+}
+
+/// Of this process.
+struct UnpackedFiles {
+  std::mutex mutex;
+  std::map<Identity, std::weak_ptr<const ScratchFile>> known;
+  std::size_t num_keepers = 0;
+  std::vector<std::shared_ptr<const ScratchFile>> kept;
+};
+
+UnpackedFiles& unpacked_files() {
+  static UnpackedFiles files;
+  return files;
+}
+
 }  // namespace
 
+UnpackedBags::UnpackedBags() {
+  UnpackedFiles& files = unpacked_files();
+  const std::lock_guard lock(files.mutex);
+  ++files.num_keepers;
+}
+
+UnpackedBags::~UnpackedBags() {
+  UnpackedFiles& files = unpacked_files();
+  const std::lock_guard lock(files.mutex);
+  if (--files.num_keepers == 0) files.kept.clear();
+}
+
 std::shared_ptr<const ScratchFile> unpacked_file(const fs::path& path, const LogSink& log) {
-  using Identity = std::tuple<dev_t, ino_t, off_t, std::int64_t, std::int64_t>;
-  static std::mutex mutex;
-  static std::map<Identity, std::shared_ptr<const ScratchFile>> known;
-  const InputFile packed(path);
-  struct stat found {};
-  if (::fstat(packed.descriptor(), &found) != 0)
-    throw io_error(path.string(), fmt::format("cannot be read: {}", std::generic_category().message(errno)));
-  const Identity identity = {found.st_dev, found.st_ino, found.st_size, found.st_mtim.tv_sec,
-                             found.st_mtim.tv_nsec};
-  const std::lock_guard lock(mutex);
-  auto& file = known[identity];
-  if (!file) file = unpack_anew(path, log);
+  const Identity identity = identity_of(InputFile(path));
+  UnpackedFiles& files = unpacked_files();
+  const std::lock_guard lock(files.mutex);
+  std::erase_if(files.known, [](const auto& entry) { return entry.second.expired(); });
+  if (auto file = files.known[identity].lock()) return file;
+  auto file = unpack_anew(path, log);
+  files.known[identity] = file;
+  if (files.num_keepers > 0) files.kept.push_back(file);
   return file;
 }
 

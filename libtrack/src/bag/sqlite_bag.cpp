@@ -1,6 +1,7 @@
 #include "sqlite_bag.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -62,16 +63,24 @@ class SqliteBag : public BagReader {
   }
 
   std::string damage() const override {
-    std::string text;
+    std::vector<std::string> parts;
+    const SqliteLog& log = database_.log();
+    if (log.kind == SqliteLog::Kind::kRollback)
+      parts.push_back(
+          fmt::format("its recorder did not finish the last transaction ({} lies beside it): "
+                      "messages of that may be missing or wrong",
+                      log.name));
+    if (log.kind == SqliteLog::Kind::kUnreadAhead)
+      parts.push_back(fmt::format("what is in {} is missing, for it {}", log.name, log.reason));
     if (is_damaged_)
-      text = fmt::format("the table of messages is damaged: {} rows were found one by one", all_rows_.size());
+      parts.push_back(
+          fmt::format("the table of messages is damaged: {} rows were found one by one", all_rows_.size()));
     if (num_unknown_ > 0)
-      text +=
-          fmt::format("{}{} messages are of no topic that it lists", text.empty() ? "" : "; ", num_unknown_);
+      parts.push_back(fmt::format("{} messages are of no topic that it lists", num_unknown_));
     if (num_lost_ > 0)
-      text += fmt::format("{}{} message{} cannot be read (the first: {})", text.empty() ? "" : "; ",
-                          num_lost_, num_lost_ == 1 ? "" : "s", first_lost_);
-    return text;
+      parts.push_back(fmt::format("{} message{} cannot be read (the first: {})", num_lost_,
+                                  num_lost_ == 1 ? "" : "s", first_lost_));
+    return fmt::format("{}", fmt::join(parts, "; "));
   }
 
  private:
@@ -120,7 +129,9 @@ class SqliteBag : public BagReader {
         database_, "SELECT id, topic_id, timestamp FROM messages NOT INDEXED ORDER BY id");
     Step step = statement.step();
     for (; step == Step::kRow; step = statement.step()) add_row(statement);
-    if (step == Step::kDamaged) search_rows();
+    is_damaged_ = step == Step::kDamaged;
+    // Between two states of the table a row may stand in both of its pages.
+    if (is_damaged_ || database_.log().kind == SqliteLog::Kind::kRollback) search_rows();
     for (const Row& row : all_rows_) ++topics_[row.topic].count;
   }
 
@@ -135,7 +146,6 @@ class SqliteBag : public BagReader {
   /// Beyond damage, row by row: recorders number them from 1 on without gaps.
   void search_rows() {
     constexpr std::int64_t kLongestGap = 100'000;
-    is_damaged_ = true;
     all_rows_.clear();
     num_unknown_ = 0;
     SqliteDatabase::Statement statement(database_,

@@ -7,49 +7,56 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
-#include "descriptor_vfs.h"
+#include "apriltrack/io/input_file.h"
+#include "read_only_vfs.h"
 
 namespace apriltrack {
 namespace {
 namespace fs = std::filesystem;
 
 /// Of a path, which may have any bytes.
-std::string uri_of(const fs::path& path, bool is_immutable) {
+std::string uri_of(const fs::path& path, bool has_write_ahead_log) {
   std::string uri = "file:";
-  for (const char c : fs::absolute(path).string()) {
+  for (const char c : path.string()) {
     const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
                           c == '/' || c == '.' || c == '_' || c == '-';
     uri += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
-  return uri + (is_immutable ? "?mode=ro&immutable=1" : "?mode=ro");
+  return uri + (has_write_ahead_log ? "?mode=ro&wal=1" : "?mode=ro");
 }
 
-/// Of a recorder that did not close it: what the file itself does not have yet.
-bool has_log(const fs::path& path) {
+/// Logs lie beside the file that a link leads to. What has no name is read as it is.
+fs::path real_path(const fs::path& path) {
+  if (path.string().starts_with("/proc/self/fd/")) return path;
+  std::error_code error;
+  const fs::path real = fs::canonical(path, error);
+  return error ? fs::absolute(path) : real;
+}
+
+/// Empty when it is not there, or cannot be read; then `reason` says why.
+std::string first_byte(const fs::path& path, std::string& reason) {
   std::error_code ignored;
-  return fs::exists(path.string() + "-wal", ignored) || fs::exists(path.string() + "-journal", ignored);
+  if (!fs::exists(path, ignored)) return "";
+  try {
+    const InputFile file(path);
+    std::string byte(1, '\0');
+    byte.resize(file.read(0, byte.data(), 1));
+    return byte;
+  } catch (const Error& error) {
+    reason = error.cause();
+    return "";
+  }
 }
 
-/// SQLite takes what a cut file lacks of its last page for zeros, and so hands out messages that end in
-/// zeros. Here they are an error.
-void refuse_short_reads(sqlite3* database) {
-  using Read = int (*)(sqlite3_file*, void*, int, sqlite3_int64);
-  static Read read_of_system = nullptr;
-  static sqlite3_io_methods strict;
-  sqlite3_file* file = nullptr;
-  if (sqlite3_file_control(database, "main", SQLITE_FCNTL_FILE_POINTER, &file) != SQLITE_OK || !file ||
-      !file->pMethods)
-    return;
-  static const bool is_made = [&] {
-    strict = *file->pMethods;
-    read_of_system = strict.xRead;
-    strict.xRead = [](sqlite3_file* of, void* bytes, int count, sqlite3_int64 offset) {
-      const int status = read_of_system(of, bytes, count, offset);
-      return status == SQLITE_IOERR_SHORT_READ ? SQLITE_IOERR_READ : status;
-    };
-    return true;
-  }();
-  if (is_made && file->pMethods->xClose == strict.xClose) file->pMethods = &strict;
+SqliteLog find_log(const fs::path& path) {
+  const fs::path ahead = path.string() + "-wal", rollback = path.string() + "-journal";
+  std::string reason;
+  if (!first_byte(ahead, reason).empty()) return {SqliteLog::Kind::kReadAhead, ahead.filename(), ""};
+  if (!reason.empty()) return {SqliteLog::Kind::kUnreadAhead, ahead.filename(), reason};
+  // One that begins with zero is of a transaction that ended (sqlite.org/fileformat2.html, section 3).
+  const std::string start = first_byte(rollback, reason);
+  if ((start.empty() && reason.empty()) || start == std::string(1, '\0')) return {};
+  return {SqliteLog::Kind::kRollback, rollback.filename(), reason};
 }
 
 }  // namespace
@@ -62,14 +69,16 @@ void SqliteDatabase::Statement::Finalizer::operator()(sqlite3_stmt* statement) c
 }
 
 SqliteDatabase::SqliteDatabase(const fs::path& path, std::string name) : name_(std::move(name)) {
-  const bool is_descriptor = is_open_descriptor(path);
+  const fs::path real = real_path(path);
+  log_ = find_log(real);
+  const bool reads_log = log_.kind == SqliteLog::Kind::kReadAhead;
   sqlite3* raw = nullptr;
-  const int status = sqlite3_open_v2(uri_of(path, !has_log(path)).c_str(), &raw,
-                                     SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX,
-                                     is_descriptor ? descriptor_vfs() : nullptr);
+  const int status =
+      sqlite3_open_v2(uri_of(real, reads_log).c_str(), &raw,
+                      SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, read_only_vfs());
   database_.reset(raw);
   if (status != SQLITE_OK) throw io_error(name_, fmt::format("cannot be opened: {}", last_error()));
-  if (!is_descriptor) refuse_short_reads(raw);
+  sqlite3_exec(raw, "PRAGMA locking_mode = EXCLUSIVE", nullptr, nullptr, nullptr);  // of this process alone
   // Else a file that is shorter than its header says is refused whole; it is open for reading only.
   sqlite3_db_config(raw, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
   // A damaged file may hold views and triggers of anyone's making.

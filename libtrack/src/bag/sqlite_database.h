@@ -11,14 +11,28 @@ struct sqlite3_stmt;
 
 namespace apriltrack {
 
-/// A SQLite file, to be read only.
+/// What a recorder that did not end leaves beside its file.
+struct SqliteLog {
+  enum class Kind {
+    kNone,
+    kReadAhead,    ///< A write-ahead log: it is read with the file.
+    kUnreadAhead,  ///< One that cannot be read: what is in it is missing.
+    kRollback,     ///< The file has parts of a transaction that was not finished; this is how to undo it.
+  };
+  Kind kind = Kind::kNone;
+  std::string name;    ///< Of the log's file.
+  std::string reason;  ///< Why it is not read.
+};
+
+/// A SQLite file, to be read only. Nothing is ever written to it or beside it. It is read as it is found: a
+/// transaction that was not finished is not undone, for what is there of it is the end of the recording.
 class SqliteDatabase {
  public:
-  /// Nothing is written beside it, unless a recorder left a log there that must be read as well. Throws
-  /// Error(kIo). name: what messages call it.
+  /// Throws Error(kIo). name: what messages call it.
   SqliteDatabase(const std::filesystem::path& path, std::string name);
 
   const std::string& name() const { return name_; }
+  const SqliteLog& log() const { return log_; }
   std::string last_error() const;
   bool has_column(const std::string& table, const std::string& column) const;
 
@@ -52,6 +66,7 @@ class SqliteDatabase {
     void operator()(sqlite3* database) const;
   };
   std::string name_;
+  SqliteLog log_;
   std::unique_ptr<sqlite3, Closer> database_;
 };
 

@@ -25,9 +25,9 @@ struct Unpacked {
   bool is_cut = false;  ///< The error is that the packed bytes end too soon.
 };
 
-/// Unpacks a whole stream (of bz2, LZ4 frames or zstd frames; not kNone). expected: how many bytes are said
-/// to come, a hint only: room grows as they do come. What came before an error is in `into`. What follows the
-/// stream's end is passed over.
+/// Unpacks streams that stand one behind the other (of bz2, LZ4 frames or zstd frames; not kNone), as writers
+/// with several threads leave them. expected: how many bytes are said to come, a hint only: room grows as
+/// they do come. What came before an error is in `into`. What follows and begins no stream is passed over.
 Unpacked unpack(Packing packing, std::string_view packed, std::uint64_t expected, ByteBuffer& into);
 
 }  // namespace apriltrack

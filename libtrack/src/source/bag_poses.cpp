@@ -8,17 +8,15 @@
 
 #include "apriltrack/bag/bag_reader.h"
 #include "apriltrack/base/error.h"
-#include "apriltrack/io/yaml_reader.h"
 #include "bag_topics.h"
+#include "foxglove_message.h"
 #include "ros_message.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr std::string_view kFoxglovePose = "foxglove.PoseInFrame";
-
 bool is_foxglove_pose(const BagTopic& topic) {
-  return topic.type == kFoxglovePose && topic.encoding == "json";
+  return is_foxglove(topic, kFoxglovePose);
 }
 
 bool is_pose_topic(const BagTopic& topic) {
@@ -56,17 +54,6 @@ std::size_t choose_pose_topic(const BagReader& bag, const std::string& name, con
                                   list_of_topics(known)));
 }
 
-RosPose read_foxglove_pose(const std::string& text, const std::string& where) {
-  const YamlNode message = YamlNode::read_json_text(text, where);
-  const YamlNode time = message.at("timestamp"), pose = message.at("pose");
-  const YamlNode p = pose.at("position"), q = pose.at("orientation");
-  constexpr std::int64_t kNsPerSecond = 1'000'000'000;
-  const auto whole = [&](const char* key) { return static_cast<std::int64_t>(time.at(key).as_double()); };
-  return {{kNsPerSecond * whole("sec") + whole("nsec")},
-          {p.at("x").as_double(), p.at("y").as_double(), p.at("z").as_double()},
-          {q.at("w").as_double(), q.at("x").as_double(), q.at("y").as_double(), q.at("z").as_double()}};
-}
-
 BagPose checked(const RosPose& message, const std::string& where) {
   constexpr double kMostLengthError = 0.05;  // as in files of trajectories
   if (!message.position.allFinite())
@@ -89,7 +76,7 @@ std::vector<BagPose> read_bag_poses(const std::string& input, const std::string&
     if (!message->error.empty()) continue;  // damage() tells
     const std::string where = fmt::format("{} {} message {}", input, topic.name, poses.size());
     try {
-      poses.push_back(checked(is_foxglove_pose(topic) ? read_foxglove_pose(std::string(message->bytes), where)
+      poses.push_back(checked(is_foxglove_pose(topic) ? read_foxglove_pose(message->bytes, where)
                                                       : read_pose_message(topic, message->bytes),
                               where));
     } catch (const BadMessage& error) {

@@ -16,6 +16,7 @@
 #include "pipe_input.h"
 #include "ros_message.h"
 #include "ros_pixels.h"
+#include "stamped_messages.h"
 #include "video_source.h"
 
 namespace apriltrack {
@@ -35,9 +36,13 @@ StampedValues read_picture(const BagTopic& topic, std::string_view bytes) {
   return {image.stamp, values_of(image)};
 }
 
-Timestamp read_stamp(const BagTopic& topic, std::string_view bytes) {
-  if (short_type(topic.type) == "sensor_msgs/Image") return read_image_message(topic, bytes).stamp;
-  return read_compressed_image_message(topic, bytes).stamp;
+std::optional<Timestamp> read_stamp(const BagTopic& topic, std::string_view bytes) {
+  try {
+    if (short_type(topic.type) == "sensor_msgs/Image") return read_image_message(topic, bytes).stamp;
+    return read_compressed_image_message(topic, bytes).stamp;
+  } catch (const BadMessage&) {
+    return std::nullopt;  // it is a frame that cannot be read
+  }
 }
 
 class BagSource : public SkippableSource {
@@ -49,18 +54,20 @@ class BagSource : public SkippableSource {
         scaling_(input, options),
         bag_(open_bag(input, options.log)),
         topic_index_(choose_image_topic(*bag_, input, options.topic)),
-        topic_(bag_->topics()[topic_index_]) {
+        topic_(bag_->topics()[topic_index_]),
+        messages_(*bag_, [this](std::string_view bytes) { return read_stamp(topic_, bytes); }) {
     bag_->choose({topic_index_});
     num_messages_ = bag_->num_messages();
     tell_of_damage();
-    pending_ = bag_->next();
+    pending_ = messages_.next();
     if (!pending_)
       throw io_error(input, fmt::format("topic {} has no message that can be read", topic_.name));
-    if (pending_->error.empty()) check_first(pending_->bytes);
+    check_times();
+    if (pending_->error.empty()) check_picture(pending_->bytes());
   }
 
   std::optional<SourceFrame> next() override {
-    const auto message = pending_ ? std::exchange(pending_, std::nullopt) : bag_->next();
+    auto message = pending_ ? std::exchange(pending_, std::nullopt) : messages_.next();
     if (!message) {
       tell_of_damage();
       return std::nullopt;
@@ -68,15 +75,14 @@ class BagSource : public SkippableSource {
     SourceFrame frame;
     frame.name = fmt::format("{} {} message {}", input_, topic_.name, num_passed_);
     frame.error = message->error;
-    std::optional<Timestamp> told;
-    if (frame.error.empty()) read(*message, frame, told);
-    set_time(*message, told, frame);
+    if (frame.error.empty()) read(message->bytes(), frame);
+    set_time(*message, frame);
     ++num_passed_;
     return frame;
   }
 
   bool pass_over() override {
-    if (!std::exchange(pending_, std::nullopt) && !bag_->pass_over()) {
+    if (!std::exchange(pending_, std::nullopt) && !messages_.pass_over()) {
       tell_of_damage();
       return false;
     }
@@ -89,18 +95,15 @@ class BagSource : public SkippableSource {
   std::string name() const override { return input_; }
 
  private:
-  /// What is wrong with the first message is so with all: said before the work.
-  void check_first(std::string_view bytes) {
-    try {
-      if (read_stamp(topic_, bytes) == Timestamp{}) has_times_ = false;
-    } catch (const BadMessage&) {
-      return;  // a frame that cannot be read, as others may be
+  // What is wrong with all messages is said before the work.
+
+  void check_times() {
+    std::size_t num_with = pending_->has_time(), num_stamps = pending_->stamp.has_value();
+    for (const StampedMessage& message : messages_.look_ahead(*pending_)) {
+      num_with += message.has_time();
+      num_stamps += message.stamp.has_value();
     }
-    try {
-      read_picture(topic_, bytes);
-    } catch (const BadMessage& bad) {
-      throw invalid_input(input_, fmt::format("topic {}: {}", topic_.name, bad.what()));
-    }
+    has_times_ = num_with > 0 || num_stamps == 0;
     if (!has_times_ && !rate_hz_)
       throw invalid_input(input_,
                           fmt::format("topic {}: its messages carry no times (header.stamp is 0): give the "
@@ -108,25 +111,46 @@ class BagSource : public SkippableSource {
                                       topic_.name));
   }
 
-  void read(const BagMessage& message, SourceFrame& frame, std::optional<Timestamp>& told) {
+  void check_picture(std::string_view bytes) {
+    if (!read_stamp(topic_, bytes)) return;  // a frame that cannot be read, as others may be
     try {
-      told = read_stamp(topic_, message.bytes);
-      const StampedValues picture = read_picture(topic_, message.bytes);
+      read_picture(topic_, bytes);
+    } catch (const BadMessage& bad) {
+      throw invalid_input(input_, fmt::format("topic {}: {}", topic_.name, bad.what()));
+    }
+  }
+
+  void read(std::string_view bytes, SourceFrame& frame) {
+    try {
+      const StampedValues picture = read_picture(topic_, bytes);
       frame.pixels = scaling_.to_gray(picture.values, frame.name, [&] { return count_sample(); });
     } catch (const BadMessage& bad) {
       frame.error = bad.what();
     }
   }
 
-  /// Of a message that is lost, only the log time is known, which is later than the header's.
-  void set_time(const BagMessage& message, std::optional<Timestamp> told, SourceFrame& frame) {
-    if (!has_times_) told = advance({}, static_cast<double>(num_passed_) / *rate_hz_);
-    if (!told && is_first_) told = message.log_time;
+  void set_time(StampedMessage& message, SourceFrame& frame) {
+    const auto told = has_times_ ? believed_time(message, frame)
+                                 : advance({}, static_cast<double>(num_passed_) / *rate_hz_);
     is_first_ = false;
     const std::string time_error = clock_.take(told);
+    if (time_error.empty() && told == message.stamp) course_.believe(message);
     if (frame.error.empty()) frame.error = time_error;
     if (!frame.error.empty()) frame.pixels = GrayImage();
     frame.timestamp = clock_.time();
+  }
+
+  /// nullopt: just after the frame before.
+  std::optional<Timestamp> believed_time(StampedMessage& message, SourceFrame& frame) {
+    std::string fault = message.has_time() ? "" : "it carries no time (header.stamp is 0)";
+    if (message.has_time() && course_.jumps_ahead(message) &&
+        StampCourse::is_wrong(*message.stamp, messages_.look_ahead(message)))
+      fault = fmt::format("its time, {} s, is not before those of the frames after it",
+                          format_seconds(*message.stamp));
+    if (fault.empty()) return message.stamp;
+    if (frame.error.empty()) frame.error = fault;
+    if (!is_first_) return std::nullopt;
+    return StampCourse::first_time(message, messages_.look_ahead(message));
   }
 
   ValueCounts count_sample() const {
@@ -166,7 +190,9 @@ class BagSource : public SkippableSource {
   std::size_t topic_index_;
   BagTopic topic_;
   std::size_t num_messages_ = 0;
-  std::optional<BagMessage> pending_;
+  StampedMessages messages_;
+  StampCourse course_;
+  std::optional<StampedMessage> pending_;
   bool has_times_ = true;
   std::size_t num_passed_ = 0;
   bool is_first_ = true;

@@ -62,10 +62,20 @@ bool is_bag(const std::filesystem::path& path);
 /// Opens a ROS 1 bag (version 2.0; chunks as they are or packed by bz2 or lz4), an MCAP file (chunks as they
 /// are or packed by lz4 or zstd, or no chunks), a rosbag2 SQLite file, any of the latter two packed whole by
 /// zstd, or a rosbag2 folder of these, which is read as one in the order of time. A packed file is unpacked
-/// into the folder for temporary files, where it stays until the process ends: it is opened again and again.
+/// into the folder for temporary files, where it stays while a reader of it is there (see UnpackedBags).
 /// log: hears of a folder without metadata.yaml, of files that it names and are not there, and of unpacking.
 /// Throws Error(kIo) when it cannot be read or has nothing intact, Error(kInvalidInput) when it is of a
 /// version, storage or compression that is not read.
 std::unique_ptr<BagReader> open_bag(const std::filesystem::path& path, const LogSink& log = silent_log());
+
+/// While one of these is there, what was unpacked stays when its reader goes: for programs that open a packed
+/// bag several times.
+class UnpackedBags {
+ public:
+  UnpackedBags();
+  ~UnpackedBags();
+  UnpackedBags(const UnpackedBags&) = delete;
+  UnpackedBags& operator=(const UnpackedBags&) = delete;
+};
 
 }  // namespace apriltrack

@@ -9,7 +9,7 @@ namespace apriltrack {
 
 /// A file on a disk that is open to be read, here and there.
 ///
-/// The only door by which this project opens what it reads, but for databases, which SQLite opens itself.
+/// The only door by which this project opens what it reads.
 /// What is there is looked at before and after it is opened: a pipe without a writer holds nobody up, and no
 /// device is woken.
 class InputFile {

@@ -1,53 +1,49 @@
-#include "descriptor_vfs.h"
+#include "read_only_vfs.h"
 
-#include <fcntl.h>
 #include <sqlite3.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <charconv>
+#include <filesystem>
+#include <memory>
 #include <string_view>
+#include <system_error>
+
+#include "apriltrack/base/error.h"
+#include "apriltrack/io/input_file.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr std::string_view kFolder = "/proc/self/fd/";
-
-struct DescriptorFile {
+struct ReadOnlyFile {
   sqlite3_file base;  ///< First, for SQLite hands out a pointer to it.
-  int descriptor;
+  InputFile* input;   ///< Owned: SQLite closes what it opened.
+  bool has_log;
 };
 
-int descriptor_of(sqlite3_file* file) {
-  return reinterpret_cast<DescriptorFile*>(file)->descriptor;
+const ReadOnlyFile& of(sqlite3_file* file) {
+  return *reinterpret_cast<ReadOnlyFile*>(file);
 }
 
 int close_file(sqlite3_file* file) {
-  ::close(descriptor_of(file));
+  delete of(file).input;
   return SQLITE_OK;
 }
 
 int read_file_at(sqlite3_file* file, void* bytes, int count, sqlite3_int64 offset) {
-  int done = 0;
-  while (done < count) {
-    const ssize_t got = ::pread(descriptor_of(file), static_cast<char*>(bytes) + done,
-                                static_cast<std::size_t>(count - done), static_cast<off_t>(offset + done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return SQLITE_IOERR_READ;
-    done += static_cast<int>(got);
+  try {
+    const auto wanted = static_cast<std::size_t>(count);
+    const std::size_t got =
+        of(file).input->read(static_cast<std::uint64_t>(offset), static_cast<char*>(bytes), wanted);
+    return got == wanted ? SQLITE_OK : SQLITE_IOERR_READ;
+  } catch (const Error&) {
+    return SQLITE_IOERR_READ;
   }
-  return SQLITE_OK;
 }
 
 int size_of_file(sqlite3_file* file, sqlite3_int64* size) {
-  struct stat found {};
-  if (::fstat(descriptor_of(file), &found) != 0) return SQLITE_IOERR_FSTAT;
-  *size = found.st_size;
+  *size = static_cast<sqlite3_int64>(of(file).input->size());
   return SQLITE_OK;
 }
 
-/// For reading alone, and by this process alone.
 sqlite3_io_methods make_methods() {
   sqlite3_io_methods methods{};
   methods.iVersion = 1;
@@ -65,33 +61,40 @@ sqlite3_io_methods make_methods() {
   };
   methods.xFileControl = [](sqlite3_file*, int, void*) { return SQLITE_NOTFOUND; };
   methods.xSectorSize = [](sqlite3_file*) { return 4096; };
-  methods.xDeviceCharacteristics = [](sqlite3_file*) { return SQLITE_IOCAP_IMMUTABLE; };
+  methods.xDeviceCharacteristics = [](sqlite3_file* file) {
+    return of(file).has_log ? 0 : SQLITE_IOCAP_IMMUTABLE;
+  };
   return methods;
 }
 
 int open_file(sqlite3_vfs*, const char* name, sqlite3_file* file, int flags, int* flags_found) {
   static const sqlite3_io_methods methods = make_methods();
   file->pMethods = nullptr;
-  const std::string_view path = name ? name : "";
-  if (!path.starts_with(kFolder) || (flags & SQLITE_OPEN_MAIN_DB) == 0) return SQLITE_CANTOPEN;
-  int number = -1;
-  std::from_chars(path.data() + kFolder.size(), path.data() + path.size(), number);
-  const int descriptor = ::fcntl(number, F_DUPFD_CLOEXEC, 0);
-  if (descriptor < 0) return SQLITE_CANTOPEN;
-  reinterpret_cast<DescriptorFile*>(file)->descriptor = descriptor;
-  file->pMethods = &methods;
-  if (flags_found) *flags_found = SQLITE_OPEN_READONLY | SQLITE_OPEN_MAIN_DB;
+  const int kind = flags & (SQLITE_OPEN_MAIN_DB | SQLITE_OPEN_WAL);
+  if (!name || kind == 0) return SQLITE_CANTOPEN;
+  try {
+    auto input = std::make_unique<InputFile>(name);
+    auto* const opened = reinterpret_cast<ReadOnlyFile*>(file);
+    opened->has_log = kind == SQLITE_OPEN_MAIN_DB && sqlite3_uri_boolean(name, "wal", 0) != 0;
+    opened->input = input.release();
+    file->pMethods = &methods;
+  } catch (const Error&) {
+    return SQLITE_CANTOPEN;
+  }
+  if (flags_found) *flags_found = SQLITE_OPEN_READONLY | kind;
   return SQLITE_OK;
 }
 
 sqlite3_vfs make_vfs() {
   sqlite3_vfs vfs = *sqlite3_vfs_find(nullptr);  // clock, random numbers
-  vfs.zName = "apriltrack_descriptors";
-  vfs.szOsFile = sizeof(DescriptorFile);
+  vfs.zName = "apriltrack_read_only";
+  vfs.szOsFile = sizeof(ReadOnlyFile);
+  vfs.mxPathname = 4096;
   vfs.xOpen = open_file;
   vfs.xDelete = [](sqlite3_vfs*, const char*, int) { return SQLITE_READONLY; };
-  vfs.xAccess = [](sqlite3_vfs*, const char*, int, int* is_there) {
-    *is_there = 0;  // no journals
+  vfs.xAccess = [](sqlite3_vfs*, const char* name, int, int* is_there) {
+    std::error_code ignored;
+    *is_there = std::string_view(name).ends_with("-wal") && std::filesystem::exists(name, ignored);
     return SQLITE_OK;
   };
   vfs.xFullPathname = [](sqlite3_vfs*, const char* name, int size, char* full) {
@@ -103,11 +106,7 @@ sqlite3_vfs make_vfs() {
 
 }  // namespace
 
-bool is_open_descriptor(const std::filesystem::path& path) {
-  return path.string().starts_with(kFolder);
-}
-
-const char* descriptor_vfs() {
+const char* read_only_vfs() {
   static sqlite3_vfs vfs = make_vfs();
   static const bool is_known = sqlite3_vfs_register(&vfs, 0) == SQLITE_OK;
   return is_known ? vfs.zName : nullptr;
