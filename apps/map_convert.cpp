@@ -78,6 +78,10 @@ bool is_folder(const OutputFormat& output) {
   return format && info_of(*format).is_folder;
 }
 
+OutputKind kind_of(const OutputFormat& output) {
+  return output == OutputFormat(ExportFormat::kGlb) ? OutputKind::kGlb : OutputKind::kText;
+}
+
 std::optional<FieldSize> field_of(const MapOptions& options) {
   if (options.field_length_m.has_value() != options.field_width_m.has_value())
     throw invalid_input(options.field_length_m ? "--field-width" : "--field-length",
@@ -106,7 +110,7 @@ void run_convert(const MapOptions& options) {
   if (is_folder(output))
     check_output_folder(options.second);
   else
-    check_output(options.second, "OUT", {options.first, options.input.tag_sizes});
+    check_output(options.second, "OUT", {options.first, options.input.tag_sizes}, kind_of(output));
   MapReadOptions read_options = options.input.read_options();
   read_options.field = field_of(options);
   const MapReading reading = read_tag_map(options.first, read_options);
