@@ -265,6 +265,17 @@ TEST(ReadCameras, ReadsWpilibAndPhotonVisionJson) {
   EXPECT_EQ(photon.cameras[0].height, 720);
 }
 
+// PhotonVision/photonvision, CameraCalibrationCoefficients.java: until 2023 the key of the coefficients was
+// "cameraExtrinsics", which is an alias of distCoeffs since.
+TEST(ReadCameras, ReadsOlderPhotonVisionJson) {
+  const auto photon = read_cameras(write_text(
+      "photon.json",
+      R"({"resolution":{"width":1280.0,"height":720.0},"cameraIntrinsics":{"rows":3,"cols":3,"type":6,"data":[910.5,)"
+      R"(0.0,640.25,0.0,905.5,360.75,0.0,0.0,1.0]},"cameraExtrinsics":{"rows":1,"cols":5,"type":6,"data":[0.1,-0.2,)"
+      R"(0.003,0.004,0.5]},"perViewErrors":[0.1],"standardDeviation":0.2})"));
+  EXPECT_THAT(coefficients(photon.cameras[0]), ElementsAre(0.1, -0.2, 0.003, 0.004, 0.5));
+}
+
 TEST(ReadCameras, ReadsEurocSensorFiles) {
   const auto rig = read_cameras(write_text("sensor.yaml", R"(# General sensor definitions.
 sensor_type: camera
