@@ -8,6 +8,7 @@
 #include "apriltrack/camera/auto_response.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/camera/ros_topics.h"
+#include "support/error_message.h"
 #include "support/pose_matchers.h"
 #include "support/shared_data.h"
 
@@ -274,6 +275,12 @@ TEST(ReadCameras, ReadsOlderPhotonVisionJson) {
       R"(0.0,640.25,0.0,905.5,360.75,0.0,0.0,1.0]},"cameraExtrinsics":{"rows":1,"cols":5,"type":6,"data":[0.1,-0.2,)"
       R"(0.003,0.004,0.5]},"perViewErrors":[0.1],"standardDeviation":0.2})"));
   EXPECT_THAT(coefficients(photon.cameras[0]), ElementsAre(0.1, -0.2, 0.003, 0.004, 0.5));
+}
+
+TEST(ReadCameras, AnEmptyFileIsCalledSo) {
+  for (const char* text : {"", " \n\t\n"})
+    EXPECT_THAT(test::message_of([&] { read_cameras(write_text("camera.yaml", text)); }),
+                HasSubstr("camera.yaml: is empty"));
 }
 
 TEST(ReadCameras, ReadsEurocSensorFiles) {
