@@ -120,7 +120,7 @@ Record detect_with(const DetectArguments& arguments, const SourceOptions& source
                    const std::optional<Camera>& camera, const std::string& name,
                    const ResponseCurve& response, const std::optional<ResponseCurve>& rival) {
   FrameLoopOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
-                              arguments.num_threads, "detect"};
+                              arguments.num_threads, "detect", source_options.skip};
   options.detector->response = response;
   options.detector->rival_response = rival;
   const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options);

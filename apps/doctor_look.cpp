@@ -141,7 +141,7 @@ KeptPictures look_with(const SampledInput& input, const DetectorOptions& detecto
   KeptPictures kept;
   PatchKeeper keeper;
   const FrameCounts counts = detect_frames(
-      *source, {detector, nullptr, options.num_threads, "look at " + facts.input}, console,
+      *source, {detector, nullptr, options.num_threads, "look at " + facts.input, input.source.skip}, console,
       [&](DetectedFrame frame) {
         if (!frame.source.is_readable()) return;
         kept.for_families.offer(frame.source.pixels.view(), frame.detections);

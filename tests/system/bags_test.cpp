@@ -172,6 +172,21 @@ TEST_F(Bags, AskForTheTopic) {
               EndsWith(2, "--topic: is of a bag, and no INPUT is one"));
 }
 
+TEST_F(Bags, WithoutPosesOrFramesSaySoOnce) {
+  simulate("single", 3);
+  write_mcap(path("a.mcap"), Wire::kCdr, pictures_of("single", "/image", Wire::kCdr));
+  EXPECT_THAT(run_program({"trajectory", "convert", path("a.mcap"), path("o.tum")}),
+              EndsWith(2, path("a.mcap") + ": has no topic with poses (geometry_msgs/PoseStamped"));
+  EXPECT_THAT(run_program({"trajectory", "convert", path("a.mcap"), path("o.tum"), "--topic", "/pose"}),
+              EndsWith(2, path("a.mcap") + " has no topic '/pose' with poses"));
+  for (const std::string command : {"track", "detect"}) {
+    std::vector<std::string> words = {command,    path("a.mcap"), "--skip",   "100",
+                                      "--output", path("o.out"),  "--camera", path("single/camera.yaml")};
+    if (command == "track") words.insert(words.end(), {"--map", path("single/map.yaml")});
+    EXPECT_THAT(run_program(words), EndsWith(2, "--skip: leaves out 100 frames, and " + path("a.mcap")));
+  }
+}
+
 /// Both cameras at one place: the same pictures.
 TEST_F(Bags, OfSeveralCamerasCalibrateAsTheirFolders) {
   simulate("room-small", 24);
