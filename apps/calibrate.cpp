@@ -165,8 +165,10 @@ void tell_of_odd_pictures(const CalibrateOptions& a, const Sightings& sightings)
 
 void make_map(CLI::App& command, CalibrateOptions& a) {
   if (!a.constraints.empty()) a.calibration.constraints = read_map_constraints(a.constraints);
-  const std::filesystem::path camera = camera_file(a);
-  auto [rig, to_estimate] = read_rig(camera, topic_without_camera(a.frames.topics), a.console);
+  const CameraSource source = camera_of(a);
+  const std::filesystem::path& camera = source.path;
+  tell_of_own_camera(source, a.console);
+  auto [rig, to_estimate] = read_rig(source, topic_without_camera(a.frames.topics), a.console);
   const TagSizes sizes = tag_sizes(a);
   const std::vector<Recording> recordings =
       with_topics(parse_recordings(a.inputs, rig, a.camera_name), a.frames.topics, &rig, camera, a.console);
