@@ -31,7 +31,7 @@ constexpr std::array<RecordingFile, 6> kRecordingFiles = {{{"camera.yaml", "fram
                                                            {"sensor.yaml", "data"}}};
 constexpr std::string_view kMetadata = "metadata.yaml";
 
-constexpr std::array<std::string_view, 10> kPictures = {".png", ".jpg",  ".jpeg", ".bmp", ".tif",
+constexpr std::array<std::string_view, 10> kPictures = {".png",  ".jpg",  ".jpeg", ".bmp", ".tif",
                                                         ".tiff", ".webp", ".pgm",  ".ppm", ".pnm"};
 constexpr std::array<std::string_view, 6> kVideos = {".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm"};
 constexpr std::array<std::string_view, 4> kBags = {".bag", ".db3", ".mcap", ".zstd"};
@@ -113,6 +113,10 @@ std::optional<std::string> fault_of_replacing(const fs::path& output, OutputKind
   const std::string start = start_of(output);
   if (!is_binary(start) || (kind == OutputKind::kGlb && start.starts_with("glTF"))) return std::nullopt;
   return "is a file of binary data, which this would replace: name another file";
+}
+
+bool has_picture_ending(const fs::path& path) {
+  return has(kPictures, ending_of(path));
 }
 
 bool is_part_of_bag(const fs::path& output, const std::string& input) {

@@ -91,8 +91,9 @@ TEST_F(KeptFiles, NothingOfAFolderThatIsABagIsReplacedOrAdded) {
   for (const bool has_metadata : {true, false}) {
     const std::string bag = rosbag2(has_metadata ? "closed" : "cut_off", has_metadata);
     const std::string before = read_text(bag + "/a_0.mcap");
-    const std::vector<std::string> run = {"track",    bag,           "--camera", path("room/camera.yaml"), "--map",
-                                          path("room/map.yaml"), "--quiet",  "--output"};
+    const std::vector<std::string> run = {
+        "track",   bag,       "--camera", path("room/camera.yaml"), "--map", path("room/map.yaml"),
+        "--quiet", "--output"};
     for (const char* name : {"a_0.mcap", "new.mcap", "metadata.yaml", "new.db3"}) {
       std::vector<std::string> words = run;
       words.push_back(bag + "/" + name);
