@@ -106,8 +106,16 @@ void warn_of(const std::vector<LostCameraFact>& losses, const Console& console) 
   for (const LostCameraFact& loss : losses) {
     const bool was_told =
         loss.kind == CameraLoss::kSkew || loss.kind == CameraLoss::kLensTerms;  // by reading
-    if (!was_told) console.warning("not kept: " + loss.message);
+    const bool is_kept = loss.kind == CameraLoss::kUnreadLens;
+    if (!was_told) console.warning(is_kept ? loss.message : "not kept: " + loss.message);
   }
+}
+
+std::string summary_of(const std::vector<LostCameraFact>& losses) {
+  const auto num_unread = std::ranges::count(losses, CameraLoss::kUnreadLens, &LostCameraFact::kind);
+  const auto num_lost = std::ssize(losses) - num_unread;
+  if (num_lost > 0) return fmt::format("not kept: {}", num_lost);
+  return num_unread > 0 ? "not for every reader: see the warnings" : "nothing was lost";
 }
 
 json losses_json(const std::vector<LostCameraFact>& losses) {
@@ -128,14 +136,13 @@ void run_convert(const ConvertOptions& options) {
   if (!options.resolution.empty()) give_resolution(file.rig, options.resolution);
   const auto losses = all_losses(file, write_cameras_as(options.output, file.rig, to, options.camera_name));
   warn_of(losses, options.console);
-  options.console.finish(
-      {{"input", options.input},
-       {"output", options.output},
-       {"from", info_of(file.format).name},
-       {"to", info_of(to).name},
-       {"losses", losses_json(losses)}},
-      fmt::format("{}: {}, from {}; {}", options.output, info_of(to).title, info_of(file.format).title,
-                  losses.empty() ? "nothing was lost" : fmt::format("not kept: {}", losses.size())));
+  options.console.finish({{"input", options.input},
+                          {"output", options.output},
+                          {"from", info_of(file.format).name},
+                          {"to", info_of(to).name},
+                          {"losses", losses_json(losses)}},
+                         fmt::format("{}: {}, from {}; {}", options.output, info_of(to).title,
+                                     info_of(file.format).title, summary_of(losses)));
 }
 
 }  // namespace

@@ -177,7 +177,7 @@ distortion_coefficients: {rows: 1, cols: 14, data: [5.1, -30.2, 0.0004, -0.0007,
   EXPECT_THAT(run, EndsWith(0, "off by up to 0.224 px, 0.0474 px RMS over the picture"));
   EXPECT_THAT(run.err, Not(HasSubstr("not kept"))) << "told once";
   const auto told = run_for_json({"camera", "convert", path("oak.yaml"), path("c.yaml"), "--fit"});
-  EXPECT_THAT(kinds_of(told["losses"]), ElementsAre("lens_terms"));
+  EXPECT_THAT(kinds_of(told["losses"]), ElementsAre("lens_terms", "unread_lens"));
   EXPECT_THAT(read_text(path("c.yaml")), HasSubstr("distortion_model: radtan"));
 }
 
@@ -191,6 +191,17 @@ TEST_F(CameraConvert, WhatComesOutIsWhereACameraIsAnInput) {
         run_for_json({"detect", path("film"), "--camera", path(name), "--output", path("d.csv")});
     EXPECT_EQ(told["frames"], 2) << told.dump(1);
   }
+}
+
+TEST_F(CameraConvert, TellsWhatKalibrItselfDoesNotRead) {
+  const ProgramRun run = convert("wpilib.json", "camera.yaml", {"--resolution", "640x480"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_THAT(run.err,
+              HasSubstr("radtan with 8 coefficients, which AprilTrack reads and Kalibr itself does not"));
+  EXPECT_THAT(run.err, Not(HasSubstr("not kept")));
+  const auto told = run_for_json(
+      {"camera", "convert", path("wpilib.json"), path("camera.yaml"), "--resolution", "640x480"});
+  EXPECT_THAT(kinds_of(told["losses"]), ElementsAre("unread_lens"));
 }
 
 using CameraShow = CameraConvert;
