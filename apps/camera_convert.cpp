@@ -12,6 +12,7 @@
 #include "apriltrack/camera/response_tables.h"
 #include "apriltrack/io/numbers.h"
 #include "camera_command.h"
+#include "choice_option.h"
 #include "command_help.h"
 #include "console.h"
 #include "inputs.h"
@@ -38,6 +39,13 @@ std::string names_of_written_formats() {
     if (info.is_written) names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", info.name, info.title);
   }
   return names;
+}
+
+std::vector<std::string> words_of_written_formats() {
+  std::vector<std::string> words;
+  for (const CameraFormatInfo& info : camera_formats())
+    if (info.is_written) words.emplace_back(info.name);
+  return words;
 }
 
 CameraFormat format_to_write(const ConvertOptions& options) {
@@ -160,9 +168,11 @@ void add_camera_convert(CLI::App& camera_command) {
   auto options = std::make_shared<ConvertOptions>();
   verb.add_option("IN", options->input, "Camera file to read")->required();
   verb.add_option("OUT", options->output, "Camera file to write")->required();
-  verb.add_option(
-      "--to", options->to,
-      "Format of OUT; by default by its ending: .yaml and .yml kalibr, .cameramodel mrcal, .txt colmap");
+  offer_words(
+      *verb.add_option(
+          "--to", options->to,
+          "Format of OUT; by default by its ending: .yaml and .yml kalibr, .cameramodel mrcal, .txt colmap"),
+      "FORMAT", words_of_written_formats());
   verb.add_option(
       "--camera-name", options->camera_name,
       "Camera of a rig to write alone; by default all, or the first where the format is of one camera");

@@ -8,6 +8,7 @@
 
 #include "apriltrack/export/export_map.h"
 #include "apriltrack/tags/map_formats.h"
+#include "choice_option.h"
 #include "map_command.h"
 #include "map_loss_words.h"
 #include "option_checks.h"
@@ -156,7 +157,9 @@ void add_map_convert(CLI::App& map_command) {
                    run_convert);
   verb->add_option("IN", options->first, "Tag map, or layout of tags of another project")->required();
   verb->add_option("OUT", options->second, "File to write; of --to colmap a folder")->required();
-  verb->add_option("--to", options->to, fmt::format("Format to write: {}", fmt::join(output_names(), ", ")));
+  offer_words(*verb->add_option("--to", options->to,
+                                fmt::format("Format to write: {}", fmt::join(output_names(), ", "))),
+              "FORMAT", output_names());
   add_map_input_options(*verb, options->input);
   verb->add_option(
           "--field-length", options->field_length_m,

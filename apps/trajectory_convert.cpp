@@ -10,6 +10,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/eval/trajectory_formats.h"
+#include "choice_option.h"
 #include "command_help.h"
 #include "console.h"
 #include "option_checks.h"
@@ -35,6 +36,12 @@ std::string names_of_formats() {
   for (const TrajectoryFormatInfo& info : trajectory_formats())
     names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", info.name, info.title);
   return names;
+}
+
+std::vector<std::string> words_of_formats() {
+  std::vector<std::string> words;
+  for (const TrajectoryFormatInfo& info : trajectory_formats()) words.emplace_back(info.name);
+  return words;
 }
 
 TrajectoryFormat format_to_write(const ConvertOptions& options) {
@@ -99,9 +106,11 @@ void add_trajectory_convert(CLI::App& trajectory_command) {
           "OUT", options->output,
           "Trajectory to write; KITTI's times go beside it, into OUT without its ending and .times.txt")
       ->required();
-  verb.add_option(
-      "--to", options->to,
-      "Format of OUT; by default by its ending: .tum tum, .csv euroc, .kitti and kitti.txt kitti");
+  offer_words(
+      *verb.add_option(
+          "--to", options->to,
+          "Format of OUT; by default by its ending: .tum tum, .csv euroc, .kitti and kitti.txt kitti"),
+      "FORMAT", words_of_formats());
   verb.add_option("--topic", options->of_input.topic,
                   "Of a bag: the topic with poses, where there are several");
   verb.add_option("--times", options->times,
