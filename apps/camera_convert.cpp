@@ -15,6 +15,7 @@
 #include "choice_option.h"
 #include "command_help.h"
 #include "console.h"
+#include "format_endings.h"
 #include "inputs.h"
 #include "outputs.h"
 
@@ -140,6 +141,7 @@ void run_convert(const ConvertOptions& options) {
   std::vector<std::string> inputs = {options.input};
   for (const auto& table : response_tables(options.input)) inputs.push_back(table.string());
   check_output(options.output, "OUT", inputs);
+  check_ending(options.output, info_of(to).name, camera_endings(), "--to", options.console);
   if (!options.camera_name.empty()) camera_named(file.rig, options.camera_name, options.input);
   if (!options.resolution.empty()) give_resolution(file.rig, options.resolution);
   const auto losses = all_losses(file, write_cameras_as(options.output, file.rig, to, options.camera_name));

@@ -9,6 +9,7 @@
 #include "apriltrack/export/export_map.h"
 #include "apriltrack/tags/map_formats.h"
 #include "choice_option.h"
+#include "format_endings.h"
 #include "map_command.h"
 #include "map_loss_words.h"
 #include "option_checks.h"
@@ -112,6 +113,8 @@ void run_convert(const MapOptions& options) {
     check_output_folder(options.second);
   else
     check_output(options.second, "OUT", {options.first, options.input.tag_sizes}, kind_of(output));
+  if (!is_folder(output))
+    check_ending(options.second, name_of(output), map_endings(), "--to", options.console);
   MapReadOptions read_options = options.input.read_options();
   read_options.field = field_of(options);
   const MapReading reading = read_tag_map(options.first, read_options);

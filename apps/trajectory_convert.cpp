@@ -13,6 +13,7 @@
 #include "choice_option.h"
 #include "command_help.h"
 #include "console.h"
+#include "format_endings.h"
 #include "option_checks.h"
 #include "outputs.h"
 #include "trajectory_command.h"
@@ -62,6 +63,7 @@ void check_arguments(const ConvertOptions& options, TrajectoryFormat to) {
   std::vector<OutputFile> outputs = {{options.output, "OUT"}};
   if (to == TrajectoryFormat::kKitti) outputs.push_back({kitti_times_of(options.output, "OUT"), "OUT"});
   check_outputs(outputs, {options.input, options.times});
+  check_ending(options.output, info_of(to).name, trajectory_endings(), "--to", options.console);
 }
 
 void run_convert(const ConvertOptions& options) {

@@ -204,6 +204,16 @@ TEST_F(CameraConvert, TellsWhatKalibrItselfDoesNotRead) {
   EXPECT_THAT(kinds_of(told["losses"]), ElementsAre("unread_lens"));
 }
 
+TEST_F(CameraConvert, NamesThatMisleadAreRefusedOrWarnedOf) {
+  EXPECT_THAT(convert("wpilib.json", "c.cameramodel", {"--to", "opencv"}),
+              EndsWith(2, "which is mrcal's alone"));
+  EXPECT_FALSE(is_there("c.cameramodel"));
+  const ProgramRun run = convert("wpilib.json", "c.json", {"--to", "opencv"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_THAT(run.err, HasSubstr("though its name ends in .json"));
+  EXPECT_THAT(convert("wpilib.json", "c.yaml", {"--to", "opencv"}).err, Not(HasSubstr("its name ends in")));
+}
+
 using CameraShow = CameraConvert;
 
 TEST_F(CameraShow, SaysWhatTheFileHolds) {

@@ -102,6 +102,24 @@ TEST(MapConvert, EndingsThatAreOneFormatsNeedNoTo) {
   }
 }
 
+TEST(MapConvert, EndingsThatMisleadAreRefusedOrWarnedOf) {
+  const Paths paths;
+  const std::string map = paths.file("map.yaml", kMap);
+  for (const std::string format : {"fmap", "ini", "gltf", "glb", "urdf", "sdf", "g2o"}) {
+    const std::string out = paths.of("o." + format);
+    EXPECT_THAT(run_program({"map", "convert", map, out, "--to", "wpilib"}),
+                EndsWith(2, "wpilib is not what ." + format + " in '" + out + "' says"));
+    EXPECT_FALSE(fs::exists(out));
+  }
+  const auto run = run_program({"map", "convert", map, paths.of("o.yaml"), "--to", "wpilib"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_NE(run.err.find("though its name ends in .yaml"), std::string::npos) << run.err;
+  for (const char* name : {"o.json", "o.txt", "o"})
+    EXPECT_EQ(
+        run_program({"map", "convert", map, paths.of(name), "--to", "wpilib"}).err.find("its name ends"),
+        std::string::npos);
+}
+
 TEST(MapConvert, WhatIsLostIsToldToPeopleAndMachines) {
   const Paths paths;
   const std::string layout = paths.file("field.json", kWpilibLayout);

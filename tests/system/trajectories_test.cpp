@@ -101,6 +101,18 @@ TEST_F(Trajectories, WithoutPosesOrWithoutAFileSaySo) {
               EndsWith(3, "none.bag: no such file"));
 }
 
+TEST_F(Trajectories, WhoseNameMisleadsEndWith2) {
+  const std::string tum = file("a.tum", kTum);
+  EXPECT_THAT(run_program({"trajectory", "convert", tum, of("b.tum"), "--to", "euroc"}),
+              EndsWith(2, "which is tum's alone"));
+  EXPECT_THAT(run_program({"trajectory", "convert", tum, of("b.kitti"), "--to", "tum"}),
+              EndsWith(2, "which is kitti's alone"));
+  EXPECT_FALSE(fs::exists(of("b.tum")));
+  const ProgramRun run = run_program({"trajectory", "convert", tum, of("b.csv"), "--to", "tum"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_NE(run.err.find("though its name ends in .csv"), std::string::npos) << run.err;
+}
+
 /// A quarter turn about z at (1, -2, 3 + k) in a message of that type; its header's time is 50 ms before it
 /// is logged.
 TestMessage pose_message(Wire wire, const std::string& topic, const std::string& type, int k) {
