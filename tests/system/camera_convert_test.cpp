@@ -228,6 +228,7 @@ TEST_F(CameraShow, SaysWhatTheFileHolds) {
   EXPECT_TRUE(front["T_this_previous"].is_null());
   const auto& side = told["cameras"][1];
   EXPECT_TRUE(side["response"].is_null());
+  EXPECT_EQ(side["T_this_previous"]["position_m"], (nlohmann::json{{"x", 1}, {"y", 2}, {"z", 3}}));
   EXPECT_EQ(side["T_this_previous"]["position"], (nlohmann::json{{"x", 1}, {"y", 2}, {"z", 3}}));
   const ProgramRun run = run_program({"camera", "show", path("rig.yaml")});
   EXPECT_THAT(run.out, HasSubstr("Kalibr camchain YAML\nfront\n"));
@@ -242,6 +243,8 @@ TEST_F(CameraShow, FieldsOfViewAreFromEdgeToEdge) {
              "2 OPENCV_FISHEYE 640 320 203.71832715762602 203.71832715762602 320 160 0 0 0 0\n");
   const nlohmann::json told = run_for_json({"camera", "show", path("square.txt")});
   EXPECT_NEAR(told["cameras"][0]["field_of_view_deg"]["horizontal"].get<double>(), 90.0, 1e-3);
+  EXPECT_NEAR(told["cameras"][0]["field_of_view_rad"]["horizontal"].get<double>(), 1.570796, 1e-6);
+  EXPECT_NEAR(told["cameras"][1]["field_of_view_rad"]["horizontal"].get<double>(), 3.141593, 1e-6);
   EXPECT_NEAR(told["cameras"][0]["field_of_view_deg"]["diagonal"].get<double>(), 109.471, 1e-3);
   EXPECT_NEAR(told["cameras"][1]["field_of_view_deg"]["horizontal"].get<double>(), 180.0, 1e-3);
   EXPECT_NEAR(told["cameras"][1]["field_of_view_deg"]["vertical"].get<double>(), 90.0, 1e-3);

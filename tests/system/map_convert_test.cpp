@@ -59,7 +59,7 @@ void expect_same_tags(const nlohmann::json& a, const nlohmann::json& b, const st
       product += p["orientation"][axis].get<double>() * q["orientation"][axis].get<double>();
     EXPECT_NEAR(std::abs(product), 1.0, 1e-12) << way;
     for (const char* axis : {"x", "y", "z"})
-      EXPECT_NEAR(p["position"][axis].get<double>(), q["position"][axis].get<double>(), 1e-9) << way;
+      EXPECT_NEAR(p["position_m"][axis].get<double>(), q["position_m"][axis].get<double>(), 1e-9) << way;
   }
 }
 
