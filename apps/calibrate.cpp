@@ -31,6 +31,7 @@
 #include "corner_claims.h"
 #include "failure.h"
 #include "inputs.h"
+#include "replaced_pattern.h"
 #include "topics.h"
 
 namespace apriltrack::app {
@@ -165,8 +166,14 @@ void tell_of_odd_pictures(const CalibrateOptions& a, const Sightings& sightings)
 
 void make_map(CLI::App& command, CalibrateOptions& a) {
   if (!a.constraints.empty()) a.calibration.constraints = read_map_constraints(a.constraints);
-  const std::filesystem::path camera = camera_file(a);
-  auto [rig, to_estimate] = read_rig(camera, topic_without_camera(a.frames.topics), a.console);
+  const CameraSource source = camera_of(a);
+  const std::filesystem::path& camera = source.path;
+  tell_of_own_camera(source, a.console);
+  constexpr std::size_t kSeveral = 3;
+  if (const auto told = told_of_replaced_pattern(a.inputs, kSeveral))
+    a.console.warning(fmt::format("each of the {} INPUTs is taken for a recording of one picture; {}",
+                                  a.inputs.size(), *told));
+  auto [rig, to_estimate] = read_rig(source, topic_without_camera(a.frames.topics), a.console);
   const TagSizes sizes = tag_sizes(a);
   const std::vector<Recording> recordings =
       with_topics(parse_recordings(a.inputs, rig, a.camera_name), a.frames.topics, &rig, camera, a.console);

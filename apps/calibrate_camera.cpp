@@ -38,35 +38,37 @@ bool is_same_camera(const Camera& a, const Camera& b) {
          is_same_place(a.T_this_previous, b.T_this_previous);
 }
 
-bool is_same_rig(const fs::path& first, const fs::path& second, const std::string& topic) {
+bool is_same_rig(const CameraSource& first, const CameraSource& second, const std::string& topic) {
   const Console console;
   const UnestimatedRig a = read_rig(first, topic, console), b = read_rig(second, topic, console);
   return a.to_estimate == b.to_estimate && std::ranges::equal(a.rig.cameras, b.rig.cameras, is_same_camera);
 }
 
 Error without_file(const std::string& input, std::size_t num_inputs) {
-  if (num_inputs == 1)
-    return invalid_input("--camera",
-                         "is required: the input is no sequence folder with a camera.yaml of its own");
+  if (num_inputs == 1) return invalid_input("--camera", kNoOwnCamera);
   return invalid_input(
-      "--camera", fmt::format("is required: '{}' is no sequence folder with a camera.yaml of its own, and "
-                              "another input's need not be the camera that filmed it",
-                              input));
+      "--camera",
+      fmt::format("is required: '{}' is no sequence folder with a camera.yaml of its own, no EuRoC "
+                  "recording with a sensor.yaml, and no bag, and "
+                  "another input's need not be the camera that filmed it",
+                  input));
 }
 
 }  // namespace
 
-fs::path camera_file(const CalibrateOptions& a) {
-  if (!a.camera.empty()) return a.camera;
+CameraSource camera_of(const CalibrateOptions& a) {
+  if (!a.camera.empty()) return {a.camera};
   if (a.frames.topics.size() > 1)
     throw invalid_input(
         "--camera",
         "is required: CameraInfo messages do not tell where several cameras sit on the rig: give "
         "Kalibr's camchain with T_cn_cnm1");
   const std::string topic = topic_without_camera(a.frames.topics);
-  std::optional<fs::path> first;
+  std::optional<CameraSource> first;
   for (const std::string& input : a.inputs) {
-    const auto own = camera_source("", split_input(input).input);
+    const Recording recording = split_input(input);
+    const auto own =
+        camera_source("", recording.input, recording.is_named ? recording.camera : a.camera_name);
     if (!own) throw without_file(input, a.inputs.size());
     if (!first) {
       first = own;
@@ -74,7 +76,7 @@ fs::path camera_file(const CalibrateOptions& a) {
       throw invalid_input("--camera",
                           fmt::format("is required: '{}' and '{}' differ, and a calibration takes one file "
                                       "(of several cameras, if these are of several: cam0=PATH cam1=PATH)",
-                                      first->string(), own->string()));
+                                      first->path.string(), own->path.string()));
     }
   }
   if (first) return *first;

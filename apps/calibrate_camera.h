@@ -6,13 +6,14 @@
 #include "apriltrack/camera/camera.h"
 #include "calibrate_input.h"
 #include "calibrate_options.h"
+#include "inputs.h"
 
 namespace apriltrack::app {
 
-/// --camera, else the sequence folders' own, or the bags themselves (read_rig()): the first one's, which the
+/// --camera, else the recordings' own (camera_source()): the first one's, which the
 /// others must equal in all that a calibration asks (not in exposure). Throws Error(kInvalidInput) where an
 /// input has none, or two differ.
-std::filesystem::path camera_file(const CalibrateOptions& options);
+CameraSource camera_of(const CalibrateOptions& options);
 
 /// Where cameras may be refined, and so written: gives those without a resolution that of their images. Where
 /// there are none, Error(kInvalidInput) if refining was asked for, else the intrinsics are kept. file: of

@@ -73,7 +73,8 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
       takes.add(recording.name(), {camera.name}, {});
       continue;
     }
-    FrameLoopOptions options{detector, &camera, num_threads, "detect " + recording.name()};
+    FrameLoopOptions options{detector, &camera, num_threads, "detect " + recording.name(),
+                             source_options.skip};
     options.detector->response = camera.response;
     options.detector->rival_response = rival_response(camera.response, camera.response_origin);
     options.detector->camera_model = camera.model;

@@ -12,8 +12,10 @@
 #include "apriltrack/camera/response_tables.h"
 #include "apriltrack/io/numbers.h"
 #include "camera_command.h"
+#include "choice_option.h"
 #include "command_help.h"
 #include "console.h"
+#include "format_endings.h"
 #include "inputs.h"
 #include "outputs.h"
 
@@ -38,6 +40,13 @@ std::string names_of_written_formats() {
     if (info.is_written) names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", info.name, info.title);
   }
   return names;
+}
+
+std::vector<std::string> words_of_written_formats() {
+  std::vector<std::string> words;
+  for (const CameraFormatInfo& info : camera_formats())
+    if (info.is_written) words.emplace_back(info.name);
+  return words;
 }
 
 CameraFormat format_to_write(const ConvertOptions& options) {
@@ -106,8 +115,16 @@ void warn_of(const std::vector<LostCameraFact>& losses, const Console& console) 
   for (const LostCameraFact& loss : losses) {
     const bool was_told =
         loss.kind == CameraLoss::kSkew || loss.kind == CameraLoss::kLensTerms;  // by reading
-    if (!was_told) console.warning("not kept: " + loss.message);
+    const bool is_kept = loss.kind == CameraLoss::kUnreadLens;
+    if (!was_told) console.warning(is_kept ? loss.message : "not kept: " + loss.message);
   }
+}
+
+std::string summary_of(const std::vector<LostCameraFact>& losses) {
+  const auto num_unread = std::ranges::count(losses, CameraLoss::kUnreadLens, &LostCameraFact::kind);
+  const auto num_lost = std::ssize(losses) - num_unread;
+  if (num_lost > 0) return fmt::format("not kept: {}", num_lost);
+  return num_unread > 0 ? "not for every reader: see the warnings" : "nothing was lost";
 }
 
 json losses_json(const std::vector<LostCameraFact>& losses) {
@@ -124,18 +141,18 @@ void run_convert(const ConvertOptions& options) {
   std::vector<std::string> inputs = {options.input};
   for (const auto& table : response_tables(options.input)) inputs.push_back(table.string());
   check_output(options.output, "OUT", inputs);
+  check_ending(options.output, info_of(to).name, camera_endings(), "--to", options.console);
   if (!options.camera_name.empty()) camera_named(file.rig, options.camera_name, options.input);
   if (!options.resolution.empty()) give_resolution(file.rig, options.resolution);
   const auto losses = all_losses(file, write_cameras_as(options.output, file.rig, to, options.camera_name));
   warn_of(losses, options.console);
-  options.console.finish(
-      {{"input", options.input},
-       {"output", options.output},
-       {"from", info_of(file.format).name},
-       {"to", info_of(to).name},
-       {"losses", losses_json(losses)}},
-      fmt::format("{}: {}, from {}; {}", options.output, info_of(to).title, info_of(file.format).title,
-                  losses.empty() ? "nothing was lost" : fmt::format("not kept: {}", losses.size())));
+  options.console.finish({{"input", options.input},
+                          {"output", options.output},
+                          {"from", info_of(file.format).name},
+                          {"to", info_of(to).name},
+                          {"losses", losses_json(losses)}},
+                         fmt::format("{}: {}, from {}; {}", options.output, info_of(to).title,
+                                     info_of(file.format).title, summary_of(losses)));
 }
 
 }  // namespace
@@ -153,9 +170,11 @@ void add_camera_convert(CLI::App& camera_command) {
   auto options = std::make_shared<ConvertOptions>();
   verb.add_option("IN", options->input, "Camera file to read")->required();
   verb.add_option("OUT", options->output, "Camera file to write")->required();
-  verb.add_option(
-      "--to", options->to,
-      "Format of OUT; by default by its ending: .yaml and .yml kalibr, .cameramodel mrcal, .txt colmap");
+  offer_words(
+      *verb.add_option(
+          "--to", options->to,
+          "Format of OUT; by default by its ending: .yaml and .yml kalibr, .cameramodel mrcal, .txt colmap"),
+      "FORMAT", words_of_written_formats());
   verb.add_option(
       "--camera-name", options->camera_name,
       "Camera of a rig to write alone; by default all, or the first where the format is of one camera");

@@ -67,8 +67,14 @@ std::string response_text(const Camera& camera) {
   return camera.response_origin == ResponseOrigin::kAssumed ? "not stated" : camera.response.name();
 }
 
-json angle_json(const std::optional<double>& angle_deg) {
-  return angle_deg ? json(round_to_decimals(*angle_deg, 3)) : json(nullptr);
+/// factor: of degrees.
+json angles_json(const FieldOfView& view, double factor, int decimals) {
+  const auto angle = [&](const std::optional<double>& angle_deg) {
+    return angle_deg ? json(round_to_decimals(factor * *angle_deg, decimals)) : json(nullptr);
+  };
+  return {{"horizontal", angle(view.horizontal_deg)},
+          {"vertical", angle(view.vertical_deg)},
+          {"diagonal", angle(view.diagonal_deg)}};
 }
 
 json to_json(const Camera& camera) {
@@ -82,10 +88,8 @@ json to_json(const Camera& camera) {
               {"distortion_model", camera.model.distortion_name()},
               {"distortion_coeffs", coefficients_of(camera)},
               {"resolution", camera.width > 0 ? json{camera.width, camera.height} : json(nullptr)},
-              {"field_of_view_deg",
-               {{"horizontal", angle_json(view.horizontal_deg)},
-                {"vertical", angle_json(view.vertical_deg)},
-                {"diagonal", angle_json(view.diagonal_deg)}}},
+              {"field_of_view_rad", angles_json(view, 1.0 / kDegPerRad, 6)},
+              {"field_of_view_deg", angles_json(view, 1.0, 3)},  // until 0.3
               {"exposure_s", camera.exposure_s ? json(*camera.exposure_s) : json(nullptr)},
               {"line_delay_s", camera.line_delay_s},
               {"response", camera.response_origin == ResponseOrigin::kAssumed ? json(nullptr)
@@ -94,7 +98,8 @@ json to_json(const Camera& camera) {
   if (camera.T_this_previous) {
     const Eigen::Quaterniond& q = camera.T_this_previous->rotation();
     const Eigen::Vector3d& t = camera.T_this_previous->translation();
-    out["T_this_previous"] = {{"position", {{"x", t.x()}, {"y", t.y()}, {"z", t.z()}}},
+    out["T_this_previous"] = {{"position_m", {{"x", t.x()}, {"y", t.y()}, {"z", t.z()}}},
+                              {"position", {{"x", t.x()}, {"y", t.y()}, {"z", t.z()}}},  // until 0.3
                               {"orientation", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}}};
   }
   return out;

@@ -29,4 +29,13 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, T& value,
       ->default_str(preset);
 }
 
+/// Words that a shell offers for an option whose command says itself what is wrong with others. value: what
+/// `--help` calls it, "FORMAT".
+inline void offer_words(CLI::Option& option, const std::string& value,
+                        const std::vector<std::string>& words) {
+  std::string list;
+  for (const std::string& word : words) list += (list.empty() ? "" : ",") + word;
+  option.type_name(value + ":{" + list + "}");
+}
+
 }  // namespace apriltrack::app

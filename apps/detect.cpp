@@ -69,12 +69,12 @@ struct Record {
 };
 
 std::optional<Camera> load_camera(const DetectArguments& arguments) {
-  const std::optional<std::filesystem::path> path = camera_source(arguments.camera, arguments.input);
-  if (!path) return std::nullopt;
-  if (is_bag_input(path->string()))
+  const auto source = camera_source(arguments.camera, arguments.input, arguments.camera_name);
+  if (!source) return std::nullopt;
+  if (is_bag_input(source->path.string()))
     return bag_camera(arguments.input, topic_without_camera(arguments.frames.topics),
                       arguments.console.log());
-  return read_camera(*path, arguments.camera_name, arguments.console, true);
+  return read_camera(*source, arguments.camera_name, arguments.console);
 }
 
 ResponseCurve parse_response(const std::string& text) {
@@ -99,8 +99,9 @@ DetectorOptions detector_options(const DetectArguments& arguments, const std::op
 SourceOptions source_options(const DetectArguments& arguments, const std::optional<Camera>& camera) {
   SourceOptions options = arguments.frames.source;
   options.camera_name = arguments.camera_name;
+  const auto of_camera = camera_source(arguments.camera, arguments.input, arguments.camera_name);
   options.topic = topic_of(arguments.input, arguments.frames.topics, camera ? camera->name : "cam0",
-                           camera_source(arguments.camera, arguments.input).value_or(""), arguments.console);
+                           of_camera.value_or(CameraSource()).path, arguments.console);
   if (camera) set_shutter(options, *camera);
   options.log = arguments.console.log();
   return options;
@@ -120,7 +121,7 @@ Record detect_with(const DetectArguments& arguments, const SourceOptions& source
                    const std::optional<Camera>& camera, const std::string& name,
                    const ResponseCurve& response, const std::optional<ResponseCurve>& rival) {
   FrameLoopOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
-                              arguments.num_threads, "detect"};
+                              arguments.num_threads, "detect", source_options.skip};
   options.detector->response = response;
   options.detector->rival_response = rival;
   const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options);

@@ -108,12 +108,12 @@ bool has_times(const std::string& input, SourceOptions options) {
 void find_camera(const Recording& named, const LookOptions& options, const Console& console,
                  RecordingFacts& facts) {
   facts.camera_name = named.is_named ? named.camera : options.camera_name;
-  const std::optional<std::filesystem::path> path = camera_source(options.camera, named.input);
-  if (path && is_bag_input(path->string())) {
+  const auto source = camera_source(options.camera, named.input, facts.camera_name);
+  if (source && is_bag_input(source->path.string())) {
     facts.camera = bag_camera(named.input, named.topic, console.log());
     if (facts.camera && !facts.camera_name.empty()) facts.camera->name = facts.camera_name;
-  } else if (path) {
-    facts.camera = read_camera(*path, facts.camera_name, console, true);
+  } else if (source) {
+    facts.camera = read_camera(*source, facts.camera_name, console);
   }
   if (facts.camera) facts.camera_name = facts.camera->name;
   if (facts.camera_name.empty()) facts.camera_name = "cam0";
@@ -141,7 +141,7 @@ KeptPictures look_with(const SampledInput& input, const DetectorOptions& detecto
   KeptPictures kept;
   PatchKeeper keeper;
   const FrameCounts counts = detect_frames(
-      *source, {detector, nullptr, options.num_threads, "look at " + facts.input}, console,
+      *source, {detector, nullptr, options.num_threads, "look at " + facts.input, input.source.skip}, console,
       [&](DetectedFrame frame) {
         if (!frame.source.is_readable()) return;
         kept.for_families.offer(frame.source.pixels.view(), frame.detections);

@@ -49,7 +49,8 @@ json blur_json(const std::vector<BlurBin>& bins) {
 json to_json(const Pose& pose) {
   const Eigen::Vector3d& t = pose.translation();
   const Eigen::Quaterniond& q = pose.rotation();
-  return {{"position", {{"x", t.x()}, {"y", t.y()}, {"z", t.z()}}},
+  return {{"position_m", {{"x", t.x()}, {"y", t.y()}, {"z", t.z()}}},
+          {"position", {{"x", t.x()}, {"y", t.y()}, {"z", t.z()}}},  // as 0.1 called it, until 0.3
           {"orientation", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}}};
 }
 

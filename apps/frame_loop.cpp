@@ -161,8 +161,11 @@ void count(const DetectedFrame& detected, FrameCounts& counts, FirstOnes& first)
   }
 }
 
-void tell(const FrameSource& source, const FrameCounts& counts, const FirstOnes& first,
+void tell(const FrameSource& source, const FrameCounts& counts, const FirstOnes& first, std::size_t skip,
           const Console& console) {
+  if (counts.readable == 0 && counts.unreadable == 0 && !counts.is_interrupted && skip > 0)
+    throw invalid_input("--skip",
+                        fmt::format("leaves out {} frames, and {} has no more", skip, source.name()));
   if (counts.readable == 0 && !counts.is_interrupted) {
     throw io_error(source.name(), counts.unreadable == 0
                                       ? "has no frames"
@@ -207,7 +210,7 @@ FrameCounts detect_frames(FrameSource& source, const FrameLoopOptions& options, 
     }
   }
   counts.value_range = source.value_range();
-  tell(source, counts, first, console);
+  tell(source, counts, first, options.skip, console);
   return counts;
 }
 

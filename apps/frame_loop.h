@@ -19,8 +19,9 @@ struct FrameLoopOptions {
   std::optional<DetectorOptions> detector;  ///< None: frames are only read.
   /// Whose resolution the images must have (the first image's where its file names none); nullptr: any.
   const Camera* camera = nullptr;
-  int num_threads = 0;  ///< 0: one per core, 8 at most.
-  std::string label;    ///< What the progress line says is being done.
+  int num_threads = 0;   ///< 0: one per core, 8 at most.
+  std::string label;     ///< What the progress line says is being done.
+  std::size_t skip = 0;  ///< Frames that the source leaves out at its start: perhaps all.
 };
 
 /// One frame and the tags found in it: none in a frame that is unreadable, or without a detector.

@@ -33,6 +33,12 @@ std::vector<std::string> camera_inputs(const std::string& given, const std::vect
   return all;
 }
 
+void tell_of_own_camera(const CameraSource& source, const Console& console) {
+  if (source.called.empty()) return;
+  console.info(fmt::format("{} is the camera file of {}, as the recording brings it (--camera names another)",
+                           source.path.string(), source.called));
+}
+
 const Camera& camera_named(const CameraRig& rig, const std::string& name, std::string_view where) {
   try {
     return rig.find(name);
@@ -48,14 +54,32 @@ Camera read_camera(const std::filesystem::path& path, const std::string& name, c
   return name.empty() ? rig.cameras.front() : camera_named(rig, name, path.string());
 }
 
-std::optional<std::filesystem::path> camera_source(const std::string& given, const std::string& input) {
-  if (!given.empty()) return given;
-  if (is_bag_input(input)) return input;
-  return sequence_camera_file(input);
+Camera read_camera(const CameraSource& source, const std::string& name, const Console& console) {
+  tell_of_own_camera(source, console);
+  if (source.called.empty()) return read_camera(source.path, name, console, true);
+  Camera camera = read_camera(source.path, "", console, true);
+  camera.name = source.called;
+  return camera;
 }
 
-UnestimatedRig read_rig(const std::filesystem::path& path, const std::string& topic, const Console& console) {
-  if (!is_bag_input(path.string())) return read_cameras_to_estimate(path, console.log());
+std::optional<CameraSource> camera_source(const std::string& given, const std::string& input,
+                                          const std::string& camera_name) {
+  if (!given.empty()) return CameraSource{given};
+  if (is_bag_input(input)) return CameraSource{input};
+  if (const auto file = sequence_camera_file(input)) return CameraSource{*file};
+  if (const auto file = euroc_camera_file(input, camera_name))
+    return CameraSource{*file, camera_name.empty() ? "cam0" : camera_name};
+  return std::nullopt;
+}
+
+UnestimatedRig read_rig(const CameraSource& source, const std::string& topic, const Console& console) {
+  const std::filesystem::path& path = source.path;
+  if (!is_bag_input(path.string())) {
+    UnestimatedRig rig = read_cameras_to_estimate(path, console.log());
+    if (source.called.empty()) return rig;
+    rig.rig.cameras.front().name = source.called;
+    return rig;
+  }
   const std::optional<Camera> camera = bag_camera(path.string(), topic, console.log());
   if (camera) return {{{*camera}}, {}};
   throw invalid_input("--camera",

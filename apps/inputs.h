@@ -26,20 +26,38 @@ std::vector<std::string> camera_inputs(const std::string& given, const std::vect
 /// camera is looked for, which the message begins with.
 const Camera& camera_named(const CameraRig& rig, const std::string& name, std::string_view where);
 
+/// Where the camera of an INPUT is told.
+struct CameraSource {
+  std::filesystem::path path;  ///< A file, or a bag, for read_rig().
+  std::string called = {};     ///< What its camera is called, where the file itself does not name it.
+};
+
 /// The camera called `name`, or the file's first where `name` is empty; odd values are told to the console.
 /// may_have_auto_response: `response: auto` is taken for sRGB, and not refused.
 /// Throws as read_cameras and camera_named do.
 Camera read_camera(const std::filesystem::path& path, const std::string& name, const Console& console,
                    bool may_have_auto_response = false);
+/// The same of a file that camera_source() found.
+Camera read_camera(const CameraSource& source, const std::string& name, const Console& console);
 
 /// The file of the camera that --camera names, else what the INPUT itself brings: a sequence folder's
-/// camera.yaml, or a bag, for read_rig(); nullopt where there is neither.
-std::optional<std::filesystem::path> camera_source(const std::string& given, const std::string& input);
+/// camera.yaml, a bag, or sensor.yaml of the camera of a EuRoC recording that `camera_name` says (empty:
+/// cam0), and that is its name then; nullopt where there is none of these.
+std::optional<CameraSource> camera_source(const std::string& given, const std::string& input,
+                                          const std::string& camera_name);
+
+/// Users who gave no --camera hear of a EuRoC recording's own.
+void tell_of_own_camera(const CameraSource& source, const Console& console);
+
+/// What a missing camera is told by.
+inline constexpr std::string_view kNoOwnCamera =
+    "is required: the input is no sequence folder with a camera.yaml of its own, no EuRoC recording with a "
+    "sensor.yaml, and no bag";
 
 /// Cameras of a file, or the one that a bag describes (bag_camera()), whose response is then not known.
 /// topic: of the bag's pictures; empty: the only one. Throws as read_cameras_to_estimate() and bag_camera()
 /// do, and Error(kInvalidInput) where the bag describes none.
-UnestimatedRig read_rig(const std::filesystem::path& path, const std::string& topic, const Console& console);
+UnestimatedRig read_rig(const CameraSource& source, const std::string& topic, const Console& console);
 
 /// What users of a camera with a rolling shutter must know; nullopt for a global one.
 std::optional<std::string> rolling_shutter_warning(const Camera& camera);

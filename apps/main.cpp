@@ -14,6 +14,7 @@
 #include "commands.h"
 #include "console.h"
 #include "failure.h"
+#include "replaced_pattern.h"
 
 namespace apriltrack::app {
 namespace {
@@ -79,8 +80,12 @@ std::string text_of(const CLI::App& app, const CLI::ParseError& error) {
 /// CLI11 speaks of what is missing before it speaks of what it did not understand; users mistype more often.
 int tell_usage_error(const CLI::App& app, const CLI::ParseError& error) {
   if (const CLI::App* parent = without_command(app)) return tell_of_commands(*parent, app.remaining(true));
-  std::cerr << "error: " << text_of(app, error) << '\n';
   const std::vector<std::string> strays = app.remaining(true);
+  if (const auto told = told_of_replaced_pattern(strays, 1)) {
+    std::cerr << "error: INPUT is one, and " << strays.size() << " more are given: " << *told << '\n';
+    return kStatusUsage;
+  }
+  std::cerr << "error: " << text_of(app, error) << '\n';
   if (!strays.empty()) std::cerr << "not understood: " << fmt::format("{}", fmt::join(strays, " ")) << '\n';
   std::cerr << "Run with --help for more information.\n";
   return kStatusUsage;

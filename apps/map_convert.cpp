@@ -8,6 +8,8 @@
 
 #include "apriltrack/export/export_map.h"
 #include "apriltrack/tags/map_formats.h"
+#include "choice_option.h"
+#include "format_endings.h"
 #include "map_command.h"
 #include "map_loss_words.h"
 #include "map_oddity_words.h"
@@ -79,6 +81,10 @@ bool is_folder(const OutputFormat& output) {
   return format && info_of(*format).is_folder;
 }
 
+OutputKind kind_of(const OutputFormat& output) {
+  return output == OutputFormat(ExportFormat::kGlb) ? OutputKind::kGlb : OutputKind::kText;
+}
+
 std::optional<FieldSize> field_of(const MapOptions& options) {
   if (options.field_length_m.has_value() != options.field_width_m.has_value())
     throw invalid_input(options.field_length_m ? "--field-width" : "--field-length",
@@ -107,7 +113,9 @@ void run_convert(const MapOptions& options) {
   if (is_folder(output))
     check_output_folder(options.second);
   else
-    check_output(options.second, "OUT", {options.first, options.input.tag_sizes});
+    check_output(options.second, "OUT", {options.first, options.input.tag_sizes}, kind_of(output));
+  if (!is_folder(output))
+    check_ending(options.second, name_of(output), map_endings(), "--to", options.console);
   MapReadOptions read_options = options.input.read_options();
   read_options.field = field_of(options);
   const MapReading reading = read_tag_map(options.first, read_options);
@@ -155,7 +163,9 @@ void add_map_convert(CLI::App& map_command) {
                    run_convert);
   verb->add_option("IN", options->first, "Tag map, or layout of tags of another project")->required();
   verb->add_option("OUT", options->second, "File to write; of --to colmap a folder")->required();
-  verb->add_option("--to", options->to, fmt::format("Format to write: {}", fmt::join(output_names(), ", ")));
+  offer_words(*verb->add_option("--to", options->to,
+                                fmt::format("Format to write: {}", fmt::join(output_names(), ", "))),
+              "FORMAT", output_names());
   add_map_input_options(*verb, options->input);
   verb->add_option(
           "--field-length", options->field_length_m,

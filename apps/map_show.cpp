@@ -28,7 +28,8 @@ json to_json(const MapTag& tag) {
   json out = {{"family", tag.key.family},
               {"id", tag.key.id},
               {"size_m", tag.size_m},
-              {"position", {{"x", p.x()}, {"y", p.y()}, {"z", p.z()}}},
+              {"position_m", {{"x", p.x()}, {"y", p.y()}, {"z", p.z()}}},
+              {"position", {{"x", p.x()}, {"y", p.y()}, {"z", p.z()}}},  // as 0.1 called it, until 0.3
               {"orientation", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}},
               {"normal", {n.x(), n.y(), n.z()}}};
   if (tag.covariance) {

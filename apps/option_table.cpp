@@ -19,7 +19,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// Of what CLI11 calls the type of a choice, "TEXT:{ego,joint}".
+/// Of what CLI11 calls the type of a choice, "TEXT:{ego,joint}", or offer_words() "FORMAT:{tum,euroc}".
 std::vector<std::string> choices_of(const std::string& type) {
   const std::size_t begin = type.find('{');
   const std::size_t end = type.rfind('}');
@@ -30,8 +30,11 @@ std::vector<std::string> choices_of(const std::string& type) {
   return choices;
 }
 
-std::string joined_choices(const std::vector<std::string>& choices) {
-  return joined(choices, "|");
+/// "ego|joint", or the value's own name, where it has one.
+std::string value_of_choice(const std::string& type, const std::vector<std::string>& choices) {
+  const std::string name = type.substr(0, type.find(':'));
+  const bool has_name = name != "TEXT" && name.find('{') == std::string::npos;
+  return has_name ? name : joined(choices, "|");
 }
 
 std::vector<std::string> names_of(const CLI::Option& option) {
@@ -55,7 +58,7 @@ OptionRow row_of(const CLI::Option& option) {
   }
   const std::string type = option.get_type_name();
   row.choices = choices_of(type);
-  row.value = row.choices.empty() ? type.substr(0, type.find(':')) : joined_choices(row.choices);
+  row.value = row.choices.empty() ? type.substr(0, type.find(':')) : value_of_choice(type, row.choices);
   row.kind = row.choices.empty() ? kind_of_value(row.value) : ValueKind::kChoice;
   if (option.get_positional()) row.value = option.get_name(true);
   return row;

@@ -6,8 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
@@ -22,39 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What makes a sequence folder and a EuRoC camera (docs/file_formats.md): `name` beside the folder `images`.
-struct RecordingFile {
-  std::string_view name;
-  std::string_view images;
-};
-constexpr std::array<RecordingFile, 6> kRecordingFiles = {{{"camera.yaml", "frames"},
-                                                           {"map.yaml", "frames"},
-                                                           {"frames.csv", "frames"},
-                                                           {"truth.tum", "frames"},
-                                                           {"data.csv", "data"},
-                                                           {"sensor.yaml", "data"}}};
-constexpr std::array<std::string_view, 16> kPictures = {".png",  ".jpg", ".jpeg", ".bmp", ".tif", ".tiff",
-                                                        ".webp", ".pgm", ".ppm",  ".pnm", ".mp4", ".m4v",
-                                                        ".mov",  ".avi", ".mkv",  ".webm"};
-
-bool is_picture(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(kPictures.begin(), kPictures.end(), extension) != kPictures.end();
-}
-
-/// A name that is not taken yet, too: a trajectory called frames.csv would be read as exposures ever after.
-/// But a map of its own is what a recording that has none is calibrated for.
-bool is_recordings_own(const fs::path& path) {
-  std::error_code error;
-  const fs::path file = written_file(path);
-  if (file.filename() == "map.yaml" && !fs::exists(file, error)) return false;
-  return std::ranges::any_of(kRecordingFiles, [&](const RecordingFile& own) {
-    return file.filename() == own.name && fs::is_directory(file.parent_path() / own.images, error);
-  });
-}
-
 /// Throws unless files can be made in the folder. Made and removed, because permissions do not tell: /proc
 /// and disks mounted to be read refuse whom they seem to let in.
 void check_writable(const fs::path& folder, const std::string& output) {
@@ -68,10 +33,21 @@ void check_writable(const fs::path& folder, const std::string& output) {
   ::unlink(trial.c_str());
 }
 
-void check_not_own(const std::string& output, std::string_view option) {
-  if (!is_recordings_own(output)) return;
-  throw invalid_input(
-      option, fmt::format("'{}' is a recording's own file, which no run writes: name another", output));
+void refuse(const std::string& output, std::string_view option, const std::optional<std::string>& fault) {
+  if (fault) throw invalid_input(option, fmt::format("'{}' {}", output, *fault));
+}
+
+/// What a run reads is no place to write: its files, and the names that it would read as parts of a folder.
+void refuse_input(const std::string& output, std::string_view option,
+                  const std::vector<std::string>& inputs) {
+  std::error_code ignored;
+  for (const std::string& input : inputs) {
+    if (fs::equivalent(output, input, ignored))
+      refuse(output, option, "is an input of this run: name another file");
+    if (is_part_of_bag(output, input))
+      refuse(output, option,
+             fmt::format("belongs to the bag '{}', an input of this run: name a file elsewhere", input));
+  }
 }
 
 /// A device or a pipe is no file that one output would take from the other.
@@ -93,8 +69,8 @@ bool is_stdout(const fs::path& path) {
 
 }  // namespace
 
-void check_output(const std::string& output, std::string_view option,
-                  const std::vector<std::string>& inputs) {
+void check_output(const std::string& output, std::string_view option, const std::vector<std::string>& inputs,
+                  OutputKind kind) {
   if (is_stdout(output)) leave_stdout_to_output();
   if (output.empty()) throw invalid_input(option, "is empty: name the file to write");
   const fs::path path = output;
@@ -106,25 +82,18 @@ void check_output(const std::string& output, std::string_view option,
     throw io_error(output, fmt::format("cannot be written: there is no folder '{}'", folder.string()));
   // What is no regular file, such as /dev/stdout, is written to as it is; others are written aside first.
   if (!is_there || fs::is_regular_file(path, ignored)) check_writable(folder, output);
-  if (!is_there) return check_not_own(output, option);
-  if (::access(path.c_str(), W_OK) != 0)
+  if (is_there && ::access(path.c_str(), W_OK) != 0)
     throw io_error(output, fmt::format("cannot be written: {}", std::generic_category().message(errno)));
-  const bool is_input = std::ranges::any_of(
-      inputs, [&](const std::string& input) { return fs::equivalent(path, input, ignored); });
-  if (is_input && fs::is_regular_file(path, ignored))
-    throw invalid_input(option, fmt::format("'{}' is an input of this run: name another file", output));
-  check_not_own(output, option);
-  if (fs::is_regular_file(path, ignored) && is_picture(path))
-    throw invalid_input(option,
-                        fmt::format("'{}' is a picture or video, which this would replace: name another "
-                                    "file",
-                                    output));
+  if (is_written_directly(path)) return;
+  refuse_input(output, option, inputs);
+  if (is_there) refuse(output, option, fault_of_replacing(path, kind));
+  refuse(output, option, fault_of_name(path, kind));
 }
 
 void check_outputs(const std::vector<OutputFile>& outputs, const std::vector<std::string>& inputs) {
   for (auto output = outputs.begin(); output != outputs.end(); ++output) {
     if (output->name.empty()) continue;
-    check_output(output->name, output->option, inputs);
+    check_output(output->name, output->option, inputs, output->kind);
     const auto same = std::find_if(outputs.begin(), output, [&](const OutputFile& earlier) {
       return !earlier.name.empty() && is_same_file(output->name, earlier.name);
     });

@@ -4,19 +4,22 @@
 #include <string_view>
 #include <vector>
 
+#include "kept_files.h"
+
 namespace apriltrack::app {
 
 /// What can be wrong with a file to write, said before the work and not after it. option: "--output".
 /// inputs: files and folders that this run reads; empty names are passed over. Throws Error(kInvalidInput)
-/// when the name is empty, or that of an input, of a picture, or of a recording's own file, be it there or
-/// not (map.yaml: only where it is); Error(kIo) when it is a folder's, its folder is missing, or folder or
-/// file may not be written.
-void check_output(const std::string& output, std::string_view option, const std::vector<std::string>& inputs);
+/// when the name is empty, or that of an input or of a part of one, or what kept_files.h says is wrong with
+/// it; Error(kIo) when it is a folder's, its folder is missing, or folder or file may not be written.
+void check_output(const std::string& output, std::string_view option, const std::vector<std::string>& inputs,
+                  OutputKind kind = OutputKind::kText);
 
 /// One file that a run writes; an empty name: it was not asked for.
 struct OutputFile {
   std::string name;
   std::string_view option;
+  OutputKind kind = OutputKind::kText;
 };
 
 /// check_output() for each that is asked for; no two may be one file, unless that is a device.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <set>
 #include <system_error>
@@ -51,10 +52,41 @@ bool has_camera(const CameraRig& rig, const std::string& name) {
   return std::ranges::any_of(rig.cameras, [&](const Camera& camera) { return camera.name == name; });
 }
 
+/// y is down: bottom-left, bottom-right, top-right, top-left run anticlockwise, and their area is negative.
+double signed_area(const std::array<Eigen::Vector2d, kNumCorners>& corners) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % corners.size()];
+    sum += a.x() * b.y() - a.y() * b.x();
+  }
+  return 0.5 * sum;
+}
+
+/// Tags are never seen from behind: where all seem to be, the columns are in another order. Poses and maps
+/// would only not come out, and blame the camera.
+void refuse_other_corner_order(const std::string& path, const std::vector<FrameDetections>& frames) {
+  const Detection* first = nullptr;
+  const FrameDetections* first_frame = nullptr;
+  for (const FrameDetections& frame : frames) {
+    for (const Detection& detection : frame.detections) {
+      if (!(signed_area(detection.corners_px) > 0.0)) return;
+      if (first) continue;
+      first = &detection;
+      first_frame = &frame;
+    }
+  }
+  if (!first) return;
+  throw invalid_input(line_of(path, *first_frame, *first),
+                      "the corners of this tag, and of all others, run clockwise in the picture, as OpenCV's "
+                      "ArUco has them (top-left, top-right, bottom-right, bottom-left); c0 to c3 must be "
+                      "bottom-left, bottom-right, top-right, top-left");
+}
+
 }  // namespace
 
 std::vector<FrameDetections> read_rig_detections(const std::string& path, const CameraRig& rig) {
   std::vector<FrameDetections> frames = read_detections_csv(path);
+  refuse_other_corner_order(path, frames);
   if (rig.cameras.size() == 1 && camera_names(frames).size() == 1)
     for (FrameDetections& frame : frames) frame.camera = rig.cameras.front().name;
   return frames;

@@ -103,6 +103,27 @@ void give_topic(Recording& bag, const std::vector<TopicChoice>& choices, const T
   tell_of_rostopic(bag, console);
 }
 
+/// What image_transport hangs behind a topic's name is the same pictures.
+std::string without_transport(const std::string& topic) {
+  constexpr std::string_view kCompressed = "/compressed";
+  return topic.ends_with(kCompressed) ? topic.substr(0, topic.size() - kCompressed.size()) : topic;
+}
+
+/// A topic that the camera file gives to another camera, or beside which the camera's own is in the bag.
+/// Topics that were renamed are neither.
+void warn_of_other_topic(const Recording& recording, const TopicOfCamera& rostopics, const Console& console) {
+  const auto own = rostopics.find(recording.camera);
+  const std::string read = without_transport(recording.topic);
+  if (recording.topic.empty() || own == rostopics.end() || without_transport(own->second) == read) return;
+  const auto other = std::ranges::find_if(
+      rostopics, [&](const auto& entry) { return without_transport(entry.second) == read; });
+  if (other == rostopics.end() && !has_pictures(bag_image_topics(recording.input), own->second)) return;
+  console.warning(fmt::format(
+      "{} is read for {}, but rostopic of {} in the camera file is {}{}: is that the camera that filmed it?",
+      recording.topic, recording.camera, recording.camera, own->second,
+      other == rostopics.end() ? "" : fmt::format(", and {} is that of {}", recording.topic, other->first)));
+}
+
 void check_all_used(const std::vector<Recording>& recordings, const std::vector<TopicChoice>& choices) {
   for (const TopicChoice& choice : choices) {
     const bool is_used =
@@ -152,6 +173,8 @@ std::vector<Recording> with_topics(std::vector<Recording> recordings, const std:
     all.push_back(std::move(recording));
   }
   check_all_used(all, choices);
+  for (const Recording& recording : all)
+    if (is_bag_input(recording.input)) warn_of_other_topic(recording, rostopics, console);
   return all;
 }
 

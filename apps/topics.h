@@ -23,7 +23,8 @@ void add_bag_options(CLI::App& command, std::vector<std::string>& topics, StampI
 /// A bag whose camera the user did not name becomes a recording of each camera that a topic is named for or,
 /// where none is and the rig has several, of each whose `rostopic` has pictures in it. One that no topic is
 /// named for gets its camera's `rostopic` where that is one of several topics with pictures; the console
-/// hears of it. rig: of the camera file; nullptr where there is none.
+/// hears of it, and is warned of a topic that the camera file gives to another camera. rig: of the camera
+/// file; nullptr where there is none.
 ///
 /// Throws Error(kInvalidInput) when topics are given and no recording is a bag, or one is for a camera that
 /// no bag is of, or that the rig does not have; as open_bag() does.

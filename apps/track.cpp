@@ -42,8 +42,14 @@ const CommandHelp kTrackHelp = {
     "its\n"
     "camera."};
 
+CameraSource camera_of(const TrackArguments& arguments) {
+  const auto source = camera_source(arguments.camera, arguments.input, arguments.camera_name);
+  if (!source) throw invalid_input("--camera", kNoOwnCamera);
+  return *source;
+}
+
 std::filesystem::path camera_file(const TrackArguments& arguments) {
-  return file_or_own("", camera_source(arguments.camera, arguments.input), "--camera", "camera.yaml");
+  return camera_of(arguments).path;
 }
 
 std::filesystem::path map_file(const TrackArguments& arguments) {
@@ -120,7 +126,8 @@ ResponseFinding find_response(const TrackArguments& arguments, const TagMap& map
 bool track_images(const TrackArguments& arguments, const SourceOptions& source_options,
                   const SightContext& context, const Method& method, TrackRecord& record, FrameSinks& sinks) {
   const Camera& camera = context.camera;
-  const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track"};
+  const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track",
+                                 source_options.skip};
   const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options);
   const std::string exposure_of_camera =
       fmt::format("{}: {}.exposure_time", camera_file(arguments).string(), camera.name);
@@ -233,8 +240,9 @@ void warn_of_exposure(const TrackRecord& record, const Console& console) {
 
 void run(const CLI::App& command, const TrackArguments& arguments) {
   check_track_arguments(command, arguments);
+  tell_of_own_camera(camera_of(arguments), arguments.console);
   const CameraRig rig =
-      read_rig(camera_file(arguments), topic_without_camera(arguments.frames.topics), arguments.console).rig;
+      read_rig(camera_of(arguments), topic_without_camera(arguments.frames.topics), arguments.console).rig;
   Camera camera = arguments.camera_name.empty() ? rig.cameras.front()
                                                 : camera_named(rig, arguments.camera_name, "--camera-name");
   const TagMap map = read_map_input(map_file(arguments).string(), arguments.map_input, arguments.console);

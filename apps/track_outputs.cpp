@@ -46,10 +46,11 @@ nlohmann::json tell_losses(const TrackArguments& arguments) {
 
 std::vector<OutputFile> output_files(const TrackArguments& arguments) {
   const bool is_file = !arguments.streams_poses();
-  std::vector<OutputFile> files = {{is_file ? arguments.output : "", "--output"},
+  const OutputKind kind = arguments.writes_mcap() ? OutputKind::kMcap : OutputKind::kText;
+  std::vector<OutputFile> files = {{is_file ? arguments.output : "", "--output", kind},
                                    {arguments.frames_csv, "--frames-csv"},
                                    {arguments.tags_csv, "--tags-csv"},
-                                   {arguments.video, "--video"},
+                                   {arguments.video, "--video", OutputKind::kVideo},
                                    {arguments.report, "--report"}};
   if (writes_trajectory(arguments) && arguments.trajectory_format() == TrajectoryFormat::kKitti)
     files.push_back({kitti_times_of(arguments.output, "--output"), "--output"});

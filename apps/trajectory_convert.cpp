@@ -10,8 +10,10 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/eval/trajectory_formats.h"
+#include "choice_option.h"
 #include "command_help.h"
 #include "console.h"
+#include "format_endings.h"
 #include "option_checks.h"
 #include "outputs.h"
 #include "trajectory_command.h"
@@ -37,6 +39,12 @@ std::string names_of_formats() {
   return names;
 }
 
+std::vector<std::string> words_of_formats() {
+  std::vector<std::string> words;
+  for (const TrajectoryFormatInfo& info : trajectory_formats()) words.emplace_back(info.name);
+  return words;
+}
+
 TrajectoryFormat format_to_write(const ConvertOptions& options) {
   if (options.to.empty()) {
     if (const auto format = trajectory_format_of_ending(options.output)) return *format;
@@ -55,6 +63,7 @@ void check_arguments(const ConvertOptions& options, TrajectoryFormat to) {
   std::vector<OutputFile> outputs = {{options.output, "OUT"}};
   if (to == TrajectoryFormat::kKitti) outputs.push_back({kitti_times_of(options.output, "OUT"), "OUT"});
   check_outputs(outputs, {options.input, options.times});
+  check_ending(options.output, info_of(to).name, trajectory_endings(), "--to", options.console);
 }
 
 void run_convert(const ConvertOptions& options) {
@@ -99,9 +108,11 @@ void add_trajectory_convert(CLI::App& trajectory_command) {
           "OUT", options->output,
           "Trajectory to write; KITTI's times go beside it, into OUT without its ending and .times.txt")
       ->required();
-  verb.add_option(
-      "--to", options->to,
-      "Format of OUT; by default by its ending: .tum tum, .csv euroc, .kitti and kitti.txt kitti");
+  offer_words(
+      *verb.add_option(
+          "--to", options->to,
+          "Format of OUT; by default by its ending: .tum tum, .csv euroc, .kitti and kitti.txt kitti"),
+      "FORMAT", words_of_formats());
   verb.add_option("--topic", options->of_input.topic,
                   "Of a bag: the topic with poses, where there are several");
   verb.add_option("--times", options->times,

@@ -7,6 +7,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/source/bag_input.h"
 #include "apriltrack/source/bag_poses.h"
+#include "inputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -30,10 +31,8 @@ TrajectoryInput read_bag(const std::string& path, const TrajectoryInputOptions& 
   return {sorted(read_bag_poses(path, options.topic, console.log()), path), "bag", "bag", {}};
 }
 
-}  // namespace
-
-TrajectoryInput read_trajectory_input(const std::string& path, const TrajectoryInputOptions& options,
-                                      const Console& console) {
+TrajectoryInput read_any(const std::string& path, const TrajectoryInputOptions& options,
+                         const Console& console) {
   if (is_bag_input(path)) return read_bag(path, options, console);
   if (!options.topic.empty())
     throw invalid_input("--topic", fmt::format("is of a bag, and '{}' is none: leave it out", path));
@@ -41,6 +40,16 @@ TrajectoryInput read_trajectory_input(const std::string& path, const TrajectoryI
   const TrajectoryFormatInfo& info = info_of(reading.format);
   return {std::move(reading.trajectory), std::string(info.name), std::string(info.title),
           std::move(reading.losses)};
+}
+
+}  // namespace
+
+TrajectoryInput read_trajectory_input(const std::string& path, const TrajectoryInputOptions& options,
+                                      const Console& console) {
+  check_input(path);
+  TrajectoryInput input = read_any(path, options, console);
+  if (input.trajectory.empty()) throw invalid_input(path, "has no poses: a trajectory needs one at least");
+  return input;
 }
 
 }  // namespace apriltrack::app

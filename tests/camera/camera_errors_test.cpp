@@ -259,7 +259,7 @@ std::vector<Wrong> wrong_files() {
        "\"LENSMODEL_SPLINED\"}",
        {"c.json:2: lensmodel: 'LENSMODEL_SPLINED' is not supported"}},
       // no camera file
-      {"empty", y, "", {"c.yaml:1: is no camera file of a known kind", "no keys at all"}},
+      {"empty", y, "", {"c.yaml: is empty"}},
       {"tag_map",
        y,
        "apriltrack_map: 1\ntags: []\n",
@@ -314,9 +314,11 @@ TEST(CameraErrors, ResolutionAgainstTheImagesNamesBoth) {
   camera.width = 752;
   camera.height = 480;
   EXPECT_NO_THROW(check_resolution(camera, 752, 480, "frame"));
-  EXPECT_THAT(
-      message_of([&] { check_resolution(camera, 480, 752, "frames/1.png"); }),
-      AllOf(HasSubstr("frames/1.png: "), HasSubstr("480 x 752"), HasSubstr("752 x 480"), HasSubstr("cam0")));
+  EXPECT_THAT(message_of([&] { check_resolution(camera, 480, 752, "frames/1.png"); }),
+              AllOf(HasSubstr("frames/1.png: "), HasSubstr("480 x 752"), HasSubstr("752 x 480"),
+                    HasSubstr("cam0"), HasSubstr("rotation tag")));
+  EXPECT_THAT(message_of([&] { check_resolution(camera, 480, 640, "frames/1.png"); }),
+              Not(HasSubstr("rotation tag")));
 }
 
 }  // namespace

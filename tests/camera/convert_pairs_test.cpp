@@ -170,8 +170,8 @@ TEST(ConvertCameras, TellWhatIsLost) {
   const auto lost_in = [&](CameraFormat format, const std::string& only = {}) {
     return kinds(write_cameras_as(test::temporary_folder() / "rig", rig, format, only));
   };
-  EXPECT_THAT(lost_in(CameraFormat::kKalibr), IsEmpty());
-  EXPECT_THAT(lost_in(CameraFormat::kKalibr, "cam1"), ElementsAre(kExtrinsics, kFurtherCameras));
+  EXPECT_THAT(lost_in(CameraFormat::kKalibr), ElementsAre(kUnreadLens));  // of cam1
+  EXPECT_THAT(lost_in(CameraFormat::kKalibr, "cam1"), ElementsAre(kUnreadLens, kExtrinsics, kFurtherCameras));
   EXPECT_THAT(lost_in(CameraFormat::kRosCameraInfo),
               ElementsAre(kResponse, kExposure, kLineDelay, kFurtherCameras));
   EXPECT_THAT(lost_in(CameraFormat::kOpenCv),
@@ -188,6 +188,26 @@ TEST(ConvertCameras, TellWhatIsLost) {
   EXPECT_EQ(lost[0].message, "camera 'front': its resolution, 1283 x 967 (no place for it in WPILib JSON)");
   EXPECT_EQ(lost[1].message, "camera 'front': its response, gamma:2.25 (no place for it in WPILib JSON)");
   EXPECT_EQ(lost.back().message, "the rig's further cameras: 'cam1'");
+}
+
+// ethz-asl/kalibr knows radtan of four coefficients; ours may have five or eight.
+TEST(ConvertCameras, ALensThatKalibrItselfDoesNotReadIsTold) {
+  CameraRig rig;
+  rig.cameras.push_back(
+      {.model = CameraModel({500, 510, 320, 240}, RadtanDistortion({0.1, -0.2, 0.003, 0.004})),
+       .width = 640,
+       .height = 480,
+       .response_origin = ResponseOrigin::kAssumed});
+  EXPECT_TRUE(losses_of_writing(rig, CameraFormat::kKalibr).empty());
+  for (const std::vector<double>& more : {std::vector<double>{0.1, -0.2, 0.003, 0.004, 0.05},
+                                          {0.1, -0.2, 0.003, 0.004, 0.05, 0.06, 0.07, 0.08}}) {
+    rig.cameras[0].model = CameraModel({500, 510, 320, 240}, RadtanDistortion(more));
+    const auto lost = losses_of_writing(rig, CameraFormat::kKalibr);
+    ASSERT_EQ(lost.size(), 1U);
+    EXPECT_EQ(lost[0].kind, CameraLoss::kUnreadLens);
+    EXPECT_THAT(lost[0].message, HasSubstr(std::to_string(more.size()) + " coefficients"));
+    EXPECT_TRUE(losses_of_writing(rig, CameraFormat::kRosCameraInfo).empty());
+  }
 }
 
 TEST(ConvertCameras, ACameraThatIsNotThereIsRefused) {

@@ -8,6 +8,7 @@
 #include "apriltrack/camera/auto_response.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/camera/ros_topics.h"
+#include "support/error_message.h"
 #include "support/pose_matchers.h"
 #include "support/shared_data.h"
 
@@ -263,6 +264,23 @@ TEST(ReadCameras, ReadsWpilibAndPhotonVisionJson) {
   EXPECT_THAT(coefficients(photon.cameras[0]), ElementsAre(0.1, -0.2, 0.003, 0.004, 0.5));
   EXPECT_EQ(photon.cameras[0].width, 1280);
   EXPECT_EQ(photon.cameras[0].height, 720);
+}
+
+// PhotonVision/photonvision, CameraCalibrationCoefficients.java: until 2023 the key of the coefficients was
+// "cameraExtrinsics", which is an alias of distCoeffs since.
+TEST(ReadCameras, ReadsOlderPhotonVisionJson) {
+  const auto photon = read_cameras(write_text(
+      "photon.json",
+      R"({"resolution":{"width":1280.0,"height":720.0},"cameraIntrinsics":{"rows":3,"cols":3,"type":6,"data":[910.5,)"
+      R"(0.0,640.25,0.0,905.5,360.75,0.0,0.0,1.0]},"cameraExtrinsics":{"rows":1,"cols":5,"type":6,"data":[0.1,-0.2,)"
+      R"(0.003,0.004,0.5]},"perViewErrors":[0.1],"standardDeviation":0.2})"));
+  EXPECT_THAT(coefficients(photon.cameras[0]), ElementsAre(0.1, -0.2, 0.003, 0.004, 0.5));
+}
+
+TEST(ReadCameras, AnEmptyFileIsCalledSo) {
+  for (const char* text : {"", " \n\t\n"})
+    EXPECT_THAT(test::message_of([&] { read_cameras(write_text("camera.yaml", text)); }),
+                HasSubstr("camera.yaml: is empty"));
 }
 
 TEST(ReadCameras, ReadsEurocSensorFiles) {

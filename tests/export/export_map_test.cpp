@@ -237,6 +237,35 @@ TEST(ColmapExport, ModelAnalyzerAccepts) {
   EXPECT_TRUE(std::regex_search(run.talk, std::regex("Points: 12\\b"))) << run.talk;
 }
 
+TEST(ColmapExport, AnothersModelIsKept) {
+  // As colmap 3.8 writes a model of one camera, one image and one point, and names of newer versions.
+  const std::pair<std::string, std::string> files[] = {
+      {"cameras.txt", "# Camera list with one line of data per camera:\n1 PINHOLE 640 480 600 600 320 240\n"},
+      {"images.txt", "# Image list with two lines of data per image:\n1 1 0 0 0 0 0 0 1 a.png\n12.5 7 1\n"},
+      {"points3D.txt", "# 3D point list with one line of data per point:\n1 0 0 1 9 9 9 0.5 1 0\n"},
+      {"points3D.txt", "1 0 0 1 0 0 0 0 1 0 2 0\n"},
+      {"points3D.bin", std::string(8, '\0')},
+      {"rigs.txt", "# Rig calib list\n"}};
+  for (const auto& [name, text] : files) {
+    const auto file = layout_file(text, name);
+    const auto folder = file.parent_path();
+    EXPECT_NE(
+        message_of([&] { write_exported_map(folder, placed_map(), ExportFormat::kColmap); }).find("(" + name),
+        std::string::npos);
+    EXPECT_EQ(read_file(file), text);
+    std::filesystem::remove(file);
+    EXPECT_TRUE(std::filesystem::is_empty(folder)) << name;
+  }
+}
+
+TEST(ColmapExport, AModelOfOursIsReplaced) {
+  const auto folder = written(placed_map(), ExportFormat::kColmap, "sparse");
+  TagMap map = placed_map();
+  map.tags.resize(1);
+  write_exported_map(folder, map, ExportFormat::kColmap);
+  EXPECT_NE(read_file(folder / "points3D.txt").find("points: 4,"), std::string::npos);
+}
+
 TEST(MapExport, LossesAreTold) {
   TagMap map = placed_map();
   map.tags[0].covariance = Matrix6d::Zero();

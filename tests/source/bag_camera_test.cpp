@@ -48,7 +48,7 @@ TEST(BagCamera, IsReadOfEitherByteOrderAndOfRos1) {
 }
 
 TEST(BagCamera, ReadsFisheyes) {
-  for (const char* model : {"equidistant", "fisheye"}) {
+  for (const char* model : {"equidistant", "fisheye", "kannala_brandt"}) {
     CameraInfoFields info = kInfo;
     info.model = model;
     info.d = {0.1, -0.02, 0.003, -0.0004};

@@ -17,6 +17,7 @@ namespace apriltrack::test {
 namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 
 /// A simulated recording, and bags with its pictures.
 class Bags : public ::testing::Test {
@@ -170,6 +171,48 @@ TEST_F(Bags, AskForTheTopic) {
   EXPECT_EQ(run_for_json(with_topic)["frames"], 3);
   EXPECT_THAT(run_program({"detect", path("single"), "--topic", "/image", "--output", path("o.csv")}),
               EndsWith(2, "--topic: is of a bag, and no INPUT is one"));
+}
+
+TEST_F(Bags, WhoseTopicIsAnotherCamerasIsWarnedOf) {
+  simulate("single", 3);
+  const std::string camera = read_text(path("single/camera.yaml"));
+  write_text(path("rig.yaml"), camera + "\n  rostopic: /left/image_raw\ncam1" + camera.substr(4) +
+                                   "\n  T_cn_cnm1: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+                                   "  rostopic: /right/image_raw\n");
+  std::vector<TestMessage> messages;
+  for (const char* topic : {"/left/image_raw", "/right/image_raw", "/renamed"})
+    for (const TestMessage& one : pictures_of("single", topic, Wire::kCdr)) messages.push_back(one);
+  write_mcap(path("three.mcap"), Wire::kCdr, messages);
+  write_mcap(path("renamed.mcap"), Wire::kCdr, pictures_of("single", "/renamed", Wire::kCdr));
+  const auto told = [&](const std::string& bag, const std::string& name, const std::string& topic) {
+    const ProgramRun run =
+        run_program({"track", path(bag), "--camera", path("rig.yaml"), "--camera-name", name, "--map",
+                     path("single/map.yaml"), "--topic", topic, "--output", path("o.tum")});
+    EXPECT_EQ(run.status, 0) << run.err;
+    return run.err;
+  };
+  EXPECT_THAT(told("three.mcap", "cam1", "/left/image_raw"),
+              HasSubstr("/left/image_raw is read for cam1, but rostopic of cam1 in the camera file is "
+                        "/right/image_raw, and /left/image_raw is that of cam0"));
+  EXPECT_THAT(told("three.mcap", "cam1", "/renamed"), HasSubstr("/renamed is read for cam1, but rostopic"));
+  EXPECT_THAT(told("three.mcap", "cam1", "/right/image_raw"), Not(HasSubstr("but rostopic")));
+  EXPECT_THAT(told("three.mcap", "cam0", "cam0=/left/image_raw"), Not(HasSubstr("but rostopic")));
+  EXPECT_THAT(told("renamed.mcap", "cam1", "/renamed"), Not(HasSubstr("but rostopic")));
+}
+
+TEST_F(Bags, WithoutPosesOrFramesSaySoOnce) {
+  simulate("single", 3);
+  write_mcap(path("a.mcap"), Wire::kCdr, pictures_of("single", "/image", Wire::kCdr));
+  EXPECT_THAT(run_program({"trajectory", "convert", path("a.mcap"), path("o.tum")}),
+              EndsWith(2, path("a.mcap") + ": has no topic with poses (geometry_msgs/PoseStamped"));
+  EXPECT_THAT(run_program({"trajectory", "convert", path("a.mcap"), path("o.tum"), "--topic", "/pose"}),
+              EndsWith(2, path("a.mcap") + " has no topic '/pose' with poses"));
+  for (const std::string command : {"track", "detect"}) {
+    std::vector<std::string> words = {command,    path("a.mcap"), "--skip",   "100",
+                                      "--output", path("o.out"),  "--camera", path("single/camera.yaml")};
+    if (command == "track") words.insert(words.end(), {"--map", path("single/map.yaml")});
+    EXPECT_THAT(run_program(words), EndsWith(2, "--skip: leaves out 100 frames, and " + path("a.mcap")));
+  }
 }
 
 /// Both cameras at one place: the same pictures.

@@ -177,7 +177,7 @@ distortion_coefficients: {rows: 1, cols: 14, data: [5.1, -30.2, 0.0004, -0.0007,
   EXPECT_THAT(run, EndsWith(0, "off by up to 0.224 px, 0.0474 px RMS over the picture"));
   EXPECT_THAT(run.err, Not(HasSubstr("not kept"))) << "told once";
   const auto told = run_for_json({"camera", "convert", path("oak.yaml"), path("c.yaml"), "--fit"});
-  EXPECT_THAT(kinds_of(told["losses"]), ElementsAre("lens_terms"));
+  EXPECT_THAT(kinds_of(told["losses"]), ElementsAre("lens_terms", "unread_lens"));
   EXPECT_THAT(read_text(path("c.yaml")), HasSubstr("distortion_model: radtan"));
 }
 
@@ -191,6 +191,27 @@ TEST_F(CameraConvert, WhatComesOutIsWhereACameraIsAnInput) {
         run_for_json({"detect", path("film"), "--camera", path(name), "--output", path("d.csv")});
     EXPECT_EQ(told["frames"], 2) << told.dump(1);
   }
+}
+
+TEST_F(CameraConvert, TellsWhatKalibrItselfDoesNotRead) {
+  const ProgramRun run = convert("wpilib.json", "camera.yaml", {"--resolution", "640x480"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_THAT(run.err,
+              HasSubstr("radtan with 8 coefficients, which AprilTrack reads and Kalibr itself does not"));
+  EXPECT_THAT(run.err, Not(HasSubstr("not kept")));
+  const auto told = run_for_json(
+      {"camera", "convert", path("wpilib.json"), path("camera.yaml"), "--resolution", "640x480"});
+  EXPECT_THAT(kinds_of(told["losses"]), ElementsAre("unread_lens"));
+}
+
+TEST_F(CameraConvert, NamesThatMisleadAreRefusedOrWarnedOf) {
+  EXPECT_THAT(convert("wpilib.json", "c.cameramodel", {"--to", "opencv"}),
+              EndsWith(2, "which is mrcal's alone"));
+  EXPECT_FALSE(is_there("c.cameramodel"));
+  const ProgramRun run = convert("wpilib.json", "c.json", {"--to", "opencv"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_THAT(run.err, HasSubstr("though its name ends in .json"));
+  EXPECT_THAT(convert("wpilib.json", "c.yaml", {"--to", "opencv"}).err, Not(HasSubstr("its name ends in")));
 }
 
 using CameraShow = CameraConvert;
@@ -207,6 +228,7 @@ TEST_F(CameraShow, SaysWhatTheFileHolds) {
   EXPECT_TRUE(front["T_this_previous"].is_null());
   const auto& side = told["cameras"][1];
   EXPECT_TRUE(side["response"].is_null());
+  EXPECT_EQ(side["T_this_previous"]["position_m"], (nlohmann::json{{"x", 1}, {"y", 2}, {"z", 3}}));
   EXPECT_EQ(side["T_this_previous"]["position"], (nlohmann::json{{"x", 1}, {"y", 2}, {"z", 3}}));
   const ProgramRun run = run_program({"camera", "show", path("rig.yaml")});
   EXPECT_THAT(run.out, HasSubstr("Kalibr camchain YAML\nfront\n"));
@@ -221,6 +243,8 @@ TEST_F(CameraShow, FieldsOfViewAreFromEdgeToEdge) {
              "2 OPENCV_FISHEYE 640 320 203.71832715762602 203.71832715762602 320 160 0 0 0 0\n");
   const nlohmann::json told = run_for_json({"camera", "show", path("square.txt")});
   EXPECT_NEAR(told["cameras"][0]["field_of_view_deg"]["horizontal"].get<double>(), 90.0, 1e-3);
+  EXPECT_NEAR(told["cameras"][0]["field_of_view_rad"]["horizontal"].get<double>(), 1.570796, 1e-6);
+  EXPECT_NEAR(told["cameras"][1]["field_of_view_rad"]["horizontal"].get<double>(), 3.141593, 1e-6);
   EXPECT_NEAR(told["cameras"][0]["field_of_view_deg"]["diagonal"].get<double>(), 109.471, 1e-3);
   EXPECT_NEAR(told["cameras"][1]["field_of_view_deg"]["horizontal"].get<double>(), 180.0, 1e-3);
   EXPECT_NEAR(told["cameras"][1]["field_of_view_deg"]["vertical"].get<double>(), 90.0, 1e-3);

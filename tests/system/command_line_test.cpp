@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "program.h"
+#include "support/shared_data.h"
 
 namespace apriltrack::test {
 namespace {
@@ -29,6 +30,22 @@ std::map<std::string, std::string> listed_commands(const std::string& help) {
     if (summary != std::string::npos) summaries[line.substr(2, end - 2)] = line.substr(summary);
   }
   return summaries;
+}
+
+TEST(CommandLine, APatternThatTheShellReplacedIsToldSo) {
+  const std::string folder = temporary_folder();
+  std::vector<std::string> words = {"track", "--output", folder + "/o.tum"};
+  for (const char* name : {"/1.png", "/2.png", "/3.png"}) {
+    write_text(folder + name, "");
+    words.push_back(folder + name);
+  }
+  EXPECT_THAT(run_program(words),
+              EndsWith(2,
+                       "INPUT is one, and 2 more are given: for the pictures of a folder quote "
+                       "the pattern, '" +
+                           folder + "/*.png'"));
+  words.push_back("--colour");
+  EXPECT_THAT(run_program(words), EndsWith(2, "not understood"));
 }
 
 TEST(CommandLine, EveryCommandIsListedInOneShortLine) {

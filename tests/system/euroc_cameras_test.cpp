@@ -1,10 +1,13 @@
 // A EuRoC recording of two cameras: whose pictures a command reads.
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <set>
 
+#include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/source/sequence_writer.h"
 #include "program.h"
@@ -83,6 +86,58 @@ TEST_F(EurocCameras, TheOneThatIsNamedIsLookedAt) {
   const nlohmann::json score =
       run_for_json({"evaluate", "--truth", path("single"), "--estimate", path("out.tum"), "--mode", "joint"});
   EXPECT_EQ(score["success_5px"], 1.0) << score.dump(1);
+}
+
+/// As EuRoC has it: no name, no exposure, no response.
+std::string sensor_yaml(const std::string& camera_yaml) {
+  const Camera camera = read_cameras(camera_yaml).cameras.front();
+  const Pinhole& p = camera.model.pinhole();
+  const std::vector<double> d =
+      std::visit([](const auto& lens) { return lens.coefficients(); }, camera.model.distortion());
+  return fmt::format(
+      "sensor_type: camera\ncomment: x\nT_BS:\n  cols: 4\n  rows: 4\n"
+      "  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\nrate_hz: 20\n"
+      "resolution: [{}, {}]\ncamera_model: pinhole\nintrinsics: [{}, {}, {}, {}]\n"
+      "distortion_model: radial-tangential\ndistortion_coefficients: [{}]\n",
+      camera.width, camera.height, p.fx, p.fy, p.cx, p.cy, fmt::join(d, ", "));
+}
+
+// cam0 is said to have another lens, and cam1 the right one.
+TEST_F(EurocCameras, BringTheirCamerasThemselves) {
+  simulate("room-gentle", 12);
+  give("room-gentle", "cam0");
+  give("room-gentle", "cam1");
+  const std::string film = path("room-gentle");
+  write_text(path("sensor.yaml"), sensor_yaml(film + "/camera.yaml"));
+  write_text(recording() + "/cam1/sensor.yaml", read_text(path("sensor.yaml")));
+  std::string other = read_text(path("sensor.yaml"));
+  const std::size_t at = other.find("intrinsics: [") + 13;
+  other.insert(at, "1");
+  write_text(recording() + "/cam0/sensor.yaml", other);
+  const std::vector<std::string> track = {"track", recording(), "--map", film + "/map.yaml", "--output"};
+  const auto tracked = [&](const std::string& name, std::vector<std::string> more) {
+    std::vector<std::string> words = track;
+    words.push_back(path(name));
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(words);
+  };
+  const ProgramRun own = tracked("own.tum", {"--camera-name", "cam1"});
+  ASSERT_EQ(own.status, 0) << own.err;
+  EXPECT_NE(own.err.find("mav0/cam1/sensor.yaml is the camera file of cam1"), std::string::npos) << own.err;
+  ASSERT_EQ(tracked("given.tum", {"--camera", path("sensor.yaml")}).status, 0);
+  EXPECT_EQ(read_text(path("own.tum")), read_text(path("given.tum")));
+  EXPECT_NE(tracked("cam0.tum", {}).err.find("mav0/cam0/sensor.yaml is the camera file of cam0"),
+            std::string::npos);
+
+  run_for_json({"calibrate", recording(), "--camera-name", "cam1", "--tag-size", "0.16", "--output",
+                path("map.yaml")});
+  for (const FrameDetections& frame : read_detections_csv(path("map.detections.csv")))
+    EXPECT_EQ(frame.camera, "cam1");
+  run_for_json({"detect", recording(), "--camera-name", "cam1", "--output", path("d.csv")});
+  EXPECT_GE(ids_seen(path("d.csv"), "cam1").size(), 2U);
+
+  fs::remove(recording() + "/cam0/sensor.yaml");
+  EXPECT_THAT(tracked("none.tum", {}), EndsWith(2, "no EuRoC recording with a sensor.yaml"));
 }
 
 TEST_F(EurocCameras, OneThatIsNotThereIsRefusedAndThoseThereAreNamed) {

@@ -70,6 +70,36 @@ TEST_F(FileContents, AWrongConfigurationFileIs2AndNamesLineAndKey) {
   EXPECT_THAT(calibrate_with("decimate: 2\nmin-views: 3\nquiet: true\n"), EndsWith(1, "no tags were seen"));
 }
 
+/// The corners of a file of ours in OpenCV's order: top-left, top-right, bottom-right, bottom-left.
+std::string in_order_of_opencv(const std::string& detections) {
+  std::istringstream lines(detections);
+  std::string out = "timestamp_ns,camera,family,id,c0x,c0y,c1x,c1y,c2x,c2y,c3x,c3y\n", line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    for (const std::size_t cell : {0, 1, 2, 3, 10, 11, 8, 9, 6, 7, 4, 5})
+      out += cells.at(cell) + (cell == 5 ? "\n" : ",");
+  }
+  return out;
+}
+
+TEST_F(FileContents, CornersInAnotherOrderAre2WhereverTheyAreRead) {
+  run_for_json({"simulate", "--scene", "room-gentle", "--frames", "6", "--output", path("room")});
+  run_for_json({"detect", path("room"), "--output", path("ours.csv")});
+  ASSERT_EQ(read_text(path("ours.csv")).find("timestamp_ns,camera,family,id,c0x,c0y,c1x,c1y,c2x,c2y,c3x,c3y"),
+            0U);
+  write_text(path("cv.csv"), in_order_of_opencv(read_text(path("ours.csv"))));
+  const std::string camera = path("room/camera.yaml");
+  EXPECT_THAT(run_program({"track", "--detections", path("cv.csv"), "--camera", camera, "--map",
+                           path("room/map.yaml"), "--output", path("o.tum")}),
+              EndsWith(2, "cv.csv:2: the corners of this tag, and of all others, run clockwise"));
+  EXPECT_THAT(run_program({"calibrate", "--detections", path("cv.csv"), "--camera", camera, "--tag-size",
+                           "0.16", "--output", path("o.yaml")}),
+              EndsWith(2, "cv.csv:2: the corners of this tag, and of all others, run clockwise"));
+}
+
 TEST_F(FileContents, WrongSizesFileIs2) {
   write_text(path("sizes.yaml"), "default: 0.1\nsizes:\n  7: -1\n");
   EXPECT_THAT(calibrate({"--tag-sizes", path("sizes.yaml")}), EndsWith(2, "sizes.yaml:3"));

@@ -59,7 +59,7 @@ void expect_same_tags(const nlohmann::json& a, const nlohmann::json& b, const st
       product += p["orientation"][axis].get<double>() * q["orientation"][axis].get<double>();
     EXPECT_NEAR(std::abs(product), 1.0, 1e-12) << way;
     for (const char* axis : {"x", "y", "z"})
-      EXPECT_NEAR(p["position"][axis].get<double>(), q["position"][axis].get<double>(), 1e-9) << way;
+      EXPECT_NEAR(p["position_m"][axis].get<double>(), q["position_m"][axis].get<double>(), 1e-9) << way;
   }
 }
 
@@ -100,6 +100,24 @@ TEST(MapConvert, EndingsThatAreOneFormatsNeedNoTo) {
     EXPECT_THAT(run, EndsWith(2, "wpilib, wpilib-csv"));
     EXPECT_FALSE(fs::exists(paths.of(name)));
   }
+}
+
+TEST(MapConvert, EndingsThatMisleadAreRefusedOrWarnedOf) {
+  const Paths paths;
+  const std::string map = paths.file("map.yaml", kMap);
+  for (const std::string format : {"fmap", "ini", "gltf", "glb", "urdf", "sdf", "g2o"}) {
+    const std::string out = paths.of("o." + format);
+    EXPECT_THAT(run_program({"map", "convert", map, out, "--to", "wpilib"}),
+                EndsWith(2, "wpilib is not what ." + format + " in '" + out + "' says"));
+    EXPECT_FALSE(fs::exists(out));
+  }
+  const auto run = run_program({"map", "convert", map, paths.of("o.yaml"), "--to", "wpilib"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_NE(run.err.find("though its name ends in .yaml"), std::string::npos) << run.err;
+  for (const char* name : {"o.json", "o.txt", "o"})
+    EXPECT_EQ(
+        run_program({"map", "convert", map, paths.of(name), "--to", "wpilib"}).err.find("its name ends"),
+        std::string::npos);
 }
 
 TEST(MapConvert, WhatIsLostIsToldToPeopleAndMachines) {

@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <numbers>
@@ -41,6 +42,13 @@ class BrowserTest : public ::testing::Test {
         browser_, path("profile"), options, path(page), path("printed"));
     EXPECT_EQ(std::system(command.c_str()), 0) << command;
     return read_text(path("printed"));
+  }
+
+  /// Has the page tell what a script answers there, behind "asked: ".
+  void ask(const std::string& page, const std::string& script) const {
+    std::string text = read_text(path(page));
+    text.insert(text.rfind("</body>"), "<script>document.body.append(`asked: ${" + script + "}`)</script>");
+    write_text(path(page), text);
   }
 
   /// WebGL drawn by the processor, wherever the test runs.
@@ -164,6 +172,26 @@ TEST_F(SceneView3d, SaysSoWhereThereIsNoWebGl) {
   EXPECT_THAT(page, HasSubstr("data-state=\"not drawn\""));
   EXPECT_THAT(page, HasSubstr("The 3-D view cannot be drawn here"));
   EXPECT_THAT(page, HasSubstr(">From above<"));
+  ask("map.html", "getComputedStyle(document.querySelector('figure.scene figcaption')).display");
+  EXPECT_THAT(browse("map.html", "--disable-3d-apis --dump-dom"), HasSubstr("asked: none"))
+      << "nothing can be dragged";
+  EXPECT_THAT(browse("map.html", fmt::format("{} --dump-dom", kSoftware)), HasSubstr("asked: block"));
+}
+
+TEST_F(SceneView3d, CaptionsOfWideTablesStayWithinTheirBoxes) {
+  write_text(path("map.yaml"), map_of_prints());
+  run_for_json({"map", "show", path("map.yaml"), "--report", path("map.html")});
+  ask("map.html",
+      "[...document.querySelectorAll('.wide caption')].map((one) => [one, one.closest('.wide')].map("
+      "(part) => Math.round(part.getBoundingClientRect().right)).join(' of ')).join()");
+  const std::string page = browse("map.html", "--window-size=500,900 --dump-dom");
+  const std::size_t at = page.rfind("asked: ");  // behind the script itself
+  ASSERT_NE(at, std::string::npos);
+  int caption_px = 0, box_px = 0;
+  ASSERT_EQ(std::sscanf(page.c_str() + at, "asked: %d of %d", &caption_px, &box_px), 2)
+      << page.substr(at, 80);
+  EXPECT_LE(caption_px, box_px + 1);
+  EXPECT_LE(box_px, 500);
 }
 
 TEST(MapShowPage, IsToldOfAndHasAllTags) {

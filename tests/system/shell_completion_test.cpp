@@ -77,6 +77,11 @@ TEST_F(Bash, OffersCommandsOptionsChoicesAndFiles) {
   EXPECT_THAT(offers("apriltrack map convert --fam"), ElementsAre("--family"));
   EXPECT_THAT(offers("apriltrack track --mode ''"), UnorderedElementsAre("ego", "joint"));
   EXPECT_THAT(offers("apriltrack track --mode = j"), ElementsAre("joint"));
+  EXPECT_THAT(offers("apriltrack map convert --to ''"),
+              IsSupersetOf({"wpilib", "limelight", "glb", "colmap"}));
+  EXPECT_THAT(offers("apriltrack camera convert --to m"), ElementsAre("mrcal"));
+  EXPECT_THAT(offers("apriltrack camera convert --to eu"), ElementsAre()) << "read, not written";
+  EXPECT_THAT(offers("apriltrack trajectory convert --to ''"), UnorderedElementsAre("tum", "euroc", "kitti"));
   EXPECT_THAT(offers("apriltrack track --map map_"), UnorderedElementsAre("map_a.yaml", "map_b.yaml"));
   EXPECT_THAT(offers("apriltrack map print map_"), UnorderedElementsAre("map_a.yaml", "map_b.yaml"));
   EXPECT_THAT(offers("apriltrack map print map_a.yaml --output ''"), ElementsAre("recording"));  // a folder

@@ -90,6 +90,29 @@ TEST_F(Trajectories, MistakesOfTheCommandLineEndWith2) {
   EXPECT_FALSE(fs::exists(of("c.kitti")));
 }
 
+TEST_F(Trajectories, WithoutPosesOrWithoutAFileSaySo) {
+  for (const char* text : {"", "# timestamp tx ty tz qx qy qz qw\n"}) {
+    const std::string empty = file("empty.tum", text);
+    EXPECT_THAT(run_program({"trajectory", "convert", empty, of("b.csv")}),
+                EndsWith(2, "empty.tum: has no poses"));
+  }
+  EXPECT_FALSE(fs::exists(of("b.csv")));
+  EXPECT_THAT(run_program({"trajectory", "convert", of("none.bag"), of("b.tum"), "--topic", "/pose"}),
+              EndsWith(3, "none.bag: no such file"));
+}
+
+TEST_F(Trajectories, WhoseNameMisleadsEndWith2) {
+  const std::string tum = file("a.tum", kTum);
+  EXPECT_THAT(run_program({"trajectory", "convert", tum, of("b.tum"), "--to", "euroc"}),
+              EndsWith(2, "which is tum's alone"));
+  EXPECT_THAT(run_program({"trajectory", "convert", tum, of("b.kitti"), "--to", "tum"}),
+              EndsWith(2, "which is kitti's alone"));
+  EXPECT_FALSE(fs::exists(of("b.tum")));
+  const ProgramRun run = run_program({"trajectory", "convert", tum, of("b.csv"), "--to", "tum"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_NE(run.err.find("though its name ends in .csv"), std::string::npos) << run.err;
+}
+
 /// A quarter turn about z at (1, -2, 3 + k) in a message of that type; its header's time is 50 ms before it
 /// is logged.
 TestMessage pose_message(Wire wire, const std::string& topic, const std::string& type, int k) {

@@ -13,7 +13,7 @@ void append_record(ByteWriter& bytes, McapOp op, const ByteWriter& content) {
 
 ByteWriter header_record(const std::string& profile) {
   ByteWriter content;
-  content.sized(profile).sized(std::string("apriltrack ") + version());
+  content.sized(profile).sized(std::string(kMcapLibrary) + version());
   return content;
 }
 

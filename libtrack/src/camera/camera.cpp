@@ -45,6 +45,12 @@ std::string advice_on_resolution(const Camera& camera, int image_width, int imag
   const std::string advice = "use the camera file of this resolution";
   const bool is_one_shape = camera.width > 0 && static_cast<std::int64_t>(image_width) * camera.height ==
                                                     static_cast<std::int64_t>(image_height) * camera.width;
+  const bool is_turned = image_width == camera.height && image_height == camera.width;
+  if (is_turned)
+    return advice +
+           "; width and height are exchanged: pictures are turned upright as the rotation tag of a video, or "
+           "the "
+           "EXIF orientation of a picture, says, and the camera file must be that of the upright picture";
   if (!is_one_shape) return advice;
   const double scale = static_cast<double>(image_width) / camera.width;
   const auto scaled = [&](double center_px) { return scale * (center_px + 0.5) - 0.5; };  // (0, 0): a centre

@@ -68,6 +68,10 @@ bool is_kalibr_camchain(const YamlNode& root) {
       titles_of_formats(), keys.empty() ? "there are no keys at all" : "there are: " + keys.substr(0, 300)));
 }
 
+bool is_blank(std::string_view text) {
+  return text.find_first_not_of(" \t\r\n") == std::string_view::npos;
+}
+
 /// What is no text, with the way to what is.
 void refuse_binary(const CameraText& file) {
   if (file.text.find('\0') != std::string::npos) {
@@ -82,6 +86,7 @@ CameraFile read_any(const std::filesystem::path& path, std::vector<std::string>*
                     BeyondOurLenses beyond = BeyondOurLenses::kRefuse) {
   const CameraText file{path.string(), read_file(path)};
   refuse_binary(file);
+  if (is_blank(file.text)) throw invalid_input(file.name, "is empty: a camera file is expected");
   CameraFile read;
   const auto take = [&](CameraFormat format, CameraRig rig) {
     read.format = format;

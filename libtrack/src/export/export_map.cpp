@@ -86,6 +86,7 @@ MapExport export_tag_map(const TagMap& map, ExportFormat format) {
 
 std::vector<MapLoss> write_exported_map(const fs::path& path, const TagMap& map, ExportFormat format) {
   check_tag_map(map, path.string());
+  if (format == ExportFormat::kColmap) check_colmap_folder(path);
   MapExport result = export_tag_map(map, format);
   if (!info_of(format).is_folder) {
     write_file_atomically(path, result.files.front().contents);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+
 #include "apriltrack/export/export_map.h"
 
 namespace apriltrack {
@@ -11,6 +13,8 @@ std::string glb_bytes(const TagMap& map);
 std::string urdf_text(const TagMap& map);
 std::string sdf_text(const TagMap& map);
 std::vector<ExportedFile> colmap_files(const TagMap& map);
+/// Throws Error(kInvalidInput) where the folder has a COLMAP model that colmap_files() did not make.
+void check_colmap_folder(const std::filesystem::path& folder);
 std::string g2o_text(const TagMap& map);
 std::string corners_csv(const TagMap& map);
 std::string corners_json(const TagMap& map);

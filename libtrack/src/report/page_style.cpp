@@ -40,7 +40,7 @@ figcaption { margin-top: .6rem; max-width: 44rem; }
 .scene .why { position: absolute; inset: 0; margin: auto; height: fit-content; padding: 1rem; text-align: center; color: var(--pale); }
 .scene[data-state="drawn"] .why { display: none; }
 .scene:not([data-state="drawn"]) canvas { height: 7rem; cursor: default; }
-.scene:not([data-state="drawn"]) .controls { display: none; }
+.scene:not([data-state="drawn"]) :is(.controls, figcaption) { display: none; }
 .scene .tip { position: absolute; pointer-events: none; padding: .35rem .6rem; white-space: pre-line; font-size: .85rem; line-height: 1.4;
   max-width: 18rem; background: var(--paper); border: 1px solid var(--rule); border-radius: 6px; }
 .scene .tip[hidden] { display: none; }
@@ -57,15 +57,15 @@ figcaption { margin-top: .6rem; max-width: 44rem; }
 .scene.full .view { flex: 1; min-height: 0; }
 .scene.full canvas { height: 100%; }
 .scene.full figcaption { display: none; }
-.wide { overflow-x: auto; margin: 1.5rem 0; }
+.wide { overflow-x: auto; margin: 1.5rem 0; container-type: inline-size; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-caption { caption-side: bottom; text-align: left; padding-top: .6rem; }
+caption { caption-side: bottom; text-align: left; padding-top: .6rem; position: sticky; left: 0; max-width: 100cqw; }
 th, td { padding: .45rem .75rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--rule); }
 thead th { color: var(--pale); font-size: .85rem; font-weight: 600; vertical-align: bottom;
   border-bottom: 2px solid var(--rule); }
 tbody th { font-weight: 600; }
 .dense th, .dense td { padding: .35rem .5rem; font-size: .88rem; }
-.dense caption { max-width: 60rem; }
+.dense caption { max-width: min(60rem, 100cqw); }
 th:first-child, td:first-child { padding-left: .25rem; }
 .number { text-align: right; white-space: nowrap; }
 thead .number { white-space: normal; }

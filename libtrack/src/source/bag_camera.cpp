@@ -42,15 +42,18 @@ Distortion lens_of(const RosCameraInfo& info, const std::string& where) {
   if (std::ranges::any_of(d, [](double value) { return !std::isfinite(value); }))
     throw invalid_input(where, "D holds a number that is not finite");
   if (d.empty()) return NoDistortion();
-  if (model == "equidistant" || model == "fisheye") {
+  // kannala_brandt: Foxglove's word for it, which our own MCAP files have.
+  if (model == "equidistant" || model == "fisheye" || model == "kannala_brandt") {
     if (d.size() != 4)
       throw invalid_input(where, fmt::format("{} takes 4 coefficients (D has {})", model, d.size()));
     return EquidistantDistortion(d);
   }
   if (model != "plumb_bob" && model != "rational_polynomial" && model != "radtan")
-    throw invalid_input(where, fmt::format("distortion_model '{}' is not supported; supported are plumb_bob, "
-                                           "rational_polynomial, equidistant and fisheye: give --camera FILE",
-                                           model));
+    throw invalid_input(where,
+                        fmt::format("distortion_model '{}' is not supported; supported are plumb_bob, "
+                                    "rational_polynomial, equidistant, fisheye and kannala_brandt: give "
+                                    "--camera FILE",
+                                    model));
   constexpr std::size_t kMost = 8;  // thin prisms and tilted sensors follow
   if (d.size() > kMost && std::all_of(d.begin() + kMost, d.end(), [](double value) { return value == 0.0; }))
     d.resize(kMost);

@@ -44,10 +44,10 @@ std::size_t choose_pose_topic(const BagReader& bag, const std::string& name, con
   if (poses.empty())
     throw invalid_input(
         wanted.empty() ? name : "--topic",
-        fmt::format("{} has no topic {} with poses (geometry_msgs/PoseStamped, PoseWithCovarianceStamped, "
+        fmt::format("{} with poses (geometry_msgs/PoseStamped, PoseWithCovarianceStamped, "
                     "TransformStamped, nav_msgs/Odometry, {}); it has: {}",
-                    name, wanted.empty() ? "" : "'" + wanted + "'", kFoxglovePose,
-                    list_of_topics(bag.topics())));
+                    wanted.empty() ? "has no topic" : fmt::format("{} has no topic '{}'", name, wanted),
+                    kFoxglovePose, list_of_topics(bag.topics())));
   throw invalid_input(name,
                       fmt::format("has several topics with poses: {}; `trajectory convert --topic` takes "
                                   "one of them out",

@@ -150,4 +150,11 @@ std::optional<fs::path> sequence_map_file(const std::string& input) {
   return sequence_file(input, "map.yaml");
 }
 
+std::optional<fs::path> euroc_camera_file(const std::string& input, const std::string& camera_name) {
+  if (input.empty() || is_sequence_folder(input)) return std::nullopt;
+  const auto camera = find_euroc_camera(input, camera_name);
+  if (!camera || !path_exists(*camera / "sensor.yaml")) return std::nullopt;
+  return *camera / "sensor.yaml";
+}
+
 }  // namespace apriltrack

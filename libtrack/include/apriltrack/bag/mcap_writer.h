@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -23,6 +24,13 @@ struct McapWriterOptions {
   /// A chunk is written when it has so many bytes, unpacked; it is what the writer holds in memory.
   std::size_t chunk_bytes = std::size_t{1} << 20;
 };
+
+/// What the name of the library in McapWriter's files begins with; its version follows.
+inline constexpr std::string_view kMcapLibrary = "apriltrack ";
+
+/// Which library wrote an MCAP file, as its header says; nullopt of what is no MCAP file, cannot be read, or
+/// has no intact header.
+std::optional<std::string> mcap_library(const std::filesystem::path& path);
 
 /// A stream of messages of one type.
 struct McapTopic {

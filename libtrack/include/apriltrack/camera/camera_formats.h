@@ -54,6 +54,7 @@ enum class CameraLoss {
   kFurtherCameras,  ///< All but one camera of a rig.
   kSkew,            ///< Axes of the picture that are not at a right angle.
   kLensTerms,       ///< Terms of a lens that ours has not, fitted by those that it has.
+  kUnreadLens,      ///< Written, and read by us, but not by the program whose format it is.
 };
 
 /// "resolution", "further_cameras", ...: the word in --json.

@@ -53,7 +53,7 @@ MapExport export_tag_map(const TagMap& map, ExportFormat format);
 
 /// Writes it: a file, or files into a folder that is made where it is missing. Returns what the files do not
 /// hold. Throws what check_tag_map() throws, and Error(kIo); existing files are replaced by complete ones
-/// only.
+/// only. Error(kInvalidInput) for a folder with a COLMAP model that this did not write.
 std::vector<MapLoss> write_exported_map(const std::filesystem::path& path, const TagMap& map,
                                         ExportFormat format);
 

@@ -95,5 +95,9 @@ std::unique_ptr<FrameSource> open_source(const std::string& input, const SourceO
 /// Files that a sequence folder brings with it; nullopt where it does not, or INPUT is no such folder.
 std::optional<std::filesystem::path> sequence_camera_file(const std::string& input);
 std::optional<std::filesystem::path> sequence_map_file(const std::string& input);
+/// The sensor.yaml of the camera of a EuRoC/ASL recording whose pictures open_source() reads. camera_name: as
+/// in SourceOptions, with its errors; nullopt where INPUT is none, or has no such file.
+std::optional<std::filesystem::path> euroc_camera_file(const std::string& input,
+                                                       const std::string& camera_name = "");
 
 }  // namespace apriltrack

@@ -66,6 +66,8 @@ std::string_view name_of(CameraLoss loss) {
       return "skew";
     case CameraLoss::kLensTerms:
       return "lens_terms";
+    case CameraLoss::kUnreadLens:
+      return "unread_lens";
   }
   return "resolution";
 }

@@ -22,6 +22,9 @@ constexpr std::string_view kCoefficientNames[] = {"distortion_coefficients",
                                                   "D",
                                                   "d",
                                                   "distCoeffs"};
+// PhotonVision/photonvision: photon-core CameraCalibrationCoefficients.java, where "cameraExtrinsics" is an
+// alias of distCoeffs: the key that its versions until 2023 wrote. In other files it would be a pose.
+constexpr std::string_view kPhotonVisionCoefficientNames[] = {"distCoeffs", "cameraExtrinsics"};
 constexpr std::string_view kWidthNames[] = {"image_width", "image_Width", "width"};
 constexpr std::string_view kHeightNames[] = {"image_height", "image_Height", "height"};
 
@@ -35,6 +38,12 @@ std::optional<YamlNode> find_any(const YamlNode& root, Names names) {
     found = value;
   }
   return found;
+}
+
+std::optional<YamlNode> find_coefficients(const YamlNode& root) {
+  const bool is_of_photonvision = root.find("cameraIntrinsics").has_value();
+  return is_of_photonvision ? find_any(root, kPhotonVisionCoefficientNames)
+                            : find_any(root, kCoefficientNames);
 }
 
 /// OpenCV's own calibration program notes a fisheye calibration so.
@@ -62,7 +71,7 @@ bool is_fisheye_file(const YamlNode& root) {
 
 Distortion read_lens(const YamlNode& root) {
   const auto model = root.find("distortion_model");
-  const auto coefficients = find_any(root, kCoefficientNames);
+  const auto coefficients = find_coefficients(root);
   const YamlNode* coefficients_or_none = coefficients ? &*coefficients : nullptr;
   if (model) return read_distortion(model->is_null() ? "" : model->as_string(), coefficients_or_none, *model);
   return read_distortion(is_opencv_fisheye(root) ? "fisheye" : "plumb_bob", coefficients_or_none, root);
@@ -132,7 +141,7 @@ CameraRig read_matrix_camera(const YamlNode& root, BeyondOurLenses beyond,
   check_lens_model(root);
   const YamlNode matrix = *find_any(root, kMatrixNames);
   const SkewedPinhole lens = read_pinhole_matrix(matrix);
-  const auto node = find_any(root, kCoefficientNames);
+  const auto node = find_coefficients(root);
   const std::vector<double> coefficients =
       node && !is_fisheye_file(root) ? read_matrix_data(*node) : std::vector<double>{};
   Camera camera{

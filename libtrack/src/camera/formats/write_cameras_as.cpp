@@ -69,6 +69,18 @@ std::optional<Pose> T_camera_first(const CameraRig& rig, std::size_t index) {
   return T_camera_first;
 }
 
+/// ethz-asl/kalibr: aslam_cv RadialTangentialDistortion has k1 k2 p1 p2 alone.
+void note_lens_beyond_kalibr(const Camera& camera, std::vector<LostCameraFact>& lost) {
+  constexpr std::size_t kOfKalibr = 4;
+  const std::size_t count = coefficients_of(camera.model).size();
+  if (count <= kOfKalibr) return;
+  lost.push_back(
+      {CameraLoss::kUnreadLens,
+       fmt::format("camera '{}': its lens is written as radtan with {} coefficients, which AprilTrack "
+                   "reads and Kalibr itself does not: it takes {}, k1 k2 p1 p2",
+                   camera.name, count, kOfKalibr)});
+}
+
 /// `index` of the rig is at `place` of the file.
 void note_losses(const CameraRig& rig, std::size_t index, std::size_t place, CameraFormat format,
                  std::vector<LostCameraFact>& lost) {
@@ -88,6 +100,7 @@ void note_losses(const CameraRig& rig, std::size_t index, std::size_t place, Cam
     note(CameraLoss::kLineDelay, fmt::format("its line delay, {} s per row", camera.line_delay_s));
   if (!room.names && camera.name != fmt::format("cam{}", place))
     note(CameraLoss::kNames, fmt::format("its name (it is read back as cam{})", place));
+  if (format == CameraFormat::kKalibr) note_lens_beyond_kalibr(camera, lost);
   // Kalibr's place is relative to the camera before, which is not there where one camera is taken of a rig;
   // mrcal's is relative to the first.
   const bool keeps_place =

@@ -17,6 +17,10 @@ const kLabelVertexShader = `
     }
     float height_px = clamp(0.6 * room_px, 18.0, 24.0);
     vec2 size_px = vec2(height_px * box.z / box.w, height_px);
+    if (room_m == 0.0) {  // what tells lengths and directions stays whole while any of it is in the picture
+      vec2 room = vec2(1.0) - size_px / screen_px, middle = place.xy / place.w;
+      if (all(lessThan(abs(middle), vec2(2.0) - room))) place.xy = clamp(middle, -room, room) * place.w;
+    }
     vec2 shift_px = corner * size_px + vec2(0.0, room_m > 0.0 ? 0.5 * height_px : 0.0);
     place.xy += shift_px * 2.0 / screen_px * place.w;
     place.z -= 1e-3 * place.w;
