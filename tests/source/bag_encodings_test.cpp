@@ -201,6 +201,25 @@ TEST(BagSource, ReadsPackedPicturesAsFiles) {
   }
 }
 
+TEST(BagSource, ReadsPackedMosaicsAsMosaics) {
+  cv::Mat mosaic(48, 64, CV_8UC1);
+  cv::randu(mosaic, 0, 256);
+  const fs::path raw =
+      bag_of({image_message(Wire::kCdr, {.stamp_ns = kSecond,
+                                         .width = 64,
+                                         .height = 48,
+                                         .encoding = "bayer_rggb8",
+                                         .step = 64,
+                                         .data = std::string(mosaic.begin<char>(), mosaic.end<char>())})},
+             "sensor_msgs/Image");
+  const GrayImage expected = std::move(read_all(raw.string()).at(0).pixels);
+  const fs::path packed =
+      bag_of({compressed_image_message(Wire::kCdr, kSecond, "bayer_rggb8; png compressed bayer_rggb8",
+                                       file_bytes(".png", mosaic))},
+             "sensor_msgs/CompressedImage");
+  EXPECT_THAT(read_all(packed.string()).at(0).pixels, SamePixels(expected));
+}
+
 TEST(BagSource, ReadsPackedPicturesOfSixteenBits) {
   cv::Mat picture(32, 32, CV_16UC1);
   cv::randu(picture, 0, 1024);

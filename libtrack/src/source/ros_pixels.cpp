@@ -142,12 +142,36 @@ void refuse_other_formats(std::string_view format) {
   }
 }
 
+/// "bayer_rggb8" of "bayer_rggb8; png compressed bayer_rggb8", as compressed_image_transport says of a mosaic
+/// that it has left as it is; empty of any other.
+std::string_view packed_mosaic(std::string_view format) {
+  constexpr std::string_view kBefore = "compressed ";
+  const std::size_t at = format.find(kBefore);
+  if (at == std::string_view::npos) return {};
+  const std::string_view encoding = format.substr(at + kBefore.size());
+  return encoding.starts_with("bayer_") ? encoding.substr(0, encoding.find(' ')) : std::string_view();
+}
+
+ImageValues values_of_mosaic(const cv::Mat& pixels, std::string_view encoding) {
+  const cv::Mat mosaic = pixels.isContinuous() ? pixels : pixels.clone();
+  const std::size_t step = mosaic.step[0];
+  return values_of(RosImage{
+      .stamp = {},
+      .height = static_cast<std::uint32_t>(mosaic.rows),
+      .width = static_cast<std::uint32_t>(mosaic.cols),
+      .encoding = encoding,
+      .step = static_cast<std::uint32_t>(step),
+      .data = {reinterpret_cast<const char*>(mosaic.data), step * static_cast<std::size_t>(mosaic.rows)}});
+}
+
 }  // namespace
 
 ImageValues values_of(const RosCompressedImage& image) {
   refuse_other_formats(image.format);
   try {
-    return decode_image(image.data, "");
+    ImageValues values = decode_image(image.data, "");
+    const std::string_view mosaic = packed_mosaic(image.format);
+    return mosaic.empty() ? values : values_of_mosaic(values.pixels, mosaic);
   } catch (const Error& error) {
     throw BadMessage(fmt::format("{} (format '{}')", error.cause(), image.format));
   }
