@@ -93,6 +93,7 @@ void add_log(json& out, const FrameLogEvaluation& log) {
   out["claimed_share_of_frames"] = round_to_decimals(log.claimed_share_of_frames, 4);
   if (log.latency_p50_ms)
     out["latency_ms"] = {{"p50", rounded(log.latency_p50_ms, 3)}, {"p99", rounded(log.latency_p99_ms, 3)}};
+  out["judges_covariances"] = log.judges_covariances;
   if (log.mean_squared_position_error_over_sigma2)
     out["mean_squared_position_error_over_sigma2"] = rounded(log.mean_squared_position_error_over_sigma2, 3);
   if (log.nees_over_6_mean)
@@ -140,6 +141,12 @@ std::string to_text(const FrameLogEvaluation& log) {
   if (log.mean_squared_position_error_over_sigma2) {
     text += fmt::format("\nposition error squared over sigma squared (1 = honest): mean {:.3f}",
                         *log.mean_squared_position_error_over_sigma2);
+  }
+  if (!log.judges_covariances) {
+    text +=
+        "\nsigmas and covariances are not judged: they are of poses in the map's frame, which --align "
+        "leaves; "
+        "judge them without --align, with a map in the truth's frame";
   }
   return text + "\n";
 }

@@ -267,6 +267,19 @@ TEST(EvaluateFrameLog, AnHonestCovarianceScoresOneAndABoastfulOneFour) {
   }
 }
 
+// The covariance is of the pose in the map's frame. An alignment moves all poses by one motion that no
+// covariance knows of.
+TEST(EvaluateFrameLog, DoesNotJudgeTheCovariancesOfAnAlignedEstimate) {
+  const LoggedRun run = noisy_run(100, 1.0);
+  const auto aligned = evaluate_trajectory(run.truth, run.estimate, nullptr, {TrajectoryKind::kEgo, true});
+  const auto result = evaluate_frame_log(aligned, run.log);
+  EXPECT_EQ(result.claimed_good, 100);
+  EXPECT_FALSE(result.judges_covariances);
+  EXPECT_FALSE(result.nees_over_6_mean.has_value());
+  EXPECT_FALSE(result.mean_squared_position_error_over_sigma2.has_value());
+  EXPECT_TRUE(evaluate_frame_log(evaluate_ego(run.truth, run.estimate), run.log).judges_covariances);
+}
+
 FrameLogRow row_at(Timestamp time, const std::string& status, double latency_ms) {
   FrameLogRow row;
   row.timestamp = time;

@@ -57,6 +57,8 @@ FrameLogEvaluation evaluate_frame_log(const TrajectoryEvaluation& evaluation,
   std::vector<double> nees_over_6;
   int num_silent_failures = 0;
   bool has_corner_errors = false;
+  // Aligned, poses are no longer in the frame that covariances are of.
+  result.judges_covariances = !evaluation.T_truth_estimate;
   for (const FrameLogRow& row : log) {
     ++result.statuses[row.status];
     if (row.latency_ms) latencies_ms.push_back(*row.latency_ms);
@@ -70,6 +72,7 @@ FrameLogEvaluation evaluate_frame_log(const TrajectoryEvaluation& evaluation,
     ++result.claimed_good;
     has_corner_errors = has_corner_errors || frame.corner_error_px;
     if (frame.corner_error_px.value_or(0.0) > kSilentFailure_px) ++num_silent_failures;
+    if (!result.judges_covariances) continue;
     const double sigma_m = row.sigma_position_m.value_or(0.0);
     if (sigma_m > 0.0) over_sigma2.push_back(std::pow(frame.error->position_m / sigma_m, 2));
     if (row.covariance) nees_over_6.push_back(normalised_error(row, *frame.error));

@@ -23,6 +23,9 @@ struct FrameLogEvaluation {
   double claimed_share_of_frames = 0.0;
   int claimed_without_pose = 0;  ///< Claimed, but the estimate has none: the log is of another run.
   std::optional<int> claimed_good_but_over_10px;  ///< Silent failures; nullopt without corner errors.
+  /// Not of an aligned estimate: its covariances are of poses in the map's frame, which the map's held tag
+  /// defines, and an alignment leaves that frame by as much as the map is wrong. Then there is nothing below.
+  bool judges_covariances = true;
   /// Mean over claimed frames; 1 for an honest sigma_position_m.
   std::optional<double> mean_squared_position_error_over_sigma2;
   /// Normalised error squared, xi^T C^-1 xi / 6, over claimed frames; mean 1 for an honest covariance.
