@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -24,16 +25,23 @@ TEST(Localizer, SurvivesATagThatTheMapHasAtAWrongPlace) {
   TagMap wrong = test::room();
   wrong.tags[3].T_map_tag =
       wrong.tags[3].T_map_tag * Pose::exp((Vector6d() << 0.1, 0.05, 0, 0, 0.2, 0).finished());
-  for (int i = 0; i < 50; ++i) {
+  constexpr int kPoses = 50;
+  double sum_chi2 = 0.0;
+  for (int i = 0; i < kPoses; ++i) {
     const Pose T_map_camera = test::random_T_map_camera(random);
     Localizer localizer(camera, wrong);
     const TrackResult result = localizer.localize(
         test::with_noise(test::seen(camera, test::room(), T_map_camera.inverse()), random, 0.1));
     ASSERT_EQ(result.status, TrackStatus::kDetected);
-    EXPECT_THAT(*result.pose, PoseNear(T_map_camera, 5e-3, 3e-3));
+    const Vector6d error = (result.pose->inverse() * T_map_camera).log();
+    const double chi2 = error.dot(result.covariance->ldlt().solve(error));
+    EXPECT_LT(chi2, 30.0);  // of 6 degrees of freedom: once in 25,000 poses
+    sum_chi2 += chi2;
     EXPECT_EQ(result.tags_detected, 7);
     EXPECT_EQ(result.tags_tracked, 6) << "the wrong tag must not be claimed as evidence";
   }
+  const double scatter = std::sqrt(2.0 / 6.0 / kPoses);
+  EXPECT_NEAR(sum_chi2 / 6.0 / kPoses, 1.0, 4.0 * scatter);
 }
 
 TEST(Localizer, TwoTagsThatDisagreeGiveNoPoseUnlessTheMotionSpeaksForOne) {

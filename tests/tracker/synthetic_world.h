@@ -78,7 +78,8 @@ inline FrameDetections seen(const Camera& camera, const TagMap& map, const Pose&
 inline FrameDetections with_noise(FrameDetections frame, RandomStream& random, double sigma_px) {
   for (Detection& detection : frame.detections) {
     for (Eigen::Vector2d& corner : detection.corners_px) {
-      corner += sigma_px * Eigen::Vector2d(random.normal(), random.normal());
+      const double y = random.normal();  // in this order on all compilers
+      corner += sigma_px * Eigen::Vector2d(random.normal(), y);
     }
   }
   return frame;

@@ -27,15 +27,19 @@ void paint_poster(Canvas& canvas, double x, double y, double width, double heigh
       break;
     case 2:
       for (int i = 0; i < 9; ++i) {
-        canvas.disc(x + width * random.uniform(0.2, 0.8), y + height * random.uniform(0.2, 0.8),
-                    0.2 * std::min(width, height) * random.uniform(0.3, 1.0), random.uniform(0.05, 0.8));
+        const double grey = random.uniform(0.05, 0.8);
+        const double radius = 0.2 * std::min(width, height) * random.uniform(0.3, 1.0);
+        const double up = y + height * random.uniform(0.2, 0.8);
+        canvas.disc(x + width * random.uniform(0.2, 0.8), up, radius, grey);
       }
       break;
     default:
       for (int i = 0; i < 12; ++i) {
-        canvas.rectangle(x + width * random.uniform(0.02, 0.7), y + height * random.uniform(0.02, 0.7),
-                         0.28 * width * random.uniform(0.2, 1.0), 0.28 * height * random.uniform(0.2, 1.0),
-                         random.uniform(0.04, 0.8));
+        const double grey = random.uniform(0.04, 0.8);
+        const double tall = 0.28 * height * random.uniform(0.2, 1.0);
+        const double wide = 0.28 * width * random.uniform(0.2, 1.0);
+        const double up = y + height * random.uniform(0.02, 0.7);
+        canvas.rectangle(x + width * random.uniform(0.02, 0.7), up, wide, tall, grey);
       }
   }
 }
@@ -83,9 +87,11 @@ void paint_wall(Canvas& canvas, int number, RandomStream& random) {
   for (double x = random.uniform(0.1, 0.3);
        x < width - 0.3;) {  // posters above and below the height of the tags
     const double poster = random.uniform(0.28, 0.55);
-    paint_poster(canvas, x, random.uniform(1.75, 1.95), poster, random.uniform(0.35, 0.6), random);
-    paint_poster(canvas, x + 0.15, random.uniform(0.55, 0.75), random.uniform(0.2, 0.45),
-                 random.uniform(0.25, 0.5), random);
+    const double upper_height = random.uniform(0.35, 0.6);
+    paint_poster(canvas, x, random.uniform(1.75, 1.95), poster, upper_height, random);
+    const double lower_height = random.uniform(0.25, 0.5);
+    const double lower_width = random.uniform(0.2, 0.45);
+    paint_poster(canvas, x + 0.15, random.uniform(0.55, 0.75), lower_width, lower_height, random);
     x += poster + random.uniform(0.2, 0.45);
   }
   if (number == 0) paint_window(canvas, 0.38 * width, 0.95, 1.1, 1.0);
@@ -93,12 +99,16 @@ void paint_wall(Canvas& canvas, int number, RandomStream& random) {
   if (number == 2) paint_door(canvas, 0.7 * width);
   if (number == 3) paint_shelf(canvas, 0.05 * width, 0.9, random);
   for (int i = 0; i < 3; ++i) {
-    canvas.false_tag(width * random.uniform(0.1, 0.85), random.uniform(0.9, 1.0), random.uniform(0.08, 0.14),
-                     random);
+    const double size = random.uniform(0.08, 0.14);
+    const double up = random.uniform(0.9, 1.0);
+    canvas.false_tag(width * random.uniform(0.1, 0.85), up, size, random);
   }
   for (int i = 0; i < 10; ++i) {  // notes, switches, sockets
-    canvas.rectangle(width * random.uniform(0.02, 0.95), random.uniform(0.2, 2.2), random.uniform(0.03, 0.1),
-                     random.uniform(0.03, 0.12), random.uniform(0.1, 0.85));
+    const double grey = random.uniform(0.1, 0.85);
+    const double tall = random.uniform(0.03, 0.12);
+    const double wide = random.uniform(0.03, 0.1);
+    const double up = random.uniform(0.2, 2.2);
+    canvas.rectangle(width * random.uniform(0.02, 0.95), up, wide, tall, grey);
   }
 }
 
@@ -126,7 +136,8 @@ void paint_ceiling(Canvas& canvas, RandomStream& random) {
     for (double x = 0.0; x < canvas.width_m(); x += kTile) {
       canvas.rectangle(x, y, kTile - 0.015, kTile - 0.015, random.uniform(0.62, 0.7));
       for (int i = 0; i < 25; ++i) {
-        canvas.rectangle(x + kTile * random.uniform(), y + kTile * random.uniform(), 0.009, 0.009, 0.45);
+        const double up = y + kTile * random.uniform();
+        canvas.rectangle(x + kTile * random.uniform(), up, 0.009, 0.009, 0.45);
       }
     }
   }
