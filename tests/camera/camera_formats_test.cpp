@@ -195,6 +195,13 @@ TEST_F(ForeignCameraFile, RosIniWithEightCoefficients) {
               ElementsAre(369.25, 367.5, 320.75, 203.125, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 640, 480));
 }
 
+// A vertical tab separates no words, so that a line of it is a name; as a line without words it was read past
+// its end.
+TEST_F(ForeignCameraFile, RosIniWithALineOfAVerticalTab) {
+  EXPECT_THROW(read("cal.ini", "[]\n\v\ncamera matrix"), Error);
+  EXPECT_THROW(read("cal.ini", "[image]\n\v\n640\n[camera]\ncamera matrix\n\f\n"), Error);
+}
+
 TEST_F(ForeignCameraFile, NumbersOfPicturesThatWereMadeSmallerAreWarnedOf) {
   read(
       "transforms.json",

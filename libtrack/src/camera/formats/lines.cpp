@@ -2,34 +2,37 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
 #include "../camera_fields.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/io/trimmed.h"
 
 namespace apriltrack {
 
 std::vector<TextLine> content_lines(const std::string& text, const std::string& name) {
-  constexpr std::string_view kBlanks = " \t\r";
   std::vector<TextLine> lines;
   std::istringstream stream(text);
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
     line.erase(std::min(line.find('#'), line.size()));
-    const std::size_t first = line.find_first_not_of(kBlanks);
-    if (first == std::string::npos) continue;
-    lines.push_back(
-        {fmt::format("{}:{}", name, number), line.substr(first, line.find_last_not_of(kBlanks) + 1 - first)});
+    const std::string_view content = trimmed(line);
+    if (!content.empty()) lines.push_back({fmt::format("{}:{}", name, number), std::string(content)});
   }
   return lines;
 }
 
-std::vector<std::string> words_of(std::string_view line) {
+std::vector<std::string> words_of(std::string_view text) {
+  constexpr std::string_view kSeparators = " \t\r\n";  // those of trimmed(), and ends of lines
   std::vector<std::string> words;
-  std::istringstream stream{std::string(line)};
-  for (std::string word; stream >> word;) words.push_back(word);
+  for (std::size_t begin = text.find_first_not_of(kSeparators); begin != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(kSeparators, begin), text.size());
+    words.emplace_back(text.substr(begin, end - begin));
+    begin = text.find_first_not_of(kSeparators, end);
+  }
   return words;
 }
 

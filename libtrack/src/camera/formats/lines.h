@@ -17,7 +17,7 @@ struct TextLine {
 /// Lines that are neither empty nor comments (#).
 std::vector<TextLine> content_lines(const std::string& text, const std::string& name);
 
-std::vector<std::string> words_of(std::string_view line);
+std::vector<std::string> words_of(std::string_view text);
 
 /// Finite; throws Error(kInvalidInput) with the line and `what` the number is.
 double number_of(const std::string& word, const TextLine& line, std::string_view what);
