@@ -63,7 +63,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 # Static libraries: what they use is the program's to link.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libeigen3-dev, libfmt-dev, libyaml-cpp-dev, libapriltag-dev, libhwy-dev, libceres-dev, libopencv-dev, libavformat-dev, libavcodec-dev, libswscale-dev, liblz4-dev, libzstd-dev, libbz2-dev, libsqlite3-dev, libjpeg-dev")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "apriltrack (= ${PROJECT_VERSION}), cmake, pkg-config")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "apriltrack (= ${PROJECT_VERSION}), cmake, pkgconf | pkg-config")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
   "AprilTags give robots and cameras cheap ground truth, until something moves
 fast: motion blur smears the payload and detectors see nothing. AprilTrack
