@@ -175,6 +175,10 @@ TEST(YamlReader, SurvivesHostileText) {
   }
   EXPECT_THAT(message_of([&] { parse(bomb); }), HasSubstr("aliases"));
   EXPECT_THAT(message_of([] { parse("a: &x [1, *x]\n"); }), HasSubstr("an alias stands inside"));
+  // An alias of a key stood for the value before it, or for nothing.
+  EXPECT_THAT(message_of([] { parse("&x b: *x\n"); }),
+              HasSubstr("an anchor cannot stand before a key ('b')"));
+  EXPECT_THAT(message_of([] { parse("a: 1\n&x b: 2\nc: *x\n"); }), HasSubstr("an anchor cannot stand"));
 }
 
 TEST(YamlReader, ReadsHonestAliases) {

@@ -32,8 +32,7 @@ class TreeEvents : public YAML::EventHandler {
   void OnDocumentStart(const YAML::Mark& mark) override { start_ = mark; }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    builder_.null(line_of(mark));
-    remember(anchor, builder_.last());
+    remember(anchor, builder_.null(line_of(mark)));
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto found = anchors_.find(anchor);
@@ -44,8 +43,12 @@ class TreeEvents : public YAML::EventHandler {
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
-    builder_.scalar(line_of(mark), value, tag == "!", application_tag(tag));
-    remember(anchor, builder_.last());
+    const auto node = builder_.scalar(line_of(mark), value, tag == "!", application_tag(tag));
+    if (anchor != 0 && !node)
+      builder_.fail(
+          line_of(mark), {},
+          fmt::format("an anchor cannot stand before a key ('{}'); write it before the value", value));
+    remember(anchor, node);
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {

@@ -69,7 +69,6 @@ std::shared_ptr<YamlTreeNode> YamlTreeBuilder::make(Kind kind, std::size_t line)
 }
 
 void YamlTreeBuilder::add(std::shared_ptr<const YamlTreeNode> node) {
-  last_ = node;
   if (open_.empty()) {
     root_ = std::move(node);
     return;
@@ -85,21 +84,25 @@ void YamlTreeBuilder::add(std::shared_ptr<const YamlTreeNode> node) {
   level.node->children.push_back(std::move(node));
 }
 
-void YamlTreeBuilder::null(std::size_t line) {
+std::shared_ptr<const YamlTreeNode> YamlTreeBuilder::null(std::size_t line) {
   if (expects_key()) fail(line, open_.back().node->path, "a key is missing before ':'");
-  add(make(Kind::kNull, line));
+  auto node = make(Kind::kNull, line);
+  add(node);
+  return node;
 }
 
-void YamlTreeBuilder::scalar(std::size_t line, std::string value, bool is_quoted, std::string tag) {
+std::shared_ptr<const YamlTreeNode> YamlTreeBuilder::scalar(std::size_t line, std::string value,
+                                                            bool is_quoted, std::string tag) {
   if (expects_key()) {
     take_key(line, std::move(value));
-    return;
+    return nullptr;
   }
   auto node = make(Kind::kScalar, line);
   node->scalar = std::move(value);
   node->is_quoted = is_quoted;
   node->tag = std::move(tag);
-  add(std::move(node));
+  add(node);
+  return node;
 }
 
 void YamlTreeBuilder::begin(Kind kind, std::size_t line, std::string tag) {

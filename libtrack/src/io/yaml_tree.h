@@ -36,8 +36,10 @@ class YamlTreeBuilder {
  public:
   explicit YamlTreeBuilder(const std::string& file);
 
-  void null(std::size_t line);
-  void scalar(std::size_t line, std::string value, bool is_quoted, std::string tag = {});
+  std::shared_ptr<const YamlTreeNode> null(std::size_t line);
+  /// A value, or the key of the next one; a key is no node: null pointer.
+  std::shared_ptr<const YamlTreeNode> scalar(std::size_t line, std::string value, bool is_quoted,
+                                             std::string tag = {});
   void begin_list(std::size_t line, std::string tag = {});
   void begin_map(std::size_t line, std::string tag = {});
   /// Ends the innermost list or map and returns it.
@@ -45,8 +47,6 @@ class YamlTreeBuilder {
   /// A node that was built before, in a second place.
   void repeat(std::size_t line, const std::shared_ptr<const YamlTreeNode>& node);
 
-  /// The node that came last; null pointer when there is none yet.
-  const std::shared_ptr<const YamlTreeNode>& last() const { return last_; }
   /// The whole; a null node when the text was empty.
   std::shared_ptr<const YamlTreeNode> finish();
 
@@ -82,7 +82,6 @@ class YamlTreeBuilder {
 
   std::shared_ptr<const std::string> file_;
   std::vector<Level> open_;
-  std::shared_ptr<const YamlTreeNode> last_;
   std::shared_ptr<const YamlTreeNode> root_;
   std::size_t num_nodes_ = 0;
   std::size_t num_repeated_nodes_ = 0;
