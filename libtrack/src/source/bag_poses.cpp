@@ -48,7 +48,7 @@ std::vector<BagPose> read_poses(BagReader& bag, const PoseTopics& topics, const 
   for_each_message(
       bag, topics, input, [&](const BagTopic& topic, std::string_view bytes, const std::string& where) {
         poses.push_back(checked(topics.kind == PoseKind::kFoxglove ? read_foxglove_pose(bytes, where)
-                                                                       : read_pose_message(topic, bytes),
+                                                                   : read_pose_message(topic, bytes),
                                 where));
       });
   return poses;

@@ -26,12 +26,13 @@ bool is_bag_input(const std::string& input);
 std::vector<BagImageTopic> bag_image_topics(const std::string& input);
 
 /// The camera that a bag itself describes: by the sensor_msgs/CameraInfo or
-/// foxglove.CameraCalibration beside the pictures (/left/camera_info or /left/calibration of /left/image_raw), for pictures of the size that binning and region of interest
-/// leave. Of a rectified topic (image_rect...) it is the projection matrix without distortion. Its name is
-/// cam0. topic: of the pictures; empty: the only one there is. nullopt where there is no such message, or the
-/// camera was not calibrated (K is zero), which the log hears of, as of messages that differ (up to nine,
-/// evenly spread, are looked at; the first one holds). Throws as open_source() does, and Error(kInvalidInput)
-/// for a lens model that is not supported and numbers that are no camera's.
+/// foxglove.CameraCalibration beside the pictures (/left/camera_info or /left/calibration of
+/// /left/image_raw), for pictures of the size that binning and region of interest leave. Of a rectified topic
+/// (image_rect...) it is the projection matrix without distortion. Its name is cam0. topic: of the pictures;
+/// empty: the only one there is. nullopt where there is no such message, or the camera was not calibrated (K
+/// is zero), which the log hears of, as of messages that differ (up to nine, evenly spread, are looked at;
+/// the first one holds). Throws as open_source() does, and Error(kInvalidInput) for a lens model that is not
+/// supported and numbers that are no camera's.
 std::optional<Camera> bag_camera(const std::string& input, const std::string& topic = "",
                                  const LogSink& log = silent_log());
 
