@@ -83,8 +83,8 @@ UnestimatedRig read_rig(const CameraSource& source, const std::string& topic, co
   const std::optional<Camera> camera = bag_camera(path.string(), topic, console.log());
   if (camera) return {{{*camera}}, {}};
   throw invalid_input("--camera",
-                      fmt::format("is required: {} has no sensor_msgs/CameraInfo of a calibrated camera "
-                                  "beside its pictures",
+                      fmt::format("is required: {} has no sensor_msgs/CameraInfo or "
+                                  "foxglove.CameraCalibration of a calibrated camera beside its pictures",
                                   path.string()));
 }
 

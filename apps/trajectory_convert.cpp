@@ -98,7 +98,8 @@ void add_trajectory_convert(CLI::App& trajectory_command) {
                    "apriltrack trajectory convert camera.tum camera.csv\n"
                    "apriltrack trajectory convert camera.tum camera.kitti\n"
                    "apriltrack trajectory convert 00.txt 00.tum --times times.txt\n"
-                   "apriltrack trajectory convert mocap.bag truth.tum --topic /vicon/head/pose",
+                   "apriltrack trajectory convert mocap.bag truth.tum --topic /vicon/head/pose\n"
+                   "apriltrack trajectory convert robot.bag robot.tum --topic /tf --transform odom:base_link",
                    "IN is of any known format, which its content tells (docs/file_formats.md). Formats, for "
                    "--to: " +
                        names_of_formats() + "."});
@@ -113,8 +114,11 @@ void add_trajectory_convert(CLI::App& trajectory_command) {
           "--to", options->to,
           "Format of OUT; by default by its ending: .tum tum, .csv euroc, .kitti and kitti.txt kitti"),
       "FORMAT", words_of_formats());
-  verb.add_option("--topic", options->of_input.topic,
+  verb.add_option("--topic", options->of_input.bag.topic,
                   "Of a bag: the topic with poses, where there are several");
+  verb.add_option("--transform", options->of_input.bag.transform,
+                  "Of a bag's transforms (tf): PARENT:CHILD, the frames that they lead between, where there "
+                  "are several pairs; poses are T_parent_child");
   verb.add_option("--times", options->times,
                   "Of KITTI's poses, which have no times: a file with one in seconds a line; by default "
                   "IN without its ending and .times.txt, else times.txt beside IN");

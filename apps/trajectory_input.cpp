@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/source/bag_input.h"
-#include "apriltrack/source/bag_poses.h"
 #include "inputs.h"
 
 namespace apriltrack::app {
@@ -28,14 +28,16 @@ TrajectoryInput read_bag(const std::string& path, const TrajectoryInputOptions& 
   if (!options.read.times.empty() || options.read.rate_hz)
     throw invalid_input(options.read.rate_hz ? "--rate" : "--times",
                         fmt::format("is of KITTI's poses, and {} is a bag: leave it out", path));
-  return {sorted(read_bag_poses(path, options.topic, console.log()), path), "bag", "bag", {}};
+  return {sorted(read_bag_poses(path, options.bag, console.log()), path), "bag", "bag", {}};
 }
 
 TrajectoryInput read_any(const std::string& path, const TrajectoryInputOptions& options,
                          const Console& console) {
   if (is_bag_input(path)) return read_bag(path, options, console);
-  if (!options.topic.empty())
-    throw invalid_input("--topic", fmt::format("is of a bag, and '{}' is none: leave it out", path));
+  for (const auto& [option, value] :
+       {std::pair{"--topic", &options.bag.topic}, std::pair{"--transform", &options.bag.transform}})
+    if (!value->empty())
+      throw invalid_input(option, fmt::format("is of a bag, and '{}' is none: leave it out", path));
   TrajectoryReading reading = read_trajectory_file(path, options.read);
   const TrajectoryFormatInfo& info = info_of(reading.format);
   return {std::move(reading.trajectory), std::string(info.name), std::string(info.title),

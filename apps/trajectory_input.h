@@ -3,13 +3,14 @@
 #include <string>
 
 #include "apriltrack/eval/trajectory_formats.h"
+#include "apriltrack/source/bag_poses.h"
 #include "console.h"
 
 namespace apriltrack::app {
 
-/// What `--topic` of `trajectory convert` and the options of KITTI's times tell.
+/// What `--topic` and `--transform` of `trajectory convert` and the options of KITTI's times tell.
 struct TrajectoryInputOptions {
-  std::string topic;
+  BagPoseChoice bag;
   TrajectoryReadOptions read;
 };
 

@@ -71,6 +71,7 @@ constexpr ValueName kValueNames[] = {
     {"--to", "FORMAT"},
     {"--topic", "NAME"},
     {"--trajectory", "FILE"},
+    {"--transform", "PARENT:CHILD"},
     {"--truth", "INPUT"},
     {"--video", "FILE"},
 };

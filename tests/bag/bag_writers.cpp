@@ -62,6 +62,7 @@ struct WireWords {
 WireWords words_of(Wire wire) {
   if (wire == Wire::kRos1) return {"ros1", "ros1msg", "ros1"};
   if (wire == Wire::kJson) return {"", "jsonschema", "json"};
+  if (wire == Wire::kProtobuf) return {"", "protobuf", "protobuf"};
   return {"ros2", "ros2msg", "cdr"};
 }
 

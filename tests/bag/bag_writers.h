@@ -15,8 +15,8 @@ namespace apriltrack::test {
 // Small writers of bags, for what the files of other projects' writers (tests/bag/data) do not have. The
 // readers are judged by those; these follow the same documents.
 
-/// kJson: of MCAP, messages are text, and types as they are given.
-enum class Wire { kRos1, kCdr, kCdrBigEndian, kJson };
+/// kJson, kProtobuf: of MCAP, messages are text or protobuf's bytes, and types as they are given.
+enum class Wire { kRos1, kCdr, kCdrBigEndian, kJson, kProtobuf };
 
 /// One message after the other, as ROS 1 or CDR serialises them.
 class MessageBytes {

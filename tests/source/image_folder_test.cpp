@@ -26,6 +26,30 @@ TEST(ImageFolder, TakesTimesFromNamesInTheOrderOfNumbers) {
   EXPECT_FALSE(frames[0].exposure_s);
 }
 
+/// As folders of TUM's RGB-D benchmark are named; without zeros at the end, the order of time is not that of
+/// the text.
+TEST(ImageFolder, TakesTimesInSecondsWithAPoint) {
+  const auto folder = temporary_folder();
+  write_frames(folder, {"1305031102.175304.pgm", "1305031102.2113.pgm", "1305031102.243211.pgm"});
+  for (const SourceOptions& options : {SourceOptions{}, SourceOptions{.rate_hz = 30.0}}) {
+    const auto frames = read_all(folder.string(), options);
+    EXPECT_THAT(times_of(frames), ElementsAre(1305031102175304000, 1305031102211300000, 1305031102243211000));
+    EXPECT_THAT(frames[1].pixels, SamePixels(test_picture(8, 6, 1)));
+  }
+  expect_refused(folder, ErrorKind::kInvalidInput, {"read as seconds", "ms apart", "--rate 2 says 500 ms"},
+                 {.rate_hz = 2.0});
+}
+
+TEST(ImageFolder, RefusesTimesInSecondsThatAreTheSameOrNotOfAll) {
+  const auto same = temporary_folder() / "same";
+  write_frames(same, {"1.1.pgm", "1.10.pgm"});
+  expect_refused(same, ErrorKind::kInvalidInput, {"1.1", "is 0 ns after", "times in seconds"});
+  const auto mixed = temporary_folder() / "mixed";
+  write_frames(mixed, {"1.1.pgm", "1.2.pgm", "2.pgm"});
+  expect_refused(mixed, ErrorKind::kInvalidInput, {"2 of 3", "'2.pgm'", "seconds with a point"});
+  expect_refused(mixed, ErrorKind::kInvalidInput, {"2 of 3", "'2.pgm'"}, {.rate_hz = 10.0});
+}
+
 TEST(ImageFolder, GivesOtherNamesTheirTimeByTheRate) {
   const auto folder = temporary_folder();
   write_frames(folder, {"image9.pgm", "image10.pgm", "image1.pgm", "image2.PGM"});

@@ -1,10 +1,12 @@
 // `track --output x.mcap`: a run as Foxglove shows it, read by our reader of bags and, where they are
 // installed, by MCAP's own and Foxglove's.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -337,6 +339,32 @@ TEST_F(TrackMcapTest, TheTagLogAndTheSummaryTellOfEachTag) {
     EXPECT_LE(tag["first_used_timestamp_ns"].get<std::int64_t>(),
               tag["last_used_timestamp_ns"].get<std::int64_t>());
   }
+}
+
+/// The pictures of a run, taken out one by one and tracked as a folder, are those that the run itself gives,
+/// and its calibration is the camera's: the trajectories are the same, byte for byte.
+TEST_F(TrackMcapTest, IsAnInputWithItsOwnPicturesAndCamera) {
+  const fs::path folder = fresh_folder();
+  const std::string pictures = folder / "pictures", of_pictures = folder / "pictures.tum",
+                    of_mcap = folder / "mcap.tum", camera_file = folder / "camera.yaml";
+  fs::create_directories(pictures);
+  for (const Message& message : topic("/camera/image"))
+    std::ofstream(fs::path(pictures) / fmt::format("{}.jpg", message.time.ns), std::ios::binary)
+        << decoded_base64(message.parsed["data"].get<std::string>());
+  const Camera camera = read_cameras(run_->film + "/camera.yaml").cameras.front();
+  const Pinhole& p = camera.model.pinhole();
+  ASSERT_EQ(camera.model.distortion_name(), "radtan");
+  std::ofstream(camera_file) << fmt::format(
+      "cam0:\n  camera_model: pinhole\n  intrinsics: [{}, {}, {}, {}]\n  distortion_model: radtan\n"
+      "  distortion_coeffs: [{}]\n  resolution: [{}, {}]\n",
+      p.fx, p.fy, p.cx, p.cy,
+      fmt::join(std::get<RadtanDistortion>(camera.model.distortion()).coefficients(), ", "), camera.width,
+      camera.height);
+  const std::string map = run_->film + "/map.yaml";
+  run_for_json({"track", pictures, "--camera", camera_file, "--map", map, "--output", of_pictures});
+  run_for_json({"track", run_->mcap, "--map", map, "--output", of_mcap});
+  ASSERT_GT(read_tum(of_mcap).size(), 8u);
+  EXPECT_EQ(read_text(of_mcap), read_text(of_pictures));
 }
 
 }  // namespace

@@ -189,6 +189,29 @@ TEST_F(Trajectories, OfSeveralTopicsOfABagOneIsNamed) {
   EXPECT_THAT(convert({}), EndsWith(2, "/head message 0: ends too soon"));
 }
 
+TEST_F(Trajectories, OfTransformsOnePairIsNamed) {
+  std::vector<TestMessage> messages;
+  for (int k = 0; k < 3; ++k) {
+    MessageBytes bytes(Wire::kCdr);
+    bytes.u32(2);
+    for (const std::string child : {"head", "hand"}) {
+      bytes.header(1'700'000'000'250'000'000 + k * 100'000'000).text(child);  // in the frame "camera"
+      for (const double value :
+           {1.0, -2.0, (child == "head" ? 3.0 : 8.0) + k, 0.0, 0.0, 0.7071067811865476, 0.7071067811865476})
+        bytes.real(value);
+    }
+    messages.push_back({"/tf", "tf2_msgs/TFMessage", 1'700'000'000'300'000'000 + k, bytes.done()});
+  }
+  write_mcap(of("tf.mcap"), Wire::kCdr, messages);
+  EXPECT_THAT(run_program({"trajectory", "convert", of("tf.mcap"), of("out.tum")}),
+              EndsWith(2, "camera:hand (3 poses), camera:head (3 poses)"));
+  run_for_json({"trajectory", "convert", of("tf.mcap"), of("out.tum"), "--transform", "camera:head"});
+  expect_quarter_turns(of("out.tum"), "named");
+  EXPECT_THAT(
+      run_program({"trajectory", "convert", of("out.tum"), of("b.csv"), "--transform", "camera:head"}),
+      EndsWith(2, "--transform: is of a bag"));
+}
+
 TEST_F(Trajectories, OfTrackAreOfAllFormatsAndScoredAlike) {
   const std::string film = of("film");
   run_for_json({"simulate", "--scene", "room", "--frames", "6", "--output", film});

@@ -64,7 +64,8 @@ bool is_kalibr_camchain(const YamlNode& root) {
       "camchain), "
       "'camera_matrix' or 'K' (OpenCV FileStorage, ROS camera_info, WPILib JSON), 'cameraIntrinsics' "
       "(PhotonVision JSON), 'intrinsics' with 'distortion_model' (EuRoC sensor.yaml), 'fl_x' (nerfstudio), "
-      "'intrinsic_type' (OpenImuCameraCalibrator); {}",
+      "'intrinsic_type' (OpenImuCameraCalibrator), 'value0' (Basalt), 'model_type' (VINS-Fusion), "
+      "'Camera.fx' or 'Camera1.fx' (ORB-SLAM3); {}",
       titles_of_formats(), keys.empty() ? "there are no keys at all" : "there are: " + keys.substr(0, 300)));
 }
 
@@ -106,6 +107,9 @@ CameraFile read_any(const std::filesystem::path& path, std::vector<std::string>*
     return take(format_of_matrix_camera(root, file), read_matrix_camera(root, beyond, read.lost));
   if (is_openicc(root)) return take(CameraFormat::kOpenImuCameraCalibrator, read_openicc(root, read.lost));
   if (is_euroc_sensor(root)) return take(CameraFormat::kEuroc, read_euroc_sensor(root));
+  if (is_basalt(root)) return take(CameraFormat::kBasalt, read_basalt(root, read.lost));
+  if (is_vins(root)) return take(CameraFormat::kVins, read_vins(root));
+  if (is_orbslam(root)) return take(CameraFormat::kOrbSlam, read_orbslam(root, read.lost));
   if (is_nerfstudio(root)) return take(CameraFormat::kNerfstudio, read_nerfstudio(root));
   fail_unknown_kind(root);
 }

@@ -7,7 +7,7 @@
 #include "apriltrack/camera/sensor_window.h"
 #include "apriltrack/source/bag_input.h"
 #include "bag_topics.h"
-#include "ros_message.h"
+#include "picture_message.h"
 
 namespace apriltrack {
 namespace {
@@ -28,7 +28,7 @@ std::vector<RosCameraInfo> sample_infos(BagReader& bag, std::size_t topic) {
     ++position;
     if (!message || !message->error.empty()) continue;
     try {
-      infos.push_back(read_camera_info_message(bag.topics()[topic], message->bytes));
+      infos.push_back(read_camera_message(bag.topics()[topic], message->bytes));
     } catch (const BadMessage&) {
       continue;
     }
@@ -103,7 +103,7 @@ std::optional<Camera> bag_camera(const std::string& input, const std::string& to
   const auto bag = open_bag(input);
   const BagTopic images = bag->topics()[choose_image_topic(*bag, input, topic)];
   const auto info_topic = camera_info_topic(*bag, images);
-  if (!info_topic || !is_read_encoding(bag->topics()[*info_topic].encoding)) return std::nullopt;
+  if (!info_topic || !is_read_topic(bag->topics()[*info_topic])) return std::nullopt;
   const std::vector<RosCameraInfo> infos = sample_infos(*bag, *info_topic);
   if (infos.empty()) return std::nullopt;
   const std::string where = fmt::format("{} {}", input, bag->topics()[*info_topic].name);

@@ -3,56 +3,18 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "apriltrack/bag/bag_reader.h"
 #include "apriltrack/base/error.h"
-#include "bag_topics.h"
 #include "foxglove_message.h"
+#include "pose_topics.h"
 #include "ros_message.h"
 
 namespace apriltrack {
 namespace {
-
-bool is_foxglove_pose(const BagTopic& topic) {
-  return is_foxglove(topic, kFoxglovePose);
-}
-
-bool is_pose_topic(const BagTopic& topic) {
-  return is_foxglove_pose(topic) || (is_read_encoding(topic.encoding) && is_ros_pose_type(topic.type));
-}
-
-std::string list_of_topics(const std::vector<BagTopic>& topics) {
-  std::vector<std::string> texts;
-  for (const BagTopic& topic : topics) texts.push_back(told(topic));
-  return texts.empty() ? "none" : fmt::format("{}", fmt::join(texts, ", "));
-}
-
-std::size_t choose_pose_topic(const BagReader& bag, const std::string& name, const std::string& wanted) {
-  std::vector<std::size_t> poses, by_foxglove;
-  std::vector<BagTopic> known;
-  for (std::size_t i = 0; i < bag.topics().size(); ++i) {
-    const BagTopic& topic = bag.topics()[i];
-    if (!is_pose_topic(topic) || (!wanted.empty() && topic.name != wanted)) continue;
-    poses.push_back(i);
-    known.push_back(topic);
-    if (is_foxglove_pose(topic)) by_foxglove.push_back(i);
-  }
-  if (poses.size() == 1) return poses.front();
-  if (by_foxglove.size() == 1) return by_foxglove.front();
-  if (poses.empty())
-    throw invalid_input(
-        wanted.empty() ? name : "--topic",
-        fmt::format("{} with poses (geometry_msgs/PoseStamped, PoseWithCovarianceStamped, "
-                    "TransformStamped, nav_msgs/Odometry, {}); it has: {}",
-                    wanted.empty() ? "has no topic" : fmt::format("{} has no topic '{}'", name, wanted),
-                    kFoxglovePose, list_of_topics(bag.topics())));
-  throw invalid_input(name,
-                      fmt::format("has several topics with poses: {}; `trajectory convert --topic` takes "
-                                  "one of them out",
-                                  list_of_topics(known)));
-}
 
 BagPose checked(const RosPose& message, const std::string& where) {
   constexpr double kMostLengthError = 0.05;  // as in files of trajectories
@@ -64,25 +26,118 @@ BagPose checked(const RosPose& message, const std::string& where) {
   return {message.stamp, {message.orientation, message.position}};
 }
 
-}  // namespace
-
-std::vector<BagPose> read_bag_poses(const std::string& input, const std::string& wanted, const LogSink& log) {
-  const auto bag = open_bag(input, log);
-  const std::size_t index = choose_pose_topic(*bag, input, wanted);
-  const BagTopic topic = bag->topics()[index];
-  bag->choose({index});
-  std::vector<BagPose> poses;
-  while (const auto message = bag->next()) {
+/// Goes through the messages of the topics; `take` gets each with what errors call it.
+template <class Take>
+void for_each_message(BagReader& bag, const PoseTopics& topics, const std::string& input, const Take& take) {
+  bag.choose(topics.indices);
+  std::size_t count = 0;
+  while (const auto message = bag.next()) {
     if (!message->error.empty()) continue;  // damage() tells
-    const std::string where = fmt::format("{} {} message {}", input, topic.name, poses.size());
+    const BagTopic& topic = bag.topics()[message->topic];
+    const std::string where = fmt::format("{} {} message {}", input, topic.name, count++);
     try {
-      poses.push_back(checked(is_foxglove_pose(topic) ? read_foxglove_pose(message->bytes, where)
-                                                      : read_pose_message(topic, message->bytes),
-                              where));
+      take(topic, message->bytes, where);
     } catch (const BadMessage& error) {
       throw invalid_input(where, error.what());
     }
   }
+}
+
+std::vector<BagPose> read_poses(BagReader& bag, const PoseTopics& topics, const std::string& input) {
+  std::vector<BagPose> poses;
+  for_each_message(
+      bag, topics, input, [&](const BagTopic& topic, std::string_view bytes, const std::string& where) {
+        poses.push_back(checked(topics.kind == PoseKind::kFoxglove ? read_foxglove_pose(bytes, where)
+                                                                   : read_pose_message(topic, bytes),
+                                where));
+      });
+  return poses;
+}
+
+/// A path is published again and again as it grows: the last one that is not empty is whole.
+std::vector<BagPose> read_last_path(BagReader& bag, const PoseTopics& topics, const std::string& input) {
+  std::vector<BagPose> poses;
+  for_each_message(bag, topics, input,
+                   [&](const BagTopic& topic, std::string_view bytes, const std::string& where) {
+                     const std::vector<RosPose> path = read_path_message(topic, bytes);
+                     if (path.empty()) return;
+                     poses.clear();
+                     for (const RosPose& pose : path) {
+                       if (pose.stamp == Timestamp{})
+                         throw BadMessage(
+                             "its poses carry no times (header.stamp is 0), as those of planned paths: "
+                             "such a path is no trajectory");
+                       poses.push_back(checked(pose, where));
+                     }
+                   });
+  return poses;
+}
+
+/// Poses by "PARENT:CHILD".
+using TransformsByPair = std::map<std::string, std::vector<BagPose>>;
+
+bool are_same(const BagPose& a, const BagPose& b) {
+  return a.timestamp == b.timestamp && a.pose.translation() == b.pose.translation() &&
+         a.pose.rotation().coeffs() == b.pose.rotation().coeffs();
+}
+
+TransformsByPair read_transforms(BagReader& bag, const PoseTopics& topics, const std::string& input) {
+  TransformsByPair by_pair;
+  for_each_message(bag, topics, input,
+                   [&](const BagTopic& topic, std::string_view bytes, const std::string& where) {
+                     for (const RosTransform& transform : read_tf_message(topic, bytes)) {
+                       auto& poses = by_pair[transform.parent + ":" + transform.child];
+                       const BagPose pose = checked(transform.pose, where);
+                       if (poses.empty() || !are_same(poses.back(), pose)) poses.push_back(pose);
+                     }
+                   });
+  return by_pair;
+}
+
+std::string list_of(const TransformsByPair& by_pair) {
+  std::vector<std::string> texts;
+  for (const auto& [pair, poses] : by_pair)
+    texts.push_back(fmt::format("{} ({} pose{})", pair, poses.size(), poses.size() == 1 ? "" : "s"));
+  return texts.empty() ? "none" : fmt::format("{}", fmt::join(texts, ", "));
+}
+
+std::vector<BagPose> choose_pair(TransformsByPair by_pair, const std::string& wanted,
+                                 const std::string& input) {
+  if (wanted.empty() && by_pair.size() == 1) return std::move(by_pair.begin()->second);
+  if (wanted.empty())
+    throw invalid_input(input,
+                        fmt::format("has transforms between {} pairs of frames, PARENT:CHILD: {}; "
+                                    "`trajectory convert --transform PARENT:CHILD` takes one of them out",
+                                    by_pair.size(), list_of(by_pair)));
+  const auto found = by_pair.find(wanted);
+  if (found == by_pair.end())
+    throw invalid_input("--transform",
+                        fmt::format("{} has no transforms of '{}', PARENT:CHILD (they are not chained, nor "
+                                    "inverted); it has: {}",
+                                    input, wanted, list_of(by_pair)));
+  return std::move(found->second);
+}
+
+std::vector<BagPose> read_chosen(BagReader& bag, const std::string& input, const BagPoseChoice& choice) {
+  const PoseTopics topics = choose_pose_topics(bag, input, choice);
+  switch (topics.kind) {
+    case PoseKind::kPose:
+    case PoseKind::kFoxglove:
+      return read_poses(bag, topics, input);
+    case PoseKind::kPath:
+      return read_last_path(bag, topics, input);
+    case PoseKind::kTransforms:
+      return choose_pair(read_transforms(bag, topics, input), choice.transform, input);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<BagPose> read_bag_poses(const std::string& input, const BagPoseChoice& choice,
+                                    const LogSink& log) {
+  const auto bag = open_bag(input, log);
+  std::vector<BagPose> poses = read_chosen(*bag, input, choice);
   if (const std::string damage = bag->damage(); !damage.empty())
     log(LogLevel::kWarning, fmt::format("{}: {}", input, damage));
   return poses;

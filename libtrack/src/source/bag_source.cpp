@@ -12,34 +12,18 @@
 #include "forward_clock.h"
 #include "image_inputs.h"
 #include "image_names.h"
+#include "picture_message.h"
 #include "picture_scaling.h"
 #include "pipe_input.h"
-#include "ros_message.h"
-#include "ros_pixels.h"
 #include "stamped_messages.h"
 #include "video_source.h"
 
 namespace apriltrack {
 namespace {
 
-struct StampedValues {
-  Timestamp stamp;
-  ImageValues values;
-};
-
-StampedValues read_picture(const BagTopic& topic, std::string_view bytes) {
-  if (short_type(topic.type) == "sensor_msgs/Image") {
-    const RosImage image = read_image_message(topic, bytes);
-    return {image.stamp, values_of(image)};
-  }
-  const RosCompressedImage image = read_compressed_image_message(topic, bytes);
-  return {image.stamp, values_of(image)};
-}
-
 std::optional<Timestamp> read_stamp(const BagTopic& topic, std::string_view bytes) {
   try {
-    if (short_type(topic.type) == "sensor_msgs/Image") return read_image_message(topic, bytes).stamp;
-    return read_compressed_image_message(topic, bytes).stamp;
+    return read_picture_time(topic, bytes);
   } catch (const BadMessage&) {
     return std::nullopt;  // it is a frame that cannot be read
   }
@@ -114,7 +98,7 @@ class BagSource : public SkippableSource {
   void check_picture(std::string_view bytes) {
     if (!read_stamp(topic_, bytes)) return;  // a frame that cannot be read, as others may be
     try {
-      read_picture(topic_, bytes);
+      read_picture_message(topic_, bytes);
     } catch (const BadMessage& bad) {
       throw invalid_input(input_, fmt::format("topic {}: {}", topic_.name, bad.what()));
     }
@@ -122,7 +106,7 @@ class BagSource : public SkippableSource {
 
   void read(std::string_view bytes, SourceFrame& frame) {
     try {
-      const StampedValues picture = read_picture(topic_, bytes);
+      const PictureMessage picture = read_picture_message(topic_, bytes);
       frame.pixels = scaling_.to_gray(picture.values, frame.name, [&] { return count_sample(); });
     } catch (const BadMessage& bad) {
       frame.error = bad.what();
@@ -166,7 +150,7 @@ class BagSource : public SkippableSource {
       ++position;
       if (!message || !message->error.empty()) continue;
       try {
-        const StampedValues picture = read_picture(topic_, message->bytes);
+        const PictureMessage picture = read_picture_message(topic_, message->bytes);
         if (picture.values.is_deep()) counts.add(picture.values.pixels);
       } catch (const BadMessage&) {
         continue;  // it will be told of when its turn comes

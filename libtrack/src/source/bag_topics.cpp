@@ -7,7 +7,7 @@
 #include <array>
 
 #include "apriltrack/base/error.h"
-#include "ros_message.h"
+#include "picture_message.h"
 
 namespace apriltrack {
 namespace {
@@ -44,7 +44,7 @@ bool is_video_type(const std::string& type) {
   throw invalid_input(
       name,
       fmt::format(
-          "has no topic with pictures (sensor_msgs/Image or sensor_msgs/CompressedImage){}; it has: {}",
+          "has no topic with pictures ({}){}; it has: {}", kPictureTypes,
           has_video ? "; video in messages (theora, h264) is not read: republish it as one of these" : "",
           list_of_all(bag)));
 }
@@ -58,17 +58,16 @@ std::size_t find_named(const BagReader& bag, const std::string& name, const std:
   const auto with_images = std::ranges::find_if(
       topics, [&](const BagTopic& topic) { return topic.name == wanted && is_image_topic(topic); });
   if (with_images == topics.end())
-    throw invalid_input("--topic", fmt::format("'{}' of {} is of type {}; pictures are sensor_msgs/Image or "
-                                               "sensor_msgs/CompressedImage; topics with these: {}",
-                                               wanted, name, found->type, list_of(bag, image_topics(bag))));
+    throw invalid_input(
+        "--topic", fmt::format("'{}' of {} is of type {}; pictures are {}; topics with these: {}", wanted,
+                               name, found->type, kPictureTypes, list_of(bag, image_topics(bag))));
   return static_cast<std::size_t>(with_images - topics.begin());
 }
 
 }  // namespace
 
 bool is_image_topic(const BagTopic& topic) {
-  const std::string type = short_type(topic.type);
-  return type == "sensor_msgs/Image" || type == "sensor_msgs/CompressedImage";
+  return is_picture_type(topic.type);
 }
 
 std::vector<std::size_t> image_topics(const BagReader& bag) {
@@ -100,20 +99,21 @@ std::size_t choose_image_topic(const BagReader& bag, const std::string& name, co
     return topics.front();
   }();
   const BagTopic& chosen = bag.topics()[topic];
-  if (!is_read_encoding(chosen.encoding))
-    throw invalid_input(name, fmt::format("topic {}: its messages are encoded as '{}'; read are ros1 and cdr",
-                                          chosen.name, chosen.encoding));
+  if (!is_read_topic(chosen))
+    throw invalid_input(name, fmt::format("topic {}: its messages are encoded as '{}'; read are {}",
+                                          chosen.name, chosen.encoding, read_encodings(chosen.type)));
   if (chosen.count == 0) throw io_error(name, fmt::format("topic {} has no messages", chosen.name));
   return topic;
 }
 
 std::optional<std::size_t> camera_info_topic(const BagReader& bag, const BagTopic& images) {
   const std::string base = without_transport(images.name);
-  const std::string wanted = base.substr(0, base.rfind('/') + 1) + "camera_info";
-  for (std::size_t i = 0; i < bag.topics().size(); ++i) {
-    const BagTopic& topic = bag.topics()[i];
-    if (topic.name == wanted && topic.count > 0 && short_type(topic.type) == "sensor_msgs/CameraInfo")
-      return i;
+  const std::string folder = base.substr(0, base.rfind('/') + 1);
+  for (const char* name : {"camera_info", "calibration"}) {
+    const auto found = std::ranges::find_if(bag.topics(), [&](const BagTopic& topic) {
+      return topic.name == folder + name && topic.count > 0 && is_camera_type(topic.type);
+    });
+    if (found != bag.topics().end()) return static_cast<std::size_t>(found - bag.topics().begin());
   }
   return std::nullopt;
 }

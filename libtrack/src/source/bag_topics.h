@@ -9,7 +9,7 @@
 
 namespace apriltrack {
 
-/// Whether its messages are pictures: sensor_msgs/Image or sensor_msgs/CompressedImage.
+/// Whether its messages are pictures: kPictureTypes.
 bool is_image_topic(const BagTopic& topic);
 
 /// Indices of the topics with pictures and messages, in the order of their names.
@@ -23,7 +23,8 @@ std::string told(const BagTopic& topic);
 /// all.
 std::size_t choose_image_topic(const BagReader& bag, const std::string& name, const std::string& wanted);
 
-/// The topic of the CameraInfo beside these pictures; nullopt where there is none with messages.
+/// The topic that tells of the camera beside these pictures, called camera_info, or calibration as Foxglove's
+/// examples call it; nullopt where there is none with messages.
 std::optional<std::size_t> camera_info_topic(const BagReader& bag, const BagTopic& images);
 
 /// Whether its pictures are rectified: the last part of its name but the transport's begins with image_rect.

@@ -4,9 +4,6 @@
 
 #include <cmath>
 #include <limits>
-
-#include "apriltrack/io/yaml_reader.h"
-
 namespace apriltrack {
 namespace {
 
@@ -19,14 +16,14 @@ std::int64_t whole_number(const YamlNode& node, std::int64_t most) {
   return static_cast<std::int64_t>(value);
 }
 
-Timestamp time_of(const YamlNode& time) {
+}  // namespace
+
+Timestamp read_foxglove_time(const YamlNode& time) {
   // The nanoseconds since 1970 have 63 bits.
   constexpr std::int64_t kMostSeconds = std::numeric_limits<std::int64_t>::max() / kNsPerSecond - 1;
   return {kNsPerSecond * whole_number(time.at("sec"), kMostSeconds) +
           whole_number(time.at("nsec"), kNsPerSecond - 1)};
 }
-
-}  // namespace
 
 bool is_foxglove(const BagTopic& topic, std::string_view type) {
   return topic.type == type && topic.encoding == "json";
@@ -36,7 +33,7 @@ RosPose read_foxglove_pose(std::string_view bytes, const std::string& where) {
   const YamlNode message = YamlNode::read_json_text(std::string(bytes), where);
   const YamlNode pose = message.at("pose");
   const YamlNode p = pose.at("position"), q = pose.at("orientation");
-  return {time_of(message.at("timestamp")),
+  return {read_foxglove_time(message.at("timestamp")),
           {p.at("x").as_double(), p.at("y").as_double(), p.at("z").as_double()},
           {q.at("w").as_double(), q.at("x").as_double(), q.at("y").as_double(), q.at("z").as_double()}};
 }

@@ -72,9 +72,21 @@ bool is_named_by_digits(const fs::path& path) {
   return !stem.empty() && std::ranges::all_of(stem, is_digit);
 }
 
+bool is_named_by_seconds(const fs::path& path) {
+  constexpr std::size_t kMostDecimals = 9;  // more are no whole nanoseconds
+  const std::string stem = path.stem().string();
+  const std::size_t point = stem.find('.');
+  if (point == 0 || point == std::string::npos) return false;
+  const std::string_view whole = std::string_view(stem).substr(0, point),
+                         decimals = std::string_view(stem).substr(point + 1);
+  return std::ranges::all_of(whole, is_digit) && std::ranges::all_of(decimals, is_digit) &&
+         !decimals.empty() && decimals.size() <= kMostDecimals;
+}
+
 std::optional<Timestamp> time_in_name(const fs::path& path) {
-  if (!is_named_by_digits(path)) return std::nullopt;
-  return parse_nanoseconds(path.stem().string());
+  if (is_named_by_digits(path)) return parse_nanoseconds(path.stem().string());
+  if (is_named_by_seconds(path)) return parse_seconds(path.stem().string());
+  return std::nullopt;
 }
 
 }  // namespace apriltrack

@@ -22,7 +22,10 @@ bool natural_less(std::string_view a, std::string_view b);
 
 /// The name before the ending, if it is all digits.
 bool is_named_by_digits(const std::filesystem::path& path);
-/// ... as nanoseconds; nullopt too when the number is beyond 64 bits.
+/// Whether it is digits, a point, and one to nine digits, as in folders of TUM's RGB-D benchmark
+/// (1305031102.175304.png).
+bool is_named_by_seconds(const std::filesystem::path& path);
+/// Digits as nanoseconds, digits with a point as seconds, exactly; nullopt too when that is beyond 64 bits.
 std::optional<Timestamp> time_in_name(const std::filesystem::path& path);
 
 }  // namespace apriltrack

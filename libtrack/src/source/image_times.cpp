@@ -31,8 +31,7 @@ std::vector<ImageEntry> entries_by_rate(const std::vector<fs::path>& images, dou
 
 Timestamp require_time(const fs::path& path) {
   const auto time = time_in_name(path);
-  if (!time)
-    throw invalid_input(path.string(), "its name is no time in nanoseconds: the number is beyond 64 bits");
+  if (!time) throw invalid_input(path.string(), "its name is no time: it is beyond 64 bits of nanoseconds");
   return *time;
 }
 
@@ -107,11 +106,17 @@ std::vector<ImageEntry> entries_by_unit(std::vector<ImageEntry> entries, std::in
   return entries;
 }
 
+/// But for frames that were dropped or taken away.
+bool agree(double step_ns, double period_ns) {
+  constexpr double kMaxRatio = 3.0;
+  const double ratio = step_ns / period_ns;
+  return ratio <= kMaxRatio && ratio >= 1.0 / kMaxRatio;
+}
+
 /// With a rate, the steps between the names tell what they are: times in one of the units, if they agree with
 /// it but for frames that were dropped or taken away, or frame numbers.
 std::vector<ImageEntry> entries_by_digits_and_rate(std::vector<ImageEntry> entries, double rate_hz,
                                                    const std::string& where) {
-  constexpr double kMaxRatio = 3.0;
   constexpr std::uint64_t kMaxStepOfNumbers = 1000;    // every thousandth frame of a film
   constexpr std::int64_t kMostNumber = 1'000'000'000;  // of a year at 30 Hz
   if (entries.size() < 2) return entries;
@@ -120,8 +125,7 @@ std::vector<ImageEntry> entries_by_digits_and_rate(std::vector<ImageEntry> entri
   const double period_ns = 1e9 / rate_hz;
   const std::uint64_t step = median_step(entries);
   const auto agrees = [&](std::int64_t unit_ns) {
-    const double ratio = static_cast<double>(step) * static_cast<double>(unit_ns) / period_ns;
-    return ratio <= kMaxRatio && ratio >= 1.0 / kMaxRatio;
+    return agree(static_cast<double>(step) * static_cast<double>(unit_ns), period_ns);
   };
   if (agrees(1)) return entries;
   if (step < kMaxStepOfNumbers && entries.front().timestamp.ns < kMostNumber)
@@ -159,24 +163,50 @@ std::vector<ImageEntry> entries_by_digits(const std::vector<fs::path>& images, s
   return entries;
 }
 
+/// Of names in seconds with a point.
+std::vector<ImageEntry> entries_by_seconds(const std::vector<fs::path>& images, std::optional<double> rate_hz,
+                                           const std::string& where) {
+  std::vector<ImageEntry> entries = entries_by_name(images);
+  const auto close = std::ranges::adjacent_find(entries, are_no_frame_period_apart);
+  if (close != entries.end())
+    throw invalid_input(std::next(close)->path.string(),
+                        fmt::format("is {} ns after {}, as names of digits with a point are times in seconds",
+                                    nanoseconds_apart(close->timestamp, std::next(close)->timestamp),
+                                    close->path.filename().string()));
+  if (!rate_hz || entries.size() < 2) return entries;
+  const double period_ns = 1e9 / *rate_hz, step_ns = static_cast<double>(median_step(entries));
+  if (!agree(step_ns, period_ns))
+    throw invalid_input(where,
+                        fmt::format("read as seconds, the names of its images are {} apart, but --rate {:g} "
+                                    "says {}: leave out --rate, or, if they are no times, rename them",
+                                    in_unit(step_ns), *rate_hz, in_unit(period_ns)));
+  return entries;
+}
+
 }  // namespace
 
 std::vector<ImageEntry> give_times(const std::vector<fs::path>& images, std::optional<double> rate_hz,
                                    const std::string& where) {
   const auto num_digits = std::ranges::count_if(images, is_named_by_digits);
+  const auto num_seconds = std::ranges::count_if(images, is_named_by_seconds);
   if (num_digits == std::ssize(images)) return entries_by_digits(images, rate_hz, where);
-  const std::string odd = std::ranges::find_if_not(images, is_named_by_digits)->filename().string();
-  if (num_digits > 0) {
+  if (num_seconds == std::ssize(images)) return entries_by_seconds(images, rate_hz, where);
+  // What there is most of is what is meant.
+  const auto is_meant = num_digits >= num_seconds ? is_named_by_digits : is_named_by_seconds;
+  const std::string odd = std::ranges::find_if_not(images, is_meant)->filename().string();
+  if (num_digits + num_seconds > 0) {
     throw invalid_input(where,
                         fmt::format("{} of {} images are named by a time, but not '{}': name all by times in "
-                                    "nanoseconds or none",
-                                    num_digits, images.size(), odd));
+                                    "nanoseconds, all by times in seconds with a point, or none",
+                                    std::max(num_digits, num_seconds), images.size(), odd));
   }
   if (!rate_hz) {
     throw invalid_input(
-        where, fmt::format("image names such as '{}' are no times (all digits, nanoseconds): give the "
-                           "frame rate with --rate HZ",
-                           odd));
+        where,
+        fmt::format(
+            "image names such as '{}' are no times (digits, nanoseconds; with a point, seconds): give the "
+            "frame rate with --rate HZ",
+            odd));
   }
   return entries_by_rate(images, *rate_hz);
 }

@@ -9,9 +9,10 @@
 
 namespace apriltrack {
 
-/// Gives images their times. Names that are all digits are times in nanoseconds; other ones get theirs from
-/// the rate, in natural order. Beside a rate, digits are times where their median step agrees with it within
-/// a factor of 3, else frame numbers where it is below 1000: time = number / rate. where: what messages call
+/// Gives images their times. Names that are all digits are times in nanoseconds, digits with a point times in
+/// seconds, whose median step a rate must agree with within a factor of 3; other ones get theirs from the
+/// rate, in natural order. Beside a rate, digits are times where their median step agrees with it within a
+/// factor of 3, else frame numbers where it is below 1000: time = number / rate. where: what messages call
 /// the set. Throws Error(kInvalidInput) when there is no rate and no time, when only some names are times,
 /// when two are the same (without a rate: less than a microsecond apart), or when digits are neither times
 /// nor frame numbers of the rate.

@@ -83,15 +83,38 @@ class MessageFields {
   std::size_t start_ = 0;
 };
 
+struct RosHeader {
+  Timestamp stamp;
+  std::string_view frame_id;
+};
+
 /// std_msgs/Header: that of ROS 1 begins with a number; its seconds have no sign.
-Timestamp take_header(MessageFields& fields) {
+RosHeader take_whole_header(MessageFields& fields) {
   if (!fields.is_cdr()) fields.number<std::uint32_t>();
   const auto seconds = fields.number<std::uint32_t>();
   const std::int64_t signed_seconds =
       fields.is_cdr() ? std::int64_t{std::bit_cast<std::int32_t>(seconds)} : seconds;
   const std::int64_t nanoseconds = fields.number<std::uint32_t>();
-  fields.text();  // frame_id
-  return {signed_seconds * 1'000'000'000 + nanoseconds};
+  return {{signed_seconds * 1'000'000'000 + nanoseconds}, fields.text()};
+}
+
+Timestamp take_header(MessageFields& fields) {
+  return take_whole_header(fields).stamp;
+}
+
+/// Position and quaternion, as geometry_msgs/Pose and geometry_msgs/Transform have them.
+RosPose take_pose(MessageFields& fields, Timestamp stamp) {
+  RosPose pose;
+  pose.stamp = stamp;
+  for (Eigen::Index i = 0; i < 3; ++i) pose.position[i] = fields.real();
+  for (Eigen::Index i = 0; i < 4; ++i)
+    pose.orientation.coeffs()[i] = fields.real();  // x y z w, as Eigen has them
+  return pose;
+}
+
+std::string without_slash(std::string_view frame) {
+  if (frame.starts_with('/')) frame.remove_prefix(1);
+  return std::string(frame);
 }
 
 }  // namespace
@@ -157,15 +180,43 @@ bool is_ros_pose_type(std::string_view type) {
 
 RosPose read_pose_message(const BagTopic& topic, std::string_view bytes) {
   MessageFields fields(topic, bytes);
-  RosPose pose;
-  pose.stamp = take_header(fields);
+  const Timestamp stamp = take_header(fields);
   const std::string type = short_type(topic.type);
   if (type == "geometry_msgs/TransformStamped" || type == "nav_msgs/Odometry")
     fields.text();  // child_frame_id
-  for (Eigen::Index i = 0; i < 3; ++i) pose.position[i] = fields.real();
-  for (Eigen::Index i = 0; i < 4; ++i)
-    pose.orientation.coeffs()[i] = fields.real();  // x y z w, as Eigen has them
-  return pose;
+  return take_pose(fields, stamp);
+}
+
+bool is_ros_path_type(std::string_view type) {
+  return short_type(type) == "nav_msgs/Path";
+}
+
+bool is_tf_type(std::string_view type) {
+  const std::string name = short_type(type);
+  return name == "tf2_msgs/TFMessage" || name == "tf/tfMessage";
+}
+
+std::vector<RosPose> read_path_message(const BagTopic& topic, std::string_view bytes) {
+  MessageFields fields(topic, bytes);
+  take_header(fields);
+  std::vector<RosPose> poses;
+  for (auto left = fields.number<std::uint32_t>(); left > 0; --left) {
+    const Timestamp stamp = take_header(fields);
+    poses.push_back(take_pose(fields, stamp));
+  }
+  return poses;
+}
+
+std::vector<RosTransform> read_tf_message(const BagTopic& topic, std::string_view bytes) {
+  MessageFields fields(topic, bytes);
+  std::vector<RosTransform> transforms;
+  for (auto left = fields.number<std::uint32_t>(); left > 0; --left) {
+    const RosHeader header = take_whole_header(fields);
+    const std::string_view child = fields.text();
+    transforms.push_back(
+        {take_pose(fields, header.stamp), without_slash(header.frame_id), without_slash(child)});
+  }
+  return transforms;
 }
 
 }  // namespace apriltrack

@@ -63,6 +63,13 @@ struct RosPose {
   Eigen::Quaterniond orientation;
 };
 
+/// geometry_msgs/TransformStamped with the frames that it names: the pose is T_parent_child.
+struct RosTransform {
+  RosPose pose;
+  std::string parent;
+  std::string child;
+};
+
 /// "sensor_msgs/Image" for that and for "sensor_msgs/msg/Image".
 std::string short_type(std::string_view type);
 
@@ -76,6 +83,16 @@ RosCameraInfo read_camera_info_message(const BagTopic& topic, std::string_view b
 /// Of any type that is_ros_pose_type() knows.
 RosPose read_pose_message(const BagTopic& topic, std::string_view bytes);
 
+/// The poses of nav_msgs/Path, each with a time of its own.
+std::vector<RosPose> read_path_message(const BagTopic& topic, std::string_view bytes);
+/// Of tf2_msgs/TFMessage, or tf/tfMessage of older ROS 1, which is the same. Names of frames lose the slash
+/// that they began with in tf.
+std::vector<RosTransform> read_tf_message(const BagTopic& topic, std::string_view bytes);
+
+/// nav_msgs/Path
+bool is_ros_path_type(std::string_view type);
+/// tf2_msgs/TFMessage, tf/tfMessage
+bool is_tf_type(std::string_view type);
 /// geometry_msgs/PoseStamped, PoseWithCovarianceStamped and TransformStamped, nav_msgs/Odometry.
 bool is_ros_pose_type(std::string_view type);
 

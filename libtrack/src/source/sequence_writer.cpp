@@ -20,7 +20,7 @@ namespace {
 /// part of a sequence is touched.
 void remove_sequence(const fs::path& folder) {
   for (const fs::path& path : list_images(folder / "frames")) {
-    if (time_in_name(path)) fs::remove(path);
+    if (is_named_by_digits(path) && time_in_name(path)) fs::remove(path);
   }
   for (const char* name : {"camera.yaml", "map.yaml", "frames.csv", "truth.tum"}) fs::remove(folder / name);
 }

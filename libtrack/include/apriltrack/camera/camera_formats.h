@@ -25,6 +25,9 @@ enum class CameraFormat {
   kEuroc,                    ///< EuRoC's sensor.yaml.
   kNerfstudio,               ///< nerfstudio's transforms.json.
   kOpenImuCameraCalibrator,  ///< OpenImuCameraCalibrator's JSON (GoPro).
+  kBasalt,                   ///< Basalt's calibration.json.
+  kVins,                     ///< The YAML of a camera of VINS-Fusion and VINS-Mono (camodocal).
+  kOrbSlam,                  ///< Settings of ORB-SLAM2 and ORB-SLAM3.
 };
 
 struct CameraFormatInfo {

@@ -14,13 +14,22 @@ struct BagPose {
   Pose pose;            ///< In the frame that the message names.
 };
 
+/// Which poses of a bag are meant; empty: the only ones there are.
+struct BagPoseChoice {
+  std::string topic;
+  std::string transform;  ///< "PARENT:CHILD" of transforms: T_parent_child.
+};
+
 /// The poses of a topic, in the order of the bag: geometry_msgs/PoseStamped and PoseWithCovarianceStamped,
-/// nav_msgs/Odometry, geometry_msgs/TransformStamped (of ROS 1 or ROS 2), or foxglove.PoseInFrame as JSON.
-/// topic: empty: the only one of these; where there is one foxglove.PoseInFrame beside others, as `track`
-/// writes it, that one. log: hears of what is damaged. Throws as open_bag() does, and Error(kInvalidInput)
-/// that lists the topics where none is of these types, or several are, and for a message that is not as its
+/// nav_msgs/Odometry, geometry_msgs/TransformStamped (of ROS 1 or ROS 2), or foxglove.PoseInFrame as JSON;
+/// where there is none of these, or by its name, the last nav_msgs/Path, or the transforms between two frames
+/// of tf2_msgs/TFMessage or tf/tfMessage, of all such topics where none is named. Transforms are not chained;
+/// one that is said again is one. choice.topic: empty: the only one of these; where there is one
+/// foxglove.PoseInFrame beside others, as `track` writes it, that one. log: hears of what is damaged. Throws
+/// as open_bag() does, and Error(kInvalidInput) that lists the topics, or the pairs of frames, where there is
+/// none that fits, or several do, for a path whose poses have no times, and for a message that is not as its
 /// type says, or whose quaternion has not length 1.
-std::vector<BagPose> read_bag_poses(const std::string& input, const std::string& topic = "",
+std::vector<BagPose> read_bag_poses(const std::string& input, const BagPoseChoice& choice = {},
                                     const LogSink& log = silent_log());
 
 }  // namespace apriltrack

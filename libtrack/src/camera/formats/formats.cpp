@@ -7,7 +7,7 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::array<CameraFormatInfo, 11> kFormats = {{
+constexpr std::array<CameraFormatInfo, 14> kFormats = {{
     {CameraFormat::kKalibr, "kalibr", "Kalibr camchain YAML", true},
     {CameraFormat::kRosCameraInfo, "ros", "ROS camera_info YAML", true},
     {CameraFormat::kRosIni, "ros-ini", "ROS camera .ini", false},
@@ -19,6 +19,9 @@ constexpr std::array<CameraFormatInfo, 11> kFormats = {{
     {CameraFormat::kEuroc, "euroc", "EuRoC sensor.yaml", false},
     {CameraFormat::kNerfstudio, "nerfstudio", "nerfstudio transforms.json", false},
     {CameraFormat::kOpenImuCameraCalibrator, "openicc", "OpenImuCameraCalibrator JSON", false},
+    {CameraFormat::kBasalt, "basalt", "Basalt calibration.json", false},
+    {CameraFormat::kVins, "vins", "VINS-Fusion camera YAML", false},
+    {CameraFormat::kOrbSlam, "orbslam3", "ORB-SLAM3 settings YAML", false},
 }};
 
 }  // namespace

@@ -46,6 +46,15 @@ CameraRig read_nerfstudio(const YamlNode& root);
 bool is_openicc(const YamlNode& root);
 CameraRig read_openicc(const YamlNode& root, std::vector<LostCameraFact>& lost);
 
+bool is_basalt(const YamlNode& root);
+CameraRig read_basalt(const YamlNode& root, std::vector<LostCameraFact>& lost);
+
+bool is_vins(const YamlNode& root);
+CameraRig read_vins(const YamlNode& root);
+
+bool is_orbslam(const YamlNode& root);
+CameraRig read_orbslam(const YamlNode& root, std::vector<LostCameraFact>& lost);
+
 /// The lens of coefficients of which some after the eighth are not 0: the nearest of ours, told in `lost`, or
 /// a failure at `node` that says what is wrong and what to do.
 CameraModel lens_of_further_terms(const Pinhole& pinhole, const std::vector<double>& coefficients,
