@@ -14,11 +14,11 @@
 #include "command_help.h"
 #include "console.h"
 #include "format_endings.h"
+#include "loss_words.h"
 #include "option_checks.h"
 #include "outputs.h"
 #include "trajectory_command.h"
 #include "trajectory_input.h"
-#include "trajectory_loss_words.h"
 
 namespace apriltrack::app {
 namespace {
@@ -73,18 +73,17 @@ void run_convert(const ConvertOptions& options) {
   of_input.read.times = options.times;
   const TrajectoryInput reading = read_trajectory_input(options.input, of_input, options.console);
   write_trajectory_as(options.output, reading.trajectory, to);
-  const std::vector<TrajectoryLoss> losses = trajectory_losses(options.output, to);
   const std::string_view from_title = reading.title, to_title = info_of(to).title;
-  tell_losses(reading.losses, from_title, options.input, options.console);
-  tell_losses(losses, to_title, options.output, options.console);
-  nlohmann::json all = losses_json(reading.losses, from_title);
-  for (const auto& loss : losses_json(losses, to_title)) all.push_back(loss);
+  nlohmann::json reported =
+      report_losses(reading.losses, {.title = from_title, .file = options.input}, options.console);
+  append(reported, report_losses(trajectory_losses(options.output, to),
+                                 {ConversionStep::Stage::kWrite, to_title, options.output}, options.console));
   options.console.finish({{"input", options.input},
                           {"output", options.output},
                           {"from", reading.format},
                           {"to", info_of(to).name},
                           {"poses", reading.trajectory.size()},
-                          {"losses", all}},
+                          {"losses", reported}},
                          fmt::format("{}: {} poses, a {} from a {}", options.output,
                                      reading.trajectory.size(), to_title, from_title));
 }

@@ -85,11 +85,10 @@ std::string read_name(const std::string& key, const YamlNode& node, const Camera
   return name;
 }
 
-void note_place_at_imu(const std::string& name, const YamlNode& node, std::vector<LostCameraFact>& lost) {
+void note_place_at_imu(const std::string& name, const YamlNode& node, std::vector<ConversionLoss>& lost) {
   for (const char* key : {"T_cam_imu", "T_imu_cam", "timeshift_cam_imu"}) {
     if (!node.find(key)) continue;
-    lost.push_back({CameraLoss::kExtrinsics,
-                    fmt::format("camera '{}': its {} (place or clock relative to the IMU)", name, key)});
+    lost.push_back({.kind = LossKind::kExtrinsics, .which = {name}, .value = key});
   }
 }
 
@@ -124,7 +123,7 @@ Camera read_camera(const std::string& name, const YamlNode& node, const std::fil
 }  // namespace
 
 CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path& folder,
-                               std::vector<std::string>* to_estimate, std::vector<LostCameraFact>& lost) {
+                               std::vector<std::string>* to_estimate, std::vector<ConversionLoss>& lost) {
   CameraRig rig;
   for (const auto& [key, node] : root.entries()) {
     if (key.starts_with("x_")) continue;
