@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 
+#include "apriltrack/geometry/rotation.h"
 #include "apriltrack/image/exposure.h"
 #include "camera_fields.h"
 
@@ -44,10 +44,7 @@ Pose read_rigid_transform(const YamlNode& node) {
   }
   if (linear.determinant() < 0.0)
     node.fail("its upper left 3x3 block is a reflection (determinant -1), no rotation");
-  // The nearest rotation in the least-squares sense: U V^T of the singular value decomposition.
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
-  return Pose(rotation, matrix.topRightCorner<3, 1>());
+  return Pose(nearest_rotation(linear), matrix.topRightCorner<3, 1>());
 }
 
 void check_camera_model(const YamlNode& node) {

@@ -10,6 +10,7 @@
 
 #include "../tag_faults.h"
 #include "apriltrack/base/error.h"
+#include "apriltrack/geometry/rotation.h"
 #include "apriltrack/tags/tag_key_fault.h"
 
 namespace apriltrack {
@@ -160,7 +161,7 @@ Eigen::Quaterniond read_unit_quaternion(const YamlNode& node, double w, double x
   return rotation;
 }
 
-Eigen::Quaterniond nearest_rotation(const Eigen::Matrix3d& matrix, const MapPlace& place) {
+Eigen::Quaterniond checked_rotation(const Eigen::Matrix3d& matrix, const MapPlace& place) {
   constexpr double kRounding = 5e-3;
   const double error = (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error <= kRounding) || matrix.determinant() < 0.0)
@@ -168,8 +169,7 @@ Eigen::Quaterniond nearest_rotation(const Eigen::Matrix3d& matrix, const MapPlac
         fmt::format("its upper left 3x3 must be a rotation (determinant {:.4g}, columns off by up to "
                     "{:.3g} from unit length and right angles)",
                     matrix.determinant(), error));
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose())).normalized();
+  return Eigen::Quaterniond(nearest_rotation(matrix)).normalized();
 }
 
 const Eigen::Quaterniond& rotation_ros_tag() {

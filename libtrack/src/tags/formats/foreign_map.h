@@ -57,7 +57,7 @@ double read_coordinate(const YamlNode& node);
 /// Of unit length but for rounding to three decimals.
 Eigen::Quaterniond read_unit_quaternion(const YamlNode& node, double w, double x, double y, double z);
 /// A rotation but for rounding to three decimals; the nearest one.
-Eigen::Quaterniond nearest_rotation(const Eigen::Matrix3d& matrix, const MapPlace& place);
+Eigen::Quaterniond checked_rotation(const Eigen::Matrix3d& matrix, const MapPlace& place);
 /// What our tag frame is in that of apriltag_ros, TagSLAM and aruco: theirs has y up and z out of the face.
 const Eigen::Quaterniond& rotation_ros_tag();
 /// In that of OpenCV's aruco module, and so of RTAB-Map: y up and z out of the face as well, but of the print

@@ -96,7 +96,7 @@ Pose pose_of_fmap(const YamlNode& node, bool by_columns) {
   for (const double coordinate_m : position) {
     if (const auto fault = fault_of_coordinate(coordinate_m)) node.fail(*fault);
   }
-  return pose_from_frame({nearest_rotation(matrix.topLeftCorner<3, 3>(), place), position},
+  return pose_from_frame({checked_rotation(matrix.topLeftCorner<3, 3>(), place), position},
                          rotation_wpilib_tag());
 }
 

@@ -140,7 +140,7 @@ Pose pose_of_prior(const std::vector<double>& v, const MapPlace& place) {
     return {rotation, position(v[0], v[1], v[2])};
   }
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(v.data());
-  return {nearest_rotation(matrix.leftCols<3>(), place), position(v[3], v[7], v[11])};
+  return {checked_rotation(matrix.leftCols<3>(), place), position(v[3], v[7], v[11])};
 }
 
 ForeignTag tag_of_prior(const RtabmapValue& marker, const std::string& file) {
