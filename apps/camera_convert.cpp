@@ -52,7 +52,7 @@ CameraFormat format_to_write(const ConvertOptions& options) {
   if (options.to.empty()) {
     if (const auto format = camera_format_of_ending(options.output)) return *format;
     throw invalid_input("--to",
-                        fmt::format("is required: the ending of '{}' does not tell the format; there are {}",
+                        fmt::format("is required: the ending of '{}' does not say which format; there are {}",
                                     options.output, names_of_written_formats()));
   }
   const auto format = camera_format_named(options.to);
@@ -139,15 +139,15 @@ void run_convert(const ConvertOptions& options) {
 }  // namespace
 
 void add_camera_convert(CLI::App& camera_command) {
-  CLI::App& verb =
-      add_command(camera_command, "convert",
-                  {"Writes the cameras of a file in another format, and tells what that cannot hold.",
-                   "apriltrack camera convert left.cameramodel camera.yaml\n"
-                   "apriltrack camera convert camera.yaml camera_info.yaml --to ros\n"
-                   "apriltrack camera convert photonvision.json cameras.txt --resolution 1280x720",
-                   "IN is of any known format, which its content tells (docs/file_formats.md). Formats that "
-                   "are written, for --to: " +
-                       names_of_written_formats() + "."});
+  CLI::App& verb = add_command(
+      camera_command, "convert",
+      {"Writes the cameras of a file in another format, and reports what that cannot hold.",
+       "apriltrack camera convert left.cameramodel camera.yaml\n"
+       "apriltrack camera convert camera.yaml camera_info.yaml --to ros\n"
+       "apriltrack camera convert photonvision.json cameras.txt --resolution 1280x720",
+       "IN is of any known format, recognised by its content (docs/file_formats.md). Formats that "
+       "are written, for --to: " +
+           names_of_written_formats() + "."});
   auto options = std::make_shared<ConvertOptions>();
   verb.add_option("IN", options->input, "Camera file to read")->required();
   verb.add_option("OUT", options->output, "Camera file to write")->required();
@@ -159,11 +159,11 @@ void add_camera_convert(CLI::App& camera_command) {
   verb.add_option(
       "--camera-name", options->camera_name,
       "Camera of a rig to write alone; by default all, or the first where the format is of one camera");
-  verb.add_option("--resolution", options->resolution, "WIDTHxHEIGHT in pixels, where IN does not tell it");
+  verb.add_option("--resolution", options->resolution, "WIDTHxHEIGHT in pixels, where IN does not state it");
   verb.add_flag("--fit", options->may_fit,
                 "Takes the nearest lens of 8 coefficients where IN has OpenCV's thin prism or tilted sensor, "
                 "if it is off "
-                "by no more than 0.5 px, and tells by how much");
+                "by no more than 0.5 px, and reports by how much");
   options->console.add_options(verb);
   verb.callback([options] { run_convert(*options); });
 }

@@ -147,8 +147,9 @@ std::string formats_text() {
   for (const ExportFormatInfo& info : export_formats())
     text += fmt::format("  {:<14}{}{}\n", info.name, info.title, info.is_folder ? "; OUT is a folder" : "");
   return text +
-         "Without --to the ending of OUT tells: .yaml (ours), .fmap, .ini, .gltf, .glb, .urdf, .sdf, .g2o.\n"
-         "What a format cannot hold, or does not say, is told on stderr, and under --json in `losses`.";
+         "Without --to the ending of OUT decides: .yaml (ours), .fmap, .ini, .gltf, .glb, .urdf, .sdf, "
+         ".g2o.\n"
+         "What a format cannot hold, or does not say, is reported on stderr, and under --json in `losses`.";
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ void add_map_input_options(CLI::App& command, MapInputOptions& input) {
   command.add_option("--tag-sizes", input.tag_sizes,
                      "Of a layout that states none: YAML file with sizes by id");
   command
-      .add_option("--family", input.family, "Of a layout that names none; default: tag36h11, which is told")
+      .add_option("--family", input.family, "Of a layout that names none; default: tag36h11, with a warning")
       ->check(known_family());
   command.add_option("--bundle", input.bundle, "Which bundle or body of a file with several");
 }

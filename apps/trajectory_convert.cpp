@@ -49,7 +49,7 @@ TrajectoryFormat format_to_write(const ConvertOptions& options) {
   if (options.to.empty()) {
     if (const auto format = trajectory_format_of_ending(options.output)) return *format;
     throw invalid_input("--to",
-                        fmt::format("is required: the ending of '{}' does not tell the format; there are {}",
+                        fmt::format("is required: the ending of '{}' does not say which format; there are {}",
                                     options.output, names_of_formats()));
   }
   if (const auto format = trajectory_format_named(options.to)) return *format;
@@ -91,16 +91,16 @@ void run_convert(const ConvertOptions& options) {
 }  // namespace
 
 void add_trajectory_convert(CLI::App& trajectory_command) {
-  CLI::App& verb =
-      add_command(trajectory_command, "convert",
-                  {"Writes a trajectory in another format, and tells what that cannot hold.",
-                   "apriltrack trajectory convert camera.tum camera.csv\n"
-                   "apriltrack trajectory convert camera.tum camera.kitti\n"
-                   "apriltrack trajectory convert 00.txt 00.tum --times times.txt\n"
-                   "apriltrack trajectory convert mocap.bag truth.tum --topic /vicon/head/pose",
-                   "IN is of any known format, which its content tells (docs/file_formats.md). Formats, for "
-                   "--to: " +
-                       names_of_formats() + "."});
+  CLI::App& verb = add_command(
+      trajectory_command, "convert",
+      {"Writes a trajectory in another format, and reports what that cannot hold.",
+       "apriltrack trajectory convert camera.tum camera.csv\n"
+       "apriltrack trajectory convert camera.tum camera.kitti\n"
+       "apriltrack trajectory convert 00.txt 00.tum --times times.txt\n"
+       "apriltrack trajectory convert mocap.bag truth.tum --topic /vicon/head/pose",
+       "IN is of any known format, recognised by its content (docs/file_formats.md). Formats, for "
+       "--to: " +
+           names_of_formats() + "."});
   auto options = std::make_shared<ConvertOptions>();
   verb.add_option("IN", options->input, "Trajectory to read, or a bag with poses")->required();
   verb.add_option(
