@@ -61,7 +61,7 @@ CameraSource camera_of(const CalibrateOptions& a) {
   if (a.frames.topics.size() > 1)
     throw invalid_input(
         "--camera",
-        "is required: CameraInfo messages do not tell where several cameras sit on the rig: give "
+        "is required: CameraInfo messages do not say where several cameras sit on the rig: give "
         "Kalibr's camchain with T_cn_cnm1");
   const std::string topic = topic_without_camera(a.frames.topics);
   std::optional<CameraSource> first;
@@ -94,7 +94,7 @@ void complete_resolutions(CalibrateOptions& a, const fs::path& file, const std::
       rig.cameras, [](const Camera& camera) { return camera.width <= 0 || camera.height <= 0; });
   if (without == rig.cameras.end()) return;
   const std::string missing = fmt::format(
-      "'resolution' of {} is missing, and no images tell it: a refined camera file needs it", without->name);
+      "'resolution' of {} is missing, and no images show it: a refined camera file needs it", without->name);
   if (a.calibration.intrinsics == Intrinsics::kRefine || a.calibration.refine_extrinsics)
     throw invalid_input(
         file.string(),

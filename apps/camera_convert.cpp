@@ -17,12 +17,11 @@
 #include "console.h"
 #include "format_endings.h"
 #include "inputs.h"
+#include "loss_words.h"
 #include "outputs.h"
 
 namespace apriltrack::app {
 namespace {
-
-using nlohmann::json;
 
 struct ConvertOptions {
   std::string input;
@@ -53,7 +52,7 @@ CameraFormat format_to_write(const ConvertOptions& options) {
   if (options.to.empty()) {
     if (const auto format = camera_format_of_ending(options.output)) return *format;
     throw invalid_input("--to",
-                        fmt::format("is required: the ending of '{}' does not tell the format; there are {}",
+                        fmt::format("is required: the ending of '{}' does not say which format; there are {}",
                                     options.output, names_of_written_formats()));
   }
   const auto format = camera_format_named(options.to);
@@ -104,34 +103,11 @@ void give_resolution(CameraRig& rig, const std::string& text) {
   }
 }
 
-/// Of reading and of writing.
-std::vector<LostCameraFact> all_losses(const CameraFile& file, std::vector<LostCameraFact> by_writing) {
-  std::vector<LostCameraFact> losses = file.lost;
-  losses.insert(losses.end(), by_writing.begin(), by_writing.end());
-  return losses;
-}
-
-void warn_of(const std::vector<LostCameraFact>& losses, const Console& console) {
-  for (const LostCameraFact& loss : losses) {
-    const bool was_told =
-        loss.kind == CameraLoss::kSkew || loss.kind == CameraLoss::kLensTerms;  // by reading
-    const bool is_kept = loss.kind == CameraLoss::kUnreadLens;
-    if (!was_told) console.warning(is_kept ? loss.message : "not kept: " + loss.message);
-  }
-}
-
-std::string summary_of(const std::vector<LostCameraFact>& losses) {
-  const auto num_unread = std::ranges::count(losses, CameraLoss::kUnreadLens, &LostCameraFact::kind);
-  const auto num_lost = std::ssize(losses) - num_unread;
+std::string summary_of(const std::vector<ConversionLoss>& read, const std::vector<ConversionLoss>& written) {
+  const auto num_unread = std::ranges::count(written, LossKind::kUnreadLens, &ConversionLoss::kind);
+  const auto num_lost = std::ssize(read) + std::ssize(written) - num_unread;
   if (num_lost > 0) return fmt::format("not kept: {}", num_lost);
   return num_unread > 0 ? "not for every reader: see the warnings" : "nothing was lost";
-}
-
-json losses_json(const std::vector<LostCameraFact>& losses) {
-  json all = json::array();
-  for (const LostCameraFact& loss : losses)
-    all.push_back({{"kind", name_of(loss.kind)}, {"message", loss.message}});
-  return all;
 }
 
 void run_convert(const ConvertOptions& options) {
@@ -144,29 +120,34 @@ void run_convert(const ConvertOptions& options) {
   check_ending(options.output, info_of(to).name, camera_endings(), "--to", options.console);
   if (!options.camera_name.empty()) camera_named(file.rig, options.camera_name, options.input);
   if (!options.resolution.empty()) give_resolution(file.rig, options.resolution);
-  const auto losses = all_losses(file, write_cameras_as(options.output, file.rig, to, options.camera_name));
-  warn_of(losses, options.console);
+  const std::vector<ConversionLoss> losses =
+      write_cameras_as(options.output, file.rig, to, options.camera_name);
+  const std::string_view from_title = info_of(file.format).title, to_title = info_of(to).title;
+  nlohmann::json reported =
+      report_losses(file.lost, {.title = from_title, .file = options.input}, options.console);
+  append(reported,
+         report_losses(losses, {ConversionStep::Stage::kWrite, to_title, options.output}, options.console));
   options.console.finish({{"input", options.input},
                           {"output", options.output},
                           {"from", info_of(file.format).name},
                           {"to", info_of(to).name},
-                          {"losses", losses_json(losses)}},
-                         fmt::format("{}: {}, from {}; {}", options.output, info_of(to).title,
-                                     info_of(file.format).title, summary_of(losses)));
+                          {"losses", reported}},
+                         fmt::format("{}: {}, from {}; {}", options.output, to_title, from_title,
+                                     summary_of(file.lost, losses)));
 }
 
 }  // namespace
 
 void add_camera_convert(CLI::App& camera_command) {
-  CLI::App& verb =
-      add_command(camera_command, "convert",
-                  {"Writes the cameras of a file in another format, and tells what that cannot hold.",
-                   "apriltrack camera convert left.cameramodel camera.yaml\n"
-                   "apriltrack camera convert camera.yaml camera_info.yaml --to ros\n"
-                   "apriltrack camera convert photonvision.json cameras.txt --resolution 1280x720",
-                   "IN is of any known format, which its content tells (docs/file_formats.md). Formats that "
-                   "are written, for --to: " +
-                       names_of_written_formats() + "."});
+  CLI::App& verb = add_command(
+      camera_command, "convert",
+      {"Writes the cameras of a file in another format, and reports what that cannot hold.",
+       "apriltrack camera convert left.cameramodel camera.yaml\n"
+       "apriltrack camera convert camera.yaml camera_info.yaml --to ros\n"
+       "apriltrack camera convert photonvision.json cameras.txt --resolution 1280x720",
+       "IN is of any known format, recognised by its content (docs/file_formats.md). Formats that "
+       "are written, for --to: " +
+           names_of_written_formats() + "."});
   auto options = std::make_shared<ConvertOptions>();
   verb.add_option("IN", options->input, "Camera file to read")->required();
   verb.add_option("OUT", options->output, "Camera file to write")->required();
@@ -178,11 +159,11 @@ void add_camera_convert(CLI::App& camera_command) {
   verb.add_option(
       "--camera-name", options->camera_name,
       "Camera of a rig to write alone; by default all, or the first where the format is of one camera");
-  verb.add_option("--resolution", options->resolution, "WIDTHxHEIGHT in pixels, where IN does not tell it");
+  verb.add_option("--resolution", options->resolution, "WIDTHxHEIGHT in pixels, where IN does not state it");
   verb.add_flag("--fit", options->may_fit,
                 "Takes the nearest lens of 8 coefficients where IN has OpenCV's thin prism or tilted sensor, "
                 "if it is off "
-                "by no more than 0.5 px, and tells by how much");
+                "by no more than 0.5 px, and reports by how much");
   options->console.add_options(verb);
   verb.callback([options] { run_convert(*options); });
 }

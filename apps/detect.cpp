@@ -222,9 +222,10 @@ void add_detect_command(CLI::App& app) {
       "Camera file, for its lens, response and resolution; a sequence folder or a bag brings its own");
   command.add_option("--camera-name", arguments->camera_name,
                      "Which camera of the file, and of a EuRoC recording; else the first");
-  command.add_option("--response", arguments->response,
-                     "srgb, linear, gamma:G or auto: what the grey levels stand for; wins over the camera "
-                     "file's. Where neither states it, the pictures of tags tell it, as with auto");
+  command.add_option(
+      "--response", arguments->response,
+      "srgb, linear, gamma:G or auto: what the grey levels stand for; wins over the camera "
+      "file's. Where neither states it, it is estimated from the pictures of tags, as with auto");
   command.add_option("--output", arguments->output, "detections.csv")->required();
   command.add_option("--family", arguments->detector.families, "Tag family; may be given several times")
       ->check(known_family())

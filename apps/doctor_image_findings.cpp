@@ -141,7 +141,7 @@ void find_in_exposure(const RecordingFacts& recording, std::vector<Finding>& fin
                        std::ranges::any_of(recording.frames, &FrameFacts::tells_exposure);
   if (is_told) return;
   findings.push_back({Severity::kNote, "no_exposure",
-                      "nothing tells the exposure: calibrate needs none, track estimates it from the blur; "
+                      "nothing states the exposure: calibrate needs none, track estimates it from the blur; "
                       "if you know it, write exposure_time (seconds) into the camera file"});
 }
 

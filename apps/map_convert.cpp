@@ -10,8 +10,8 @@
 #include "apriltrack/tags/map_formats.h"
 #include "choice_option.h"
 #include "format_endings.h"
+#include "loss_words.h"
 #include "map_command.h"
-#include "map_loss_words.h"
 #include "map_oddity_words.h"
 #include "option_checks.h"
 #include "outputs.h"
@@ -93,18 +93,18 @@ std::optional<FieldSize> field_of(const MapOptions& options) {
   return FieldSize{*options.field_length_m, *options.field_width_m};
 }
 
-std::vector<MapLoss> write_as(const OutputFormat& output, const std::string& path, const TagMap& map,
-                              const MapWriteOptions& options) {
+std::vector<ConversionLoss> write_as(const OutputFormat& output, const std::string& path, const TagMap& map,
+                                     const MapWriteOptions& options) {
   if (const auto* format = std::get_if<MapFormat>(&output))
     return write_tag_map_as(path, map, *format, options);
   return write_exported_map(path, map, std::get<ExportFormat>(output));
 }
 
 /// Of the map, without those that the format cannot hold.
-std::size_t num_written(const TagMap& map, const std::vector<MapLoss>& losses) {
+std::size_t num_written(const TagMap& map, const std::vector<ConversionLoss>& losses) {
   std::size_t count = map.tags.size();
-  for (const MapLoss& loss : losses)
-    if (loss.kind == MapLossKind::kTags && loss.how == MapLossHow::kLeftOut) count -= loss.tags.size();
+  for (const ConversionLoss& loss : losses)
+    if (loss.kind == LossKind::kTags && loss.how == LossHow::kLeftOut) count -= loss.which.size();
   return count;
 }
 
@@ -119,21 +119,21 @@ void run_convert(const MapOptions& options) {
   MapReadOptions read_options = options.input.read_options();
   read_options.field = field_of(options);
   const MapReading reading = read_tag_map(options.first, read_options);
-  const std::vector<MapLoss> losses =
+  const std::vector<ConversionLoss> losses =
       write_as(output, options.second, reading.map, {.field = read_options.field});
   const std::string_view from = info_of(reading.format).title;
-  tell_losses(reading.losses, LossStage::kRead, from, options.first, options.console);
+  nlohmann::json reported =
+      report_losses(reading.losses, {.title = from, .file = options.first}, options.console);
   tell_oddities(reading.map, options.first, options.console);
-  tell_losses(losses, LossStage::kWrite, title_of(output), options.second, options.console);
-  nlohmann::json all = losses_json(reading.losses, LossStage::kRead, from);
-  for (const auto& loss : losses_json(losses, LossStage::kWrite, title_of(output))) all.push_back(loss);
+  append(reported, report_losses(losses, {ConversionStep::Stage::kWrite, title_of(output), options.second},
+                                 options.console));
   options.console.finish({{"input", options.first},
                           {"output", options.second},
                           {"from", info_of(reading.format).name},
                           {"to", name_of(output)},
                           {"frame", reading.map.frame},
                           {"tags", num_written(reading.map, losses)},
-                          {"losses", all},
+                          {"losses", reported},
                           {"oddities", oddities_json(reading.map)}},
                          fmt::format("{}: {} tags, a {} from a {}", options.second,
                                      num_written(reading.map, losses), title_of(output), from));
@@ -147,8 +147,9 @@ std::string formats_text() {
   for (const ExportFormatInfo& info : export_formats())
     text += fmt::format("  {:<14}{}{}\n", info.name, info.title, info.is_folder ? "; OUT is a folder" : "");
   return text +
-         "Without --to the ending of OUT tells: .yaml (ours), .fmap, .ini, .gltf, .glb, .urdf, .sdf, .g2o.\n"
-         "What a format cannot hold, or does not say, is told on stderr, and under --json in `losses`.";
+         "Without --to the ending of OUT decides: .yaml (ours), .fmap, .ini, .gltf, .glb, .urdf, .sdf, "
+         ".g2o.\n"
+         "What a format cannot hold, or does not say, is reported on stderr, and under --json in `losses`.";
 }
 
 }  // namespace

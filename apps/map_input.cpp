@@ -6,26 +6,26 @@
 #include <algorithm>
 
 #include "apriltrack/base/error.h"
-#include "map_loss_words.h"
+#include "loss_words.h"
 #include "map_oddity_words.h"
 #include "option_checks.h"
 
 namespace apriltrack::app {
 namespace {
 
-bool was_given(const std::vector<MapLoss>& losses, MapLossKind kind) {
+bool was_given(const std::vector<ConversionLoss>& losses, LossKind kind) {
   return std::ranges::any_of(
-      losses, [&](const MapLoss& loss) { return loss.kind == kind && loss.how == MapLossHow::kGiven; });
+      losses, [&](const ConversionLoss& loss) { return loss.kind == kind && loss.how == LossHow::kGiven; });
 }
 
 void refuse_unneeded(const MapInputOptions& input, const MapReading& first, const MapReading& second) {
-  const auto is_needed = [&](MapLossKind kind) {
+  const auto is_needed = [&](LossKind kind) {
     return was_given(first.losses, kind) || was_given(second.losses, kind);
   };
-  if ((input.tag_size_m || !input.tag_sizes.empty()) && !is_needed(MapLossKind::kSizes))
+  if ((input.tag_size_m || !input.tag_sizes.empty()) && !is_needed(LossKind::kSizes))
     throw invalid_input(input.tag_size_m ? "--tag-size" : "--tag-sizes",
                         "both maps state their sizes: leave it out");
-  if (!input.family.empty() && !is_needed(MapLossKind::kFamilies))
+  if (!input.family.empty() && !is_needed(LossKind::kFamilies))
     throw invalid_input("--family", "both maps name their families: leave it out");
 }
 
@@ -49,14 +49,14 @@ void add_map_input_options(CLI::App& command, MapInputOptions& input) {
   command.add_option("--tag-sizes", input.tag_sizes,
                      "Of a layout that states none: YAML file with sizes by id");
   command
-      .add_option("--family", input.family, "Of a layout that names none; default: tag36h11, which is told")
+      .add_option("--family", input.family, "Of a layout that names none; default: tag36h11, with a warning")
       ->check(known_family());
   command.add_option("--bundle", input.bundle, "Which bundle or body of a file with several");
 }
 
 TagMap read_map_input(const std::string& path, const MapInputOptions& input, const Console& console) {
   MapReading reading = read_tag_map(path, input.read_options());
-  tell_losses(reading.losses, LossStage::kRead, info_of(reading.format).title, path, console);
+  report_losses(reading.losses, {.title = info_of(reading.format).title, .file = path}, console);
   tell_oddities(reading.map, path, console);
   return std::move(reading.map);
 }
@@ -68,8 +68,8 @@ std::pair<TagMap, TagMap> read_map_inputs(const std::string& first, const std::s
   MapReading a = read_tag_map(first, options);
   MapReading b = read_tag_map(second, options);
   refuse_unneeded(input, a, b);
-  tell_losses(a.losses, LossStage::kRead, info_of(a.format).title, first, console);
-  tell_losses(b.losses, LossStage::kRead, info_of(b.format).title, second, console);
+  report_losses(a.losses, {.title = info_of(a.format).title, .file = first}, console);
+  report_losses(b.losses, {.title = info_of(b.format).title, .file = second}, console);
   return {std::move(a.map), std::move(b.map)};
 }
 

@@ -18,7 +18,7 @@ Camera camera_to_render(const SimulateOptions& options) {
   if (camera.width == 0)
     throw invalid_input(
         options.camera,
-        "does not tell the resolution, and there are no images that would: apriltrack camera convert IN OUT "
+        "does not state the resolution, and there are no images that would: apriltrack camera convert IN OUT "
         "--resolution WIDTHxHEIGHT writes it into a file");
   if (camera.line_delay_s != 0.0) {
     options.console.warning(

@@ -49,7 +49,6 @@ std::string status_schema() {
 }
 
 nlohmann::json status_of(Timestamp time, TrackStatus status) {
-  constexpr std::int64_t kNsPerSecond = 1'000'000'000;
   return {{"timestamp", {{"sec", time.ns / kNsPerSecond}, {"nsec", time.ns % kNsPerSecond}}},
           {"status", to_string(status)}};
 }

@@ -10,7 +10,7 @@
 #include "apriltrack/eval/frame_log.h"
 #include "apriltrack/eval/trajectory_formats.h"
 #include "apriltrack/io/staged_files.h"
-#include "trajectory_loss_words.h"
+#include "loss_words.h"
 
 namespace apriltrack::app {
 namespace {
@@ -33,13 +33,13 @@ bool writes_trajectory(const TrackArguments& arguments) {
   return !arguments.streams_poses() && !arguments.writes_mcap();
 }
 
-/// What the trajectory's format does not hold, or wants and has not; told, and for machines.
-nlohmann::json tell_losses(const TrackArguments& arguments) {
+/// What the trajectory's format does not hold, or wants and has not; reported, and for machines.
+nlohmann::json report_losses(const TrackArguments& arguments) {
   if (!writes_trajectory(arguments)) return nlohmann::json::array();
   const TrajectoryFormat format = arguments.trajectory_format();
-  const std::vector<TrajectoryLoss> losses = trajectory_losses(arguments.output, format);
-  tell_losses(losses, info_of(format).title, arguments.output, arguments.console);
-  return losses_json(losses, info_of(format).title);
+  return report_losses(trajectory_losses(arguments.output, format),
+                       {ConversionStep::Stage::kWrite, info_of(format).title, arguments.output},
+                       arguments.console);
 }
 
 }  // namespace
@@ -98,7 +98,7 @@ void finish(const TrackArguments& arguments, const TrackRecord& record, const Re
   summary["method"] = arguments.method();
   summary["interrupted"] = was_interrupted;
   summary["output"] = arguments.output;
-  summary["losses"] = tell_losses(arguments);
+  summary["losses"] = report_losses(arguments);
   std::string text =
       fmt::format("{}\n{}: {}", record.text(), arguments.mode == "ego" ? "T_world_camera" : "T_camera_body",
                   arguments.output);

@@ -14,11 +14,11 @@
 #include "command_help.h"
 #include "console.h"
 #include "format_endings.h"
+#include "loss_words.h"
 #include "option_checks.h"
 #include "outputs.h"
 #include "trajectory_command.h"
 #include "trajectory_input.h"
-#include "trajectory_loss_words.h"
 
 namespace apriltrack::app {
 namespace {
@@ -49,7 +49,7 @@ TrajectoryFormat format_to_write(const ConvertOptions& options) {
   if (options.to.empty()) {
     if (const auto format = trajectory_format_of_ending(options.output)) return *format;
     throw invalid_input("--to",
-                        fmt::format("is required: the ending of '{}' does not tell the format; there are {}",
+                        fmt::format("is required: the ending of '{}' does not say which format; there are {}",
                                     options.output, names_of_formats()));
   }
   if (const auto format = trajectory_format_named(options.to)) return *format;
@@ -73,18 +73,17 @@ void run_convert(const ConvertOptions& options) {
   of_input.read.times = options.times;
   const TrajectoryInput reading = read_trajectory_input(options.input, of_input, options.console);
   write_trajectory_as(options.output, reading.trajectory, to);
-  const std::vector<TrajectoryLoss> losses = trajectory_losses(options.output, to);
   const std::string_view from_title = reading.title, to_title = info_of(to).title;
-  tell_losses(reading.losses, from_title, options.input, options.console);
-  tell_losses(losses, to_title, options.output, options.console);
-  nlohmann::json all = losses_json(reading.losses, from_title);
-  for (const auto& loss : losses_json(losses, to_title)) all.push_back(loss);
+  nlohmann::json reported =
+      report_losses(reading.losses, {.title = from_title, .file = options.input}, options.console);
+  append(reported, report_losses(trajectory_losses(options.output, to),
+                                 {ConversionStep::Stage::kWrite, to_title, options.output}, options.console));
   options.console.finish({{"input", options.input},
                           {"output", options.output},
                           {"from", reading.format},
                           {"to", info_of(to).name},
                           {"poses", reading.trajectory.size()},
-                          {"losses", all}},
+                          {"losses", reported}},
                          fmt::format("{}: {} poses, a {} from a {}", options.output,
                                      reading.trajectory.size(), to_title, from_title));
 }
@@ -94,13 +93,13 @@ void run_convert(const ConvertOptions& options) {
 void add_trajectory_convert(CLI::App& trajectory_command) {
   CLI::App& verb =
       add_command(trajectory_command, "convert",
-                  {"Writes a trajectory in another format, and tells what that cannot hold.",
+                  {"Writes a trajectory in another format, and reports what that cannot hold.",
                    "apriltrack trajectory convert camera.tum camera.csv\n"
                    "apriltrack trajectory convert camera.tum camera.kitti\n"
                    "apriltrack trajectory convert 00.txt 00.tum --times times.txt\n"
                    "apriltrack trajectory convert mocap.bag truth.tum --topic /vicon/head/pose\n"
                    "apriltrack trajectory convert robot.bag robot.tum --topic /tf --transform odom:base_link",
-                   "IN is of any known format, which its content tells (docs/file_formats.md). Formats, for "
+                   "IN is of any known format, recognised by its content (docs/file_formats.md). Formats, for "
                    "--to: " +
                        names_of_formats() + "."});
   auto options = std::make_shared<ConvertOptions>();

@@ -18,7 +18,7 @@ struct TrajectoryInput {
   Trajectory trajectory;
   std::string format;  ///< "tum", "euroc", "kitti", "bag".
   std::string title;   ///< For messages.
-  std::vector<TrajectoryLoss> losses;
+  std::vector<ConversionLoss> losses;
 };
 
 /// A file of a trajectory in any format, or the poses of a bag. Throws as read_trajectory_file() and

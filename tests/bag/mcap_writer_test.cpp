@@ -15,7 +15,6 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/staged_files.h"
-#include "crc32.h"
 #include "recording.h"
 #include "support/error_message.h"
 #include "support/judge_output.h"
@@ -180,12 +179,6 @@ TEST(McapWriter, HoldsNoMoreThanAChunk) {
     given += 1000;
     ASSERT_GE(fs::file_size(folder / "out.mcap") + 11'000, given);
   }
-}
-
-TEST(Crc32, GoesOnWhereItEnded) {
-  EXPECT_EQ(crc32("123456789"), 0xCBF43926u);  // the check value of CRC-32/ISO-HDLC
-  EXPECT_EQ(crc32("456789", crc32("123")), 0xCBF43926u);
-  EXPECT_EQ(crc32("", crc32("123")), crc32("123"));
 }
 
 std::vector<std::string> lines_of_judge(const std::string& command) {

@@ -121,8 +121,9 @@ TEST_F(ForeignCameraFile, KalibrWithKeysOfTagSlamAndOpenVins) {
               ElementsAre(1404.5, 1403.5, 962.25, 605.75, -0.16, 0.09, -3e-5, -3e-4, 0.0, 1920, 1200));
   EXPECT_EQ(file_.format, CameraFormat::kKalibr);
   ASSERT_EQ(file_.lost.size(), 1U);
-  EXPECT_EQ(file_.lost[0].kind, CameraLoss::kExtrinsics);
-  EXPECT_THAT(file_.lost[0].message, HasSubstr("'cam0': its T_imu_cam"));
+  EXPECT_EQ(file_.lost[0].kind, LossKind::kExtrinsics);
+  EXPECT_THAT(file_.lost[0].which, ElementsAre("cam0"));
+  EXPECT_EQ(file_.lost[0].value, "T_imu_cam");
   EXPECT_THAT(warnings_, IsEmpty()) << "of no concern but to a conversion";
 }
 
@@ -146,7 +147,7 @@ TEST_F(ForeignCameraFile, SmallSkewOfRosIsReadWithAWarningOfHowFarItMovesPoints)
                             "by up to 0.83 px"),
                   HasSubstr("cameracalibrator --fisheye-fix-skew"))));
   ASSERT_EQ(file_.lost.size(), 1U);
-  EXPECT_EQ(file_.lost[0].kind, CameraLoss::kSkew);
+  EXPECT_EQ(file_.lost[0].kind, LossKind::kSkew);
   EXPECT_NO_THROW(read("skew.yaml", ros_fisheye("0.905")));  // 0.996 px
   EXPECT_THROW(read("skew.yaml", ros_fisheye("0.91")), Error) << "moves by 1.002 px";
 }

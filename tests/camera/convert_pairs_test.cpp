@@ -158,14 +158,14 @@ CameraRig told_rig() {
   return rig;
 }
 
-std::vector<CameraLoss> kinds(const std::vector<LostCameraFact>& lost) {
-  std::vector<CameraLoss> all;
-  for (const LostCameraFact& fact : lost) all.push_back(fact.kind);
+std::vector<LossKind> kinds(const std::vector<ConversionLoss>& lost) {
+  std::vector<LossKind> all;
+  for (const ConversionLoss& fact : lost) all.push_back(fact.kind);
   return all;
 }
 
 TEST(ConvertCameras, TellWhatIsLost) {
-  using enum CameraLoss;
+  using enum LossKind;
   const CameraRig rig = told_rig();
   const auto lost_in = [&](CameraFormat format, const std::string& only = {}) {
     return kinds(write_cameras_as(test::temporary_folder() / "rig", rig, format, only));
@@ -185,9 +185,11 @@ TEST(ConvertCameras, TellWhatIsLost) {
               ElementsAre(kResponse, kExposure, kLineDelay, kNames,  // of the first
                           kResponse, kExposure, kLineDelay, kExtrinsics));
   const auto lost = losses_of_writing(rig, CameraFormat::kWpilib, "front");
-  EXPECT_EQ(lost[0].message, "camera 'front': its resolution, 1283 x 967 (no place for it in WPILib JSON)");
-  EXPECT_EQ(lost[1].message, "camera 'front': its response, gamma:2.25 (no place for it in WPILib JSON)");
-  EXPECT_EQ(lost.back().message, "the rig's further cameras: 'cam1'");
+  EXPECT_THAT(lost[0].which, ElementsAre("front"));
+  EXPECT_EQ(lost[0].value, "1283 x 967");
+  EXPECT_EQ(lost[1].value, "gamma:2.25");
+  EXPECT_THAT(lost[2].numbers, ElementsAre(0.0125));  // exposure
+  EXPECT_THAT(lost.back().which, ElementsAre("cam1"));
 }
 
 // ethz-asl/kalibr knows radtan of four coefficients; ours may have five or eight.
@@ -204,8 +206,8 @@ TEST(ConvertCameras, ALensThatKalibrItselfDoesNotReadIsTold) {
     rig.cameras[0].model = CameraModel({500, 510, 320, 240}, RadtanDistortion(more));
     const auto lost = losses_of_writing(rig, CameraFormat::kKalibr);
     ASSERT_EQ(lost.size(), 1U);
-    EXPECT_EQ(lost[0].kind, CameraLoss::kUnreadLens);
-    EXPECT_THAT(lost[0].message, HasSubstr(std::to_string(more.size()) + " coefficients"));
+    EXPECT_EQ(lost[0].kind, LossKind::kUnreadLens);
+    EXPECT_THAT(lost[0].numbers, ElementsAre(static_cast<double>(more.size()), 4.0));
     EXPECT_TRUE(losses_of_writing(rig, CameraFormat::kRosCameraInfo).empty());
   }
 }

@@ -89,7 +89,7 @@ TEST_F(ForeignCameraFile, Mrcal) {
                           0.008, 4000, 2200));
   EXPECT_EQ(file_.format, CameraFormat::kMrcal);
   ASSERT_EQ(file_.lost.size(), 1U);
-  EXPECT_EQ(file_.lost[0].kind, CameraLoss::kExtrinsics);
+  EXPECT_EQ(file_.lost[0].kind, LossKind::kExtrinsics);
 }
 
 TEST_F(ForeignCameraFile, MrcalOfOtherVersionsAndModels) {

@@ -64,7 +64,8 @@ TEST_F(SlamCameraFile, BasaltIsARigWithPlaces) {
   EXPECT_LT((*second.T_this_previous * Eigen::Vector3d(10, 20, 30) - Eigen::Vector3d(-24, 5, 22)).norm(),
             1e-12);
   ASSERT_EQ(file_.lost.size(), 1U);
-  EXPECT_EQ(file_.lost[0].kind, CameraLoss::kExtrinsics);
+  EXPECT_EQ(file_.lost[0].kind, LossKind::kExtrinsics);
+  EXPECT_EQ(file_.lost[0].value, "T_imu_cam");
 }
 
 TEST_F(SlamCameraFile, BasaltOfOnePinhole) {

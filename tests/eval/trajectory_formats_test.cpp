@@ -68,9 +68,9 @@ void expect_by_hand(const Trajectory& trajectory) {
   }
 }
 
-std::vector<std::string> words_of(const std::vector<TrajectoryLoss>& losses) {
+std::vector<std::string> words_of(const std::vector<ConversionLoss>& losses) {
   std::vector<std::string> words;
-  for (const TrajectoryLoss& loss : losses)
+  for (const ConversionLoss& loss : losses)
     words.push_back(fmt::format("{} {}", to_string(loss.kind), to_string(loss.how)));
   return words;
 }

@@ -124,8 +124,8 @@ TEST(UrdfExport, NamesOfItsLinksAreDistinctAndAChangedFrameIsTold) {
     const std::string& text = result.files.at(0).contents;
     EXPECT_TRUE(std::regex_search(text, root, std::regex("<link name=\"([^\"]*)\"/>")));
     std::string told = "nothing";
-    for (const MapLoss& loss : result.losses)
-      if (loss.kind == MapLossKind::kFrameName && loss.how == MapLossHow::kConverted) told = loss.value;
+    for (const ConversionLoss& loss : result.losses)
+      if (loss.kind == LossKind::kFrameName && loss.how == LossHow::kConverted) told = loss.value;
     return std::pair(root[1].str(), told);
   };
   EXPECT_EQ(root_and_loss("hall"), std::pair(std::string("hall"), std::string("nothing")));
@@ -271,11 +271,11 @@ TEST(MapExport, LossesAreTold) {
   map.tags[0].covariance = Matrix6d::Zero();
   map.provenance = {{"tool", "x"}};
   const MapExport csv = export_tag_map(map, ExportFormat::kCornersCsv);
-  EXPECT_TRUE(loss_of(csv.losses, MapLossKind::kCovariance));
-  EXPECT_TRUE(loss_of(csv.losses, MapLossKind::kFrameName));
-  EXPECT_TRUE(loss_of(csv.losses, MapLossKind::kProvenance));
-  EXPECT_FALSE(loss_of(csv.losses, MapLossKind::kSizes));
-  EXPECT_TRUE(loss_of(export_tag_map(map, ExportFormat::kG2o).losses, MapLossKind::kSizes));
+  EXPECT_TRUE(loss_of(csv.losses, LossKind::kCovariance));
+  EXPECT_TRUE(loss_of(csv.losses, LossKind::kFrameName));
+  EXPECT_TRUE(loss_of(csv.losses, LossKind::kProvenance));
+  EXPECT_FALSE(loss_of(csv.losses, LossKind::kSizes));
+  EXPECT_TRUE(loss_of(export_tag_map(map, ExportFormat::kG2o).losses, LossKind::kSizes));
 }
 
 TEST(MapExport, AFileInPlaceOfTheFolderIsAnOutputError) {

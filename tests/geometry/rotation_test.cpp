@@ -154,5 +154,32 @@ TEST(Rotation, RollPitchYawGiveTheRotationAtThePoles) {
   EXPECT_EQ(poles, 240);
 }
 
+// A = R S with S symmetric and positive definite has R for its nearest rotation (polar decomposition).
+TEST(NearestRotation, IsTheTurnOfAStretchedOne) {
+  RandomStream random(231);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Matrix3d R =
+        rotation_exp(3.0 * random.uniform() * random_direction(random)).toRotationMatrix();
+    const Eigen::Matrix3d turn = rotation_exp(random_direction(random)).toRotationMatrix();
+    const Eigen::Vector3d stretch(0.5 + random.uniform(), 0.5 + random.uniform(), 0.5 + random.uniform());
+    const Eigen::Matrix3d S = turn * stretch.asDiagonal() * turn.transpose();
+    EXPECT_NEAR((nearest_rotation(R * S) - R).norm(), 0.0, 1e-13);
+  }
+}
+
+// Of a mirror image it is the best of all rotations: none of many others is nearer.
+TEST(NearestRotation, IsNeverAMirrorImage) {
+  RandomStream random(232);
+  const Eigen::Matrix3d turn = rotation_exp(random_direction(random)).toRotationMatrix();
+  const Eigen::Matrix3d mirrored = turn * Eigen::Vector3d(1.0, 0.9, -0.3).asDiagonal();
+  const Eigen::Matrix3d nearest = nearest_rotation(mirrored);
+  EXPECT_NEAR(nearest.determinant(), 1.0, 1e-14);
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Matrix3d other =
+        rotation_exp(3.1 * random.uniform() * random_direction(random)).toRotationMatrix();
+    EXPECT_LE((nearest - mirrored).norm(), (other - mirrored).norm());
+  }
+}
+
 }  // namespace
 }  // namespace apriltrack

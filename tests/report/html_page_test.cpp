@@ -94,16 +94,6 @@ TEST(HtmlPage, AnEmptyPageIsAPage) {
   EXPECT_THAT(lines, Contains("meta|name=viewport content=width=device-width, initial-scale=1|"));
 }
 
-TEST(HtmlPage, Base64IsThatOfTheStandard) {
-  // RFC 4648, section 10.
-  EXPECT_EQ(base64(""), "");
-  EXPECT_EQ(base64("f"), "Zg==");
-  EXPECT_EQ(base64("fo"), "Zm8=");
-  EXPECT_EQ(base64("foo"), "Zm9v");
-  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(base64("\xFF\xFE\xFD"), "//79");
-}
-
 TEST(HtmlPage, FilesOfOtherKindsAreRefused) {
   const auto folder = test::temporary_folder();
   write_file_atomically(folder / "words.png", "no picture");

@@ -240,10 +240,9 @@ TEST_F(Bags, OfSeveralCamerasCalibrateAsTheirFolders) {
                        "--topic", "cam1=/right/image_raw"}),
             expected);
   EXPECT_EQ(calibrate({path("two.mcap"), "--camera", path("rig_with_topics.yaml")}), expected);
-  EXPECT_THAT(
-      run_program({"calibrate", path("two.mcap"), "--tag-size", "0.096", "--output", path("map.yaml"),
-                   "--topic", "cam0=/left/image_raw", "--topic", "cam1=/right/image_raw"}),
-      EndsWith(2, "--camera: is required: CameraInfo messages do not tell where several cameras sit"));
+  EXPECT_THAT(run_program({"calibrate", path("two.mcap"), "--tag-size", "0.096", "--output", path("map.yaml"),
+                           "--topic", "cam0=/left/image_raw", "--topic", "cam1=/right/image_raw"}),
+              EndsWith(2, "--camera: is required: CameraInfo messages do not say where several cameras sit"));
 }
 
 TEST_F(Bags, OfSeveralCamerasAreLookedAtOneByOne) {

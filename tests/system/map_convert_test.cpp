@@ -136,7 +136,7 @@ TEST(MapConvert, WhatIsLostIsToldToPeopleAndMachines) {
     seen.insert(fmt::format("{} {} {}", loss["stage"].get<std::string>(), loss["kind"].get<std::string>(),
                             loss["how"].get<std::string>()));
     EXPECT_FALSE(loss["message"].get<std::string>().empty());
-    EXPECT_TRUE(loss["tags"].is_array());
+    EXPECT_TRUE(loss["which"].is_array());
   }
   EXPECT_EQ(seen, (std::set<std::string>{"read families assumed", "read sizes given",
                                          "write families left_out", "write extensions left_out"}));

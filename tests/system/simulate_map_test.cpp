@@ -130,7 +130,7 @@ TEST_F(SimulateMap, RefusesACameraWithoutResolutionAndALonePose) {
       R"({"camera_matrix": [500, 0, 320, 0, 500, 240, 0, 0, 1], "distortion_coefficients": [0, 0, 0, 0]})");
   EXPECT_THAT(run_program({"simulate", "--map", file("map.yaml"), "--camera", file("wpilib.json"),
                            "--trajectory", file("path.tum"), "--output", file("film")}),
-              EndsWith(2, "does not tell the resolution"));
+              EndsWith(2, "does not state the resolution"));
   path_.resize(1);
   write_tum(file("path.tum"), path_);
   EXPECT_THAT(run_program(words({})), EndsWith(2, "a path needs two poses or more (has 1)"));

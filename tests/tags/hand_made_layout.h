@@ -74,8 +74,8 @@ inline std::string complaint_about_layout(const std::string& text, const MapRead
   return message_of([&] { read_tag_map(path, options); });
 }
 
-inline const MapLoss* loss_of(const std::vector<MapLoss>& losses, MapLossKind kind) {
-  for (const MapLoss& loss : losses) {
+inline const ConversionLoss* loss_of(const std::vector<ConversionLoss>& losses, LossKind kind) {
+  for (const ConversionLoss& loss : losses) {
     if (loss.kind == kind) return &loss;
   }
   return nullptr;

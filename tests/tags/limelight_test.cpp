@@ -38,10 +38,10 @@ TEST(Fmap, PosesSizesAndFamilies) {
   EXPECT_THAT(*rolled, IsAt(rolled_tag()));
   EXPECT_THAT(*leaning, IsAt(leaning_tag()));
   EXPECT_EQ(reading.map.frame, "field_centre");
-  ASSERT_TRUE(loss_of(reading.losses, MapLossKind::kOrigin))
+  ASSERT_TRUE(loss_of(reading.losses, LossKind::kOrigin))
       << "the origin stays in the centre, and that is told";
-  EXPECT_EQ(loss_of(reading.losses, MapLossKind::kOrigin)->how, MapLossHow::kUnknown);
-  EXPECT_FALSE(loss_of(reading.losses, MapLossKind::kMatrixOrder));
+  EXPECT_EQ(loss_of(reading.losses, LossKind::kOrigin)->how, LossHow::kUnknown);
+  EXPECT_FALSE(loss_of(reading.losses, LossKind::kMatrixOrder));
 }
 
 TEST(Fmap, MatricesByColumnsAreReadRightAndTold) {
@@ -49,7 +49,7 @@ TEST(Fmap, MatricesByColumnsAreReadRightAndTold) {
                                               fiducial(8, fmap_matrix(leaning_tag()).transpose())));
   EXPECT_THAT(*reading.map.find({"tag36h11", 7}), IsAt(rolled_tag()));
   EXPECT_THAT(*reading.map.find({"tag36h11", 8}), IsAt(leaning_tag()));
-  ASSERT_TRUE(loss_of(reading.losses, MapLossKind::kMatrixOrder));
+  ASSERT_TRUE(loss_of(reading.losses, LossKind::kMatrixOrder));
 }
 
 // A tag in the origin has the same last row and column: the others tell how it is written.
@@ -71,7 +71,7 @@ TEST(Fmap, KnownFieldMovesTheOriginToTheCorner) {
   const MapReading given = read_layout(text, options);
   EXPECT_EQ(given.map.frame, "field");
   EXPECT_THAT(given.map.tags[0], IsAt(expected));
-  EXPECT_EQ(loss_of(given.losses, MapLossKind::kOrigin)->shift_m, Eigen::Vector3d(8.0, 4.0, 0.0));
+  EXPECT_EQ(loss_of(given.losses, LossKind::kOrigin)->numbers, (std::vector<double>{8.0, 4.0, 0.0}));
   const MapReading own =
       read_layout(fmap(fiducial(7, fmap_matrix(rolled_tag())), ", \"fieldlength\": 16, \"fieldwidth\": 8"));
   EXPECT_THAT(own.map.tags[0], IsAt(expected));
@@ -111,16 +111,16 @@ TEST(Fmap, WritesByRowsAroundTheCentre) {
   const Eigen::Matrix4d expected = fmap_matrix(centred);
   for (int i = 0; i < 16; ++i)
     EXPECT_NEAR(numbers[static_cast<std::size_t>(i)], expected(i / 4, i % 4), 1e-12) << i;
-  ASSERT_TRUE(loss_of(losses, MapLossKind::kOrigin));
-  EXPECT_EQ(loss_of(losses, MapLossKind::kOrigin)->shift_m, Eigen::Vector3d(-8.0, -4.0, 0.0));
+  ASSERT_TRUE(loss_of(losses, LossKind::kOrigin));
+  EXPECT_EQ(loss_of(losses, LossKind::kOrigin)->numbers, (std::vector<double>{-8.0, -4.0, 0.0}));
 }
 
 TEST(Fmap, WithoutAFieldTheOriginStaysAndIsTold) {
   TagMap map;
   map.tags = {map_tag("tag36h11", 7, 0.1651, rolled_tag().T_map_tag())};
   const auto losses = write_tag_map_as(temporary_folder() / "out.fmap", map, MapFormat::kLimelight);
-  ASSERT_TRUE(loss_of(losses, MapLossKind::kOrigin));
-  EXPECT_EQ(loss_of(losses, MapLossKind::kOrigin)->how, MapLossHow::kUnknown);
+  ASSERT_TRUE(loss_of(losses, LossKind::kOrigin));
+  EXPECT_EQ(loss_of(losses, LossKind::kOrigin)->how, LossHow::kUnknown);
 }
 
 TEST(Fmap, RefusesWhatIsNoPose) {

@@ -124,8 +124,8 @@ TEST(Rtabmap, LeavesOutId0WhichItPassesOver) {
   map.tags = {map_tag("tag36h11", 0, 0.16, Pose()), map_tag("tag36h11", 5, 0.16, floor_tag().T_map_tag())};
   const auto path = temporary_folder() / "priors.ini";
   const auto losses = write_tag_map_as(path, map, MapFormat::kRtabmap);
-  ASSERT_TRUE(loss_of(losses, MapLossKind::kTags));
-  EXPECT_EQ(loss_of(losses, MapLossKind::kTags)->tags, (std::vector<TagKey>{{"tag36h11", 0}}));
+  ASSERT_TRUE(loss_of(losses, LossKind::kTags));
+  EXPECT_EQ(loss_of(losses, LossKind::kTags)->which, std::vector<std::string>{"tag36h11/0"});
   const TagMap back = read_tag_map(path);
   ASSERT_EQ(back.tags.size(), 1u);
   EXPECT_THAT(back.tags[0], IsAt(floor_tag()));

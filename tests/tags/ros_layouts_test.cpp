@@ -33,7 +33,7 @@ TEST(AprilTagRos, BundleOfRos1) {
   EXPECT_EQ(reading.map.tags[0].size_m, 0.16);
   // No rotation: face up, its top towards +y.
   EXPECT_THAT(reading.map.tags[1], IsAt(floor_tag()));
-  ASSERT_TRUE(loss_of(reading.losses, MapLossKind::kTags)) << "the standalone tag has no place";
+  ASSERT_TRUE(loss_of(reading.losses, LossKind::kTags)) << "the standalone tag has no place";
 }
 
 TEST(AprilTagRos, SeveralBundlesAreChosenFrom) {
@@ -47,7 +47,7 @@ TEST(AprilTagRos, SeveralBundlesAreChosenFrom) {
   const MapReading reading = read_layout(text, options);
   ASSERT_EQ(reading.map.tags.size(), 1u);
   EXPECT_EQ(reading.map.tags[0].key.id, 9);
-  EXPECT_EQ(loss_of(reading.losses, MapLossKind::kTags)->value, "left");
+  EXPECT_EQ(loss_of(reading.losses, LossKind::kTags)->value, "left");
   options.bundle = "middle";
   EXPECT_NE(complaint_about_layout(text, options).find("'middle'"), std::string::npos);
 }
@@ -130,7 +130,7 @@ TEST(TagSlam, BodyWithNoiseOfItsTags) {
   // Turned by 180 degrees about x: variances stay where they are.
   const Vector6d expected = (Vector6d() << 1e-4, 4e-4, 9e-4, 1e-2, 4e-2, 9e-2).finished();
   EXPECT_LT((reading.map.tags[0].covariance->diagonal() - expected).norm(), 1e-15);
-  ASSERT_TRUE(loss_of(reading.losses, MapLossKind::kTags)) << "tag 6 has no pose";
+  ASSERT_TRUE(loss_of(reading.losses, LossKind::kTags)) << "tag 6 has no pose";
 }
 
 // A body at (10, 0, 0), turned by 90 degrees about z.
@@ -198,10 +198,10 @@ TEST(TagSlam, FullCovariancesComeBack) {
   const Vector6d unit = map.tags[0].covariance->diagonal().cwiseSqrt().cwiseInverse();
   EXPECT_LT((unit.asDiagonal() * difference * unit.asDiagonal()).cwiseAbs().maxCoeff(), 1e-9);
   // What TagSLAM wants and nobody knows is told.
-  const MapLoss* assumed = loss_of(losses, MapLossKind::kCovariance);
+  const ConversionLoss* assumed = loss_of(losses, LossKind::kCovariance);
   ASSERT_TRUE(assumed);
-  EXPECT_EQ(assumed->how, MapLossHow::kAssumed);
-  EXPECT_EQ(assumed->tags, (std::vector<TagKey>{{"tag36h11", 5}, {"tag36h11", 6}}));
+  EXPECT_EQ(assumed->how, LossHow::kAssumed);
+  EXPECT_EQ(assumed->which, (std::vector<std::string>{"tag36h11/5", "tag36h11/6"}));
 }
 
 TEST(TagSlam, NoiseThatIsNoneIsRefusedWithItsKey) {

@@ -35,14 +35,14 @@ TEST(WpilibJson, PosesAreOfOurTagFrame) {
 
 TEST(WpilibJson, SaysWhatWasAssumedAndGiven) {
   const MapReading reading = read_layout(json_layout(", \"season\": \"2027\""), with_size(0.1651));
-  const MapLoss* families = loss_of(reading.losses, MapLossKind::kFamilies);
+  const ConversionLoss* families = loss_of(reading.losses, LossKind::kFamilies);
   ASSERT_TRUE(families);
-  EXPECT_EQ(families->how, MapLossHow::kAssumed);
+  EXPECT_EQ(families->how, LossHow::kAssumed);
   EXPECT_EQ(families->value, "tag36h11");
-  ASSERT_TRUE(loss_of(reading.losses, MapLossKind::kSizes));
-  EXPECT_EQ(loss_of(reading.losses, MapLossKind::kSizes)->how, MapLossHow::kGiven);
-  ASSERT_TRUE(loss_of(reading.losses, MapLossKind::kForeignKeys));
-  EXPECT_EQ(loss_of(reading.losses, MapLossKind::kForeignKeys)->value, "season");
+  ASSERT_TRUE(loss_of(reading.losses, LossKind::kSizes));
+  EXPECT_EQ(loss_of(reading.losses, LossKind::kSizes)->how, LossHow::kGiven);
+  ASSERT_TRUE(loss_of(reading.losses, LossKind::kForeignKeys));
+  EXPECT_EQ(loss_of(reading.losses, LossKind::kForeignKeys)->value, "season");
 }
 
 TEST(WpilibJson, WithoutSizesIsRefusedWithTheUsualOnes) {
@@ -58,7 +58,7 @@ TEST(WpilibJson, TakesTheFamilyThatIsGiven) {
   const MapReading reading = read_layout(json_layout(), options);
   EXPECT_TRUE(reading.map.find({"tag16h5", 7}));
   EXPECT_EQ(reading.map.default_family, "tag16h5");
-  EXPECT_EQ(loss_of(reading.losses, MapLossKind::kFamilies)->how, MapLossHow::kGiven);
+  EXPECT_EQ(loss_of(reading.losses, LossKind::kFamilies)->how, LossHow::kGiven);
 }
 
 TEST(WpilibJson, WritesWhatWpilibReads) {
@@ -80,12 +80,12 @@ TEST(WpilibJson, WritesWhatWpilibReads) {
   EXPECT_NEAR(sign * q.at("X").as_double(), 0.0, 1e-15);
   EXPECT_NEAR(sign * q.at("Y").as_double(), -std::sin(5.0 * kRadPerDeg), 1e-15);
   EXPECT_NEAR(sign * q.at("Z").as_double(), std::cos(5.0 * kRadPerDeg), 1e-15);
-  for (const MapLossKind kind :
-       {MapLossKind::kSizes, MapLossKind::kFamilies, MapLossKind::kCovariance, MapLossKind::kProvenance})
+  for (const LossKind kind :
+       {LossKind::kSizes, LossKind::kFamilies, LossKind::kCovariance, LossKind::kProvenance})
     EXPECT_TRUE(loss_of(losses, kind)) << to_string(kind);
-  EXPECT_FALSE(loss_of(losses, MapLossKind::kFieldSize));
-  EXPECT_FALSE(loss_of(losses, MapLossKind::kExtensions)) << "x_field is in the file";
-  EXPECT_FALSE(loss_of(losses, MapLossKind::kOrigin));
+  EXPECT_FALSE(loss_of(losses, LossKind::kFieldSize));
+  EXPECT_FALSE(loss_of(losses, LossKind::kExtensions)) << "x_field is in the file";
+  EXPECT_FALSE(loss_of(losses, LossKind::kOrigin));
 }
 
 TEST(WpilibJson, AFieldOfUnknownSizeIsTold) {
@@ -93,12 +93,11 @@ TEST(WpilibJson, AFieldOfUnknownSizeIsTold) {
   map.extensions.clear();
   const auto path = temporary_folder() / "out.json";
   const auto losses = write_tag_map_as(path, map, MapFormat::kWpilibJson);
-  ASSERT_TRUE(loss_of(losses, MapLossKind::kFieldSize));
-  EXPECT_EQ(loss_of(losses, MapLossKind::kFieldSize)->how, MapLossHow::kAssumed);
+  ASSERT_TRUE(loss_of(losses, LossKind::kFieldSize));
+  EXPECT_EQ(loss_of(losses, LossKind::kFieldSize)->how, LossHow::kAssumed);
   MapWriteOptions options;
   options.field = FieldSize{16.541, 8.211};
-  EXPECT_FALSE(
-      loss_of(write_tag_map_as(path, map, MapFormat::kWpilibJson, options), MapLossKind::kFieldSize));
+  EXPECT_FALSE(loss_of(write_tag_map_as(path, map, MapFormat::kWpilibJson, options), LossKind::kFieldSize));
   EXPECT_EQ(YamlNode::read_json_file(path).at("field").at("length").as_double(), 16.541);
 }
 

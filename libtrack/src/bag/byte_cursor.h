@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "apriltrack/io/byte_order.h"
+
 namespace apriltrack {
 
 /// Bytes that are not what the format says. Never leaves the module: it becomes damage, or an Error.
@@ -12,13 +14,6 @@ class BadBytes : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
-
-/// Little-endian integer of `size` bytes, at most eight.
-inline std::uint64_t little_endian(std::string_view bytes) {
-  std::uint64_t value = 0;
-  for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[i]);
-  return value;
-}
 
 /// Reads little-endian fields one after the other. Throws BadBytes where they end too soon.
 class ByteCursor {

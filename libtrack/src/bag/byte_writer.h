@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "apriltrack/io/byte_order.h"
+
 namespace apriltrack {
 
 /// Appends little-endian fields, the counterpart of ByteCursor.
@@ -28,7 +30,7 @@ class ByteWriter {
 
  private:
   ByteWriter& number(std::uint64_t value, std::size_t size) {
-    for (std::size_t i = 0; i < size; ++i) bytes_ += static_cast<char>(value >> 8 * i & 0xFF);
+    append_little_endian(bytes_, value, size);
     return *this;
   }
 

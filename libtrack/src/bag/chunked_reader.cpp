@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/crc32.h"
 #include "byte_cursor.h"
-#include "crc32.h"
 
 namespace apriltrack {
 namespace {

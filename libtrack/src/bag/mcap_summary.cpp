@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
-#include "crc32.h"
+#include "apriltrack/io/crc32.h"
 #include "mcap_data.h"
 
 namespace apriltrack {

@@ -1,7 +1,7 @@
 #include "mcap_write_records.h"
 
 #include "apriltrack/base/version.h"
-#include "crc32.h"
+#include "apriltrack/io/crc32.h"
 #include "mcap_data.h"
 #include "pack.h"
 

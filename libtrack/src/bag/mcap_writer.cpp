@@ -11,8 +11,8 @@
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/crc32.h"
 #include "apriltrack/io/growing_file.h"
-#include "crc32.h"
 #include "mcap_data.h"
 #include "mcap_write_records.h"
 #include "pack.h"

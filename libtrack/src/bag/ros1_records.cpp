@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "apriltrack/base/timestamp.h"
 #include "walk_records.h"
 
 namespace apriltrack {
@@ -44,7 +45,7 @@ std::int64_t Ros1Fields::time_ns(std::string_view name) const {
 
 std::int64_t ros1_time_ns(std::string_view eight_bytes) {
   const auto seconds = static_cast<std::int64_t>(little_endian(eight_bytes.substr(0, 4)));
-  return seconds * 1'000'000'000 + static_cast<std::int64_t>(little_endian(eight_bytes.substr(4, 4)));
+  return seconds * kNsPerSecond + static_cast<std::int64_t>(little_endian(eight_bytes.substr(4, 4)));
 }
 
 std::uint32_t connection_id(const Ros1Fields& header) {

@@ -9,7 +9,6 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 constexpr std::size_t kDecimals = 9;
 
 std::optional<std::int64_t> parse_digits(std::string_view text) {

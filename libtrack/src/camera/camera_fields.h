@@ -63,6 +63,6 @@ std::string format_response_table(const ResponseCurve& response);
 /// to_estimate: gets the names of cameras with `response: auto`, which nullptr refuses. lost: gets what is
 /// passed over.
 CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path& folder,
-                               std::vector<std::string>* to_estimate, std::vector<LostCameraFact>& lost);
+                               std::vector<std::string>* to_estimate, std::vector<ConversionLoss>& lost);
 
 }  // namespace apriltrack

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 
+#include "apriltrack/geometry/rotation.h"
 #include "apriltrack/image/exposure.h"
 #include "camera_fields.h"
 
@@ -44,10 +44,7 @@ Pose read_rigid_transform(const YamlNode& node) {
   }
   if (linear.determinant() < 0.0)
     node.fail("its upper left 3x3 block is a reflection (determinant -1), no rotation");
-  // The nearest rotation in the least-squares sense: U V^T of the singular value decomposition.
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
-  return Pose(rotation, matrix.topRightCorner<3, 1>());
+  return Pose(nearest_rotation(linear), matrix.topRightCorner<3, 1>());
 }
 
 void check_camera_model(const YamlNode& node) {
@@ -85,11 +82,10 @@ std::string read_name(const std::string& key, const YamlNode& node, const Camera
   return name;
 }
 
-void note_place_at_imu(const std::string& name, const YamlNode& node, std::vector<LostCameraFact>& lost) {
+void note_place_at_imu(const std::string& name, const YamlNode& node, std::vector<ConversionLoss>& lost) {
   for (const char* key : {"T_cam_imu", "T_imu_cam", "timeshift_cam_imu"}) {
     if (!node.find(key)) continue;
-    lost.push_back({CameraLoss::kExtrinsics,
-                    fmt::format("camera '{}': its {} (place or clock relative to the IMU)", name, key)});
+    lost.push_back({.kind = LossKind::kExtrinsics, .which = {name}, .value = key});
   }
 }
 
@@ -124,7 +120,7 @@ Camera read_camera(const std::string& name, const YamlNode& node, const std::fil
 }  // namespace
 
 CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path& folder,
-                               std::vector<std::string>* to_estimate, std::vector<LostCameraFact>& lost) {
+                               std::vector<std::string>* to_estimate, std::vector<ConversionLoss>& lost) {
   CameraRig rig;
   for (const auto& [key, node] : root.entries()) {
     if (key.starts_with("x_")) continue;

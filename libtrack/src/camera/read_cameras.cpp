@@ -173,9 +173,9 @@ void warn_of_oddities(const Camera& camera, const std::string& where, const LogS
 
 /// What moves points is told here, where all hear of it. What else is lost matters to conversions only.
 void tell_oddities(const CameraFile& file, const std::string& where, const LogSink& log) {
-  for (const LostCameraFact& fact : file.lost) {
-    if (fact.kind == CameraLoss::kSkew || fact.kind == CameraLoss::kLensTerms)
-      log(LogLevel::kWarning, fact.message);
+  for (const ConversionLoss& loss : file.lost) {
+    if (const std::string sentence = sentence_of_moved_points(loss); !sentence.empty())
+      log(LogLevel::kWarning, sentence);
   }
   for (const Camera& camera : file.rig.cameras) warn_of_oddities(camera, where, log);
 }
@@ -197,8 +197,7 @@ CameraFile read_camera_file(const std::filesystem::path& path, const LogSink& lo
   std::vector<std::string> to_estimate;
   CameraFile file = read_any(path, &to_estimate, beyond);
   for (const std::string& name : to_estimate)
-    file.lost.push_back({CameraLoss::kResponse,
-                         fmt::format("camera '{}': that its response is to be estimated (auto)", name)});
+    file.lost.push_back({.kind = LossKind::kResponse, .which = {name}, .value = "auto"});
   tell_oddities(file, path.string(), log);
   return file;
 }

@@ -98,17 +98,15 @@ bool has_comma_columns(std::string_view text) {
 }
 
 Trajectory read_euroc_text(std::string_view text, const std::string& name,
-                           std::vector<TrajectoryLoss>& losses) {
+                           std::vector<ConversionLoss>& losses) {
   const std::size_t num_columns = checked_header(text, name).size();
   std::vector<ContentLine> lines = content_lines(text);
   const bool has_bare_header = !lines.empty() && !parse_double(split_commas(lines.front().text).front());
   if (has_bare_header) lines.erase(lines.begin());
   std::vector<PoseLine> poses;
   for (const ContentLine& line : lines) poses.push_back(euroc_pose_of(line, num_columns, name));
-  if (num_columns >= kNumVelocityColumns)
-    losses.push_back({TrajectoryLossKind::kVelocities, TrajectoryLossHow::kLeftOut});
-  if (num_columns > kNumVelocityColumns)
-    losses.push_back({TrajectoryLossKind::kBiases, TrajectoryLossHow::kLeftOut});
+  if (num_columns >= kNumVelocityColumns) losses.push_back({LossKind::kVelocities, LossHow::kLeftOut});
+  if (num_columns > kNumVelocityColumns) losses.push_back({LossKind::kBiases, LossHow::kLeftOut});
   return sorted_by_time(std::move(poses), name);
 }
 

@@ -4,10 +4,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
+#include <Eigen/LU>
 #include <array>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/geometry/rotation.h"
 #include "apriltrack/io/numbers.h"
 #include "trajectory_lines.h"
 #include "trajectory_texts.h"
@@ -32,8 +33,7 @@ Eigen::Matrix3d rotation_of(const Eigen::Matrix3d& matrix, const std::string& wh
         where, fmt::format("r11 to r33 are no rotation matrix, by rows (determinant {:.4g}, its transpose "
                            "times itself is off the identity by {:.4g})",
                            matrix.determinant(), error));
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return svd.matrixU() * svd.matrixV().transpose();
+  return nearest_rotation(matrix);
 }
 
 Pose kitti_pose_of(const ContentLine& line, const std::string& name) {

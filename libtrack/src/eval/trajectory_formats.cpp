@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
@@ -17,8 +16,6 @@ namespace apriltrack {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::array<std::string_view, 3> kKindNames = {"times", "velocities", "biases"};
-constexpr std::array<std::string_view, 4> kHowNames = {"left_out", "assumed", "given", "converted"};
 constexpr std::string_view kKittiText = "kitti.txt";
 
 TrajectoryFormat format_of(std::string_view text) {
@@ -44,10 +41,10 @@ std::vector<Timestamp> times_at_rate(std::size_t count, double rate_hz) {
 
 std::vector<Timestamp> kitti_times(const fs::path& poses, std::size_t count,
                                    const TrajectoryReadOptions& options,
-                                   std::vector<TrajectoryLoss>& losses) {
+                                   std::vector<ConversionLoss>& losses) {
   if (options.rate_hz) {
     losses.push_back(
-        {TrajectoryLossKind::kTimes, TrajectoryLossHow::kGiven, format_exact(*options.rate_hz) + " Hz"});
+        {.kind = LossKind::kTimes, .how = LossHow::kGiven, .value = format_exact(*options.rate_hz) + " Hz"});
     return times_at_rate(count, *options.rate_hz);
   }
   const fs::path file = options.times.empty() ? times_beside(poses) : options.times;
@@ -62,12 +59,12 @@ std::vector<Timestamp> kitti_times(const fs::path& poses, std::size_t count,
     throw invalid_input(file.string(), fmt::format("has {} times, and {} has {} poses: there must be one for "
                                                    "each",
                                                    times.size(), poses.string(), count));
-  losses.push_back({TrajectoryLossKind::kTimes, TrajectoryLossHow::kGiven, file.string()});
+  losses.push_back({.kind = LossKind::kTimes, .how = LossHow::kGiven, .value = file.string()});
   return times;
 }
 
 Trajectory read_kitti(const fs::path& path, std::string_view text, const TrajectoryReadOptions& options,
-                      std::vector<TrajectoryLoss>& losses) {
+                      std::vector<ConversionLoss>& losses) {
   const std::vector<Pose> poses = read_kitti_text(text, path.string());
   const std::vector<Timestamp> times = kitti_times(path, poses.size(), options, losses);
   std::vector<PoseLine> lines;
@@ -84,7 +81,7 @@ void refuse_times(const TrajectoryReadOptions& options, const fs::path& path, Tr
 }
 
 Trajectory read_as(TrajectoryFormat format, const fs::path& path, std::string_view text,
-                   const TrajectoryReadOptions& options, std::vector<TrajectoryLoss>& losses) {
+                   const TrajectoryReadOptions& options, std::vector<ConversionLoss>& losses) {
   if (format == TrajectoryFormat::kKitti) return read_kitti(path, text, options, losses);
   refuse_times(options, path, format);
   return format == TrajectoryFormat::kEuroc ? read_euroc_text(text, path.string(), losses)
@@ -118,14 +115,6 @@ std::optional<TrajectoryFormat> trajectory_format_of_ending(const fs::path& path
   return std::nullopt;
 }
 
-std::string_view to_string(TrajectoryLossKind kind) {
-  return kKindNames.at(static_cast<std::size_t>(kind));
-}
-
-std::string_view to_string(TrajectoryLossHow how) {
-  return kHowNames.at(static_cast<std::size_t>(how));
-}
-
 TrajectoryReading read_trajectory_file(const fs::path& path, const TrajectoryReadOptions& options) {
   const std::string text = read_file(path, kMaxTableBytes);
   TrajectoryReading reading;
@@ -142,13 +131,13 @@ fs::path kitti_times_file(const fs::path& poses) {
   return fs::path(poses).replace_extension(".times.txt");
 }
 
-std::vector<TrajectoryLoss> trajectory_losses(const fs::path& path, TrajectoryFormat format) {
+std::vector<ConversionLoss> trajectory_losses(const fs::path& path, TrajectoryFormat format) {
   switch (format) {
     case TrajectoryFormat::kEuroc:
-      return {{TrajectoryLossKind::kVelocities, TrajectoryLossHow::kAssumed},
-              {TrajectoryLossKind::kBiases, TrajectoryLossHow::kAssumed}};
+      return {{LossKind::kVelocities, LossHow::kAssumed}, {LossKind::kBiases, LossHow::kAssumed}};
     case TrajectoryFormat::kKitti:
-      return {{TrajectoryLossKind::kTimes, TrajectoryLossHow::kConverted, kitti_times_file(path).string()}};
+      return {
+          {.kind = LossKind::kTimes, .how = LossHow::kConverted, .value = kitti_times_file(path).string()}};
     case TrajectoryFormat::kTum:
       break;
   }

@@ -18,7 +18,7 @@ Trajectory read_tum_text(std::string_view text, const std::string& name);
 bool has_comma_columns(std::string_view text);
 /// losses: gets the columns that a trajectory has no place for.
 Trajectory read_euroc_text(std::string_view text, const std::string& name,
-                           std::vector<TrajectoryLoss>& losses);
+                           std::vector<ConversionLoss>& losses);
 std::string euroc_text(const Trajectory& trajectory);
 
 /// Whether the first row has twelve columns, separated by blanks.

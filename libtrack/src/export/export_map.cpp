@@ -10,6 +10,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/staged_files.h"
+#include "apriltrack/tags/map_holdings.h"
 #include "export_words.h"
 #include "writers.h"
 
@@ -80,11 +81,11 @@ MapExport export_tag_map(const TagMap& map, ExportFormat format) {
   add_left_out(map, holdings_of(format), result.losses);
   const bool has_plain_names = format == ExportFormat::kUrdf || format == ExportFormat::kSdf;
   if (const std::string name = plain_frame_name(map); has_plain_names && name != map.frame)
-    result.losses.push_back({.kind = MapLossKind::kFrameName, .how = MapLossHow::kConverted, .value = name});
+    result.losses.push_back({.kind = LossKind::kFrameName, .how = LossHow::kConverted, .value = name});
   return result;
 }
 
-std::vector<MapLoss> write_exported_map(const fs::path& path, const TagMap& map, ExportFormat format) {
+std::vector<ConversionLoss> write_exported_map(const fs::path& path, const TagMap& map, ExportFormat format) {
   check_tag_map(map, path.string());
   if (format == ExportFormat::kColmap) check_colmap_folder(path);
   MapExport result = export_tag_map(map, format);

@@ -3,13 +3,12 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/export/foxglove.h"
+#include "apriltrack/io/base64.h"
 
 namespace apriltrack {
 namespace {
 
 using nlohmann::json;
-
-constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 
 json time_json(Timestamp time) {
   if (time.ns < 0)
@@ -120,21 +119,6 @@ struct LensOf {
   Lens operator()(const EquidistantDistortion& lens) const { return {"kannala_brandt", lens.coefficients()}; }
 };
 
-std::string base64_of(std::string_view bytes) {
-  constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const auto at = [&](std::size_t i) {
-    return i < bytes.size() ? static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[i])) : 0u;
-  };
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::uint32_t bits = at(i) << 16 | at(i + 1) << 8 | at(i + 2);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k > bytes.size() ? '=' : kAlphabet[bits >> (18 - 6 * k) & 63];
-  }
-  return text;
-}
-
 /// Foxglove's origin is the corner of the pixel whose centre is ours.
 json point_json(const Eigen::Vector2d& pixel) {
   return {{"x", pixel.x() + 0.5}, {"y", pixel.y() + 0.5}};
@@ -211,7 +195,7 @@ std::string camera_calibration_json(Timestamp time, std::string_view frame, cons
 std::string compressed_image_json(Timestamp time, std::string_view frame, std::string_view bytes,
                                   std::string_view format) {
   return text_of(
-      {{"timestamp", time_json(time)}, {"frame_id", frame}, {"data", base64_of(bytes)}, {"format", format}});
+      {{"timestamp", time_json(time)}, {"frame_id", frame}, {"data", base64(bytes)}, {"format", format}});
 }
 
 std::string image_annotations_json(Timestamp time, std::span<const PictureOutline> outlines) {

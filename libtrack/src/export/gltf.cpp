@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "apriltrack/io/base64.h"
+#include "apriltrack/io/byte_order.h"
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/io/quoted_text.h"
 #include "apriltrack/tags/tag_family.h"
@@ -25,12 +27,11 @@ struct BufferView {
 };
 
 void append_float(std::string& bytes, float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>((bits >> shift) & 0xFFu);
+  append_little_endian(bytes, std::bit_cast<std::uint32_t>(value), 4);
 }
 
 void append_u32(std::string& bytes, std::size_t value) {
-  for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>((value >> shift) & 0xFFu);
+  append_little_endian(bytes, value, 4);
 }
 
 /// What all tags share: corners in our order (bottom left, bottom right, top right, top left) of a quad from

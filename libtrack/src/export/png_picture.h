@@ -10,7 +10,4 @@ namespace apriltrack {
 /// packed: a tag's picture has a hundred bytes.
 std::string png_of_cells(const Image<float>& cells);
 
-/// With the usual alphabet, and padded.
-std::string base64(const std::string& bytes);
-
 }  // namespace apriltrack

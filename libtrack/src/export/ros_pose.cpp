@@ -1,26 +1,21 @@
 #include "apriltrack/export/ros_pose.h"
 
+#include <bit>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/byte_order.h"
 
 namespace apriltrack {
 namespace {
-
-constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 
 /// Plain CDR, little-endian: numbers stand at multiples of their size, counted behind the four bytes that say
 /// so.
 class CdrWriter {
  public:
   void u32(std::uint32_t value) { number(value, sizeof value); }
-  void real(double value) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    number(bits, sizeof bits);
-  }
+  void real(double value) { number(std::bit_cast<std::uint64_t>(value), sizeof value); }
   /// With a zero at its end, which counts.
   void text(std::string_view value) {
     u32(static_cast<std::uint32_t>(value.size() + 1));
@@ -31,7 +26,7 @@ class CdrWriter {
  private:
   void number(std::uint64_t value, std::size_t size) {
     while (bytes_.size() % size != 0) bytes_.push_back('\0');
-    for (std::size_t i = 0; i < size; ++i) bytes_.push_back(static_cast<char>(value >> 8 * i & 0xFF));
+    append_little_endian(bytes_, value, size);
   }
 
   std::string bytes_;

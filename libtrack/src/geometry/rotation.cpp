@@ -1,5 +1,7 @@
 #include "apriltrack/geometry/rotation.h"
 
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <cmath>
 
 namespace apriltrack {
@@ -73,6 +75,13 @@ Eigen::Vector3d roll_pitch_yaw_of(const Eigen::Quaterniond& rotation) {
   const double yaw = std::atan2(std::sin(roll) * R(0, 2) - std::cos(roll) * R(0, 1),
                                 std::cos(roll) * R(1, 1) - std::sin(roll) * R(1, 2));
   return {roll, pitch, yaw};
+}
+
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector3d signs = Eigen::Vector3d::Ones();
+  signs(2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
 }  // namespace apriltrack

@@ -8,6 +8,7 @@
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
+#include "apriltrack/io/base64.h"
 #include "apriltrack/io/input_file.h"
 #include "html_text.h"
 #include "page_style.h"

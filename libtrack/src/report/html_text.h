@@ -9,9 +9,6 @@ namespace apriltrack {
 /// (broken UTF-8, most control characters) becomes U+FFFD.
 std::string escaped(std::string_view text);
 
-/// RFC 4648, with padding.
-std::string base64(std::string_view bytes);
-
 /// Whether a table's cell is a number, be it with a unit ("0.5 px", "99 %"), or stands for one ("-", "",
 /// "- (of 3)").
 bool is_number_or_blank(std::string_view cell);

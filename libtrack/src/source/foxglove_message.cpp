@@ -7,8 +7,6 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::int64_t kNsPerSecond = 1'000'000'000;
-
 std::int64_t whole_number(const YamlNode& node, std::int64_t most) {
   const double value = node.as_double();
   if (!(value >= 0.0 && value <= static_cast<double>(most) && value == std::floor(value)))

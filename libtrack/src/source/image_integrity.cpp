@@ -1,9 +1,5 @@
 #include "image_integrity.h"
 
-extern "C" {
-#include <libavutil/crc.h>
-}
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +8,8 @@ extern "C" {
 #include <cstdlib>
 #include <optional>
 
+#include "apriltrack/io/byte_order.h"
+#include "apriltrack/io/crc32.h"
 #include "tiff_directory.h"
 
 namespace apriltrack {
@@ -26,16 +24,12 @@ std::uint8_t byte_at(std::string_view bytes, std::size_t at) {
   return static_cast<std::uint8_t>(bytes[at]);
 }
 
-std::uint32_t big_endian(std::string_view bytes, std::size_t at, std::size_t count) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < count; ++i) value = (value << 8) | byte_at(bytes, at + i);
-  return value;
+std::uint32_t big_endian_at(std::string_view bytes, std::size_t at, std::size_t count) {
+  return static_cast<std::uint32_t>(big_endian(bytes.substr(at, count)));
 }
 
 std::uint32_t little_endian_32(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 4; i-- > 0;) value = (value << 8) | byte_at(bytes, at + i);
-  return value;
+  return static_cast<std::uint32_t>(little_endian(bytes.substr(at, 4)));
 }
 
 struct PngChunk {
@@ -49,7 +43,7 @@ struct PngChunk {
 std::optional<PngChunk> png_chunk_at(std::string_view bytes, std::size_t at) {
   constexpr std::size_t kFrame = 12;  // length, type and sum round each chunk's data
   if (at > bytes.size() || bytes.size() - at < kFrame) return std::nullopt;
-  const std::size_t length = big_endian(bytes, at, 4);
+  const std::size_t length = big_endian_at(bytes, at, 4);
   if (length > bytes.size() - at - kFrame) return std::nullopt;
   return PngChunk{bytes.substr(at + 4, 4), bytes.substr(at + 8, length), bytes.substr(at, length + kFrame)};
 }
@@ -61,9 +55,7 @@ bool matters_to_pixels(const PngChunk& chunk) {
 
 bool has_right_sum(const PngChunk& chunk) {
   const std::string_view summed = chunk.whole.substr(4, chunk.whole.size() - 8);
-  const std::uint32_t sum = ~av_crc(av_crc_get_table(AV_CRC_32_IEEE_LE), ~0U,
-                                    reinterpret_cast<const std::uint8_t*>(summed.data()), summed.size());
-  return sum == big_endian(chunk.whole, chunk.whole.size() - 4, 4);
+  return crc32(summed) == big_endian_at(chunk.whole, chunk.whole.size() - 4, 4);
 }
 
 /// Chunk by chunk to IEND. Sums are looked at here, for libpng tells of wrong ones on stderr.
@@ -73,7 +65,7 @@ ImageIntegrity inspect_png(std::string_view bytes) {
     const auto chunk = png_chunk_at(bytes, at);
     if (!chunk) break;
     if (chunk->type == "IHDR" && chunk->data.size() >= 9) {
-      found.size = {big_endian(chunk->data, 0, 4), big_endian(chunk->data, 4, 4)};
+      found.size = {big_endian_at(chunk->data, 0, 4), big_endian_at(chunk->data, 4, 4)};
       found.bits_per_sample = byte_at(chunk->data, 8);
     }
     if (matters_to_pixels(*chunk) && !has_right_sum(*chunk)) {
@@ -149,11 +141,11 @@ class JpegWalk {
 
   void read_segment(std::uint8_t marker) {
     if (at_ + 2 > bytes_.size()) return cut();
-    const std::size_t length = big_endian(bytes_, at_, 2);
+    const std::size_t length = big_endian_at(bytes_, at_, 2);
     if (length < 2) return broken();
     if (length > bytes_.size() - at_) return cut();
     if (jpeg::is_start_of_frame(marker) && length >= 8) {
-      found_.size = {big_endian(bytes_, at_ + 5, 2), big_endian(bytes_, at_ + 3, 2)};
+      found_.size = {big_endian_at(bytes_, at_ + 5, 2), big_endian_at(bytes_, at_ + 3, 2)};
       num_components_ = byte_at(bytes_, at_ + 7);
       is_baseline_ = jpeg::is_baseline(marker);
     }

@@ -5,6 +5,8 @@
 #include <bit>
 #include <cstddef>
 
+#include "apriltrack/io/byte_order.h"
+
 namespace apriltrack {
 namespace {
 
@@ -24,10 +26,7 @@ class MessageFields {
   T number() {
     align(sizeof(T));
     const std::string_view taken = take(sizeof(T));
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < sizeof(T); ++i)
-      value = value << 8 | static_cast<unsigned char>(taken[is_big_endian_ ? i : sizeof(T) - 1 - i]);
-    return static_cast<T>(value);
+    return static_cast<T>(is_big_endian_ ? big_endian(taken) : little_endian(taken));
   }
   double real() { return std::bit_cast<double>(number<std::uint64_t>()); }
 
@@ -95,7 +94,7 @@ RosHeader take_whole_header(MessageFields& fields) {
   const std::int64_t signed_seconds =
       fields.is_cdr() ? std::int64_t{std::bit_cast<std::int32_t>(seconds)} : seconds;
   const std::int64_t nanoseconds = fields.number<std::uint32_t>();
-  return {{signed_seconds * 1'000'000'000 + nanoseconds}, fields.text()};
+  return {{signed_seconds * kNsPerSecond + nanoseconds}, fields.text()};
 }
 
 Timestamp take_header(MessageFields& fields) {

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include "apriltrack/io/byte_order.h"
+
 namespace apriltrack {
 namespace {
 
@@ -16,10 +18,8 @@ class TiffBytes {
   }
   std::int64_t number(std::size_t at, std::size_t count) const {
     if (at > bytes_.size() || count > bytes_.size() - at) return 0;
-    std::int64_t value = 0;
-    for (std::size_t i = 0; i < count; ++i)
-      value = value << 8 | static_cast<unsigned char>(bytes_[at + (is_big_endian_ ? i : count - 1 - i)]);
-    return value;
+    const std::string_view taken = bytes_.substr(at, count);
+    return static_cast<std::int64_t>(is_big_endian_ ? big_endian(taken) : little_endian(taken));
   }
 
  private:

@@ -31,7 +31,7 @@ constexpr std::int64_t kPipeAnalysis_us = 100'000;
 constexpr const char* kPipeAdvice =
     "; a pipe cannot be gone back in, as some containers (MP4) and bags need: send Matroska, MPEG-TS or JPEG "
     "pictures, as `ffmpeg -i film.mp4 -c copy -f matroska - | apriltrack track - ...` does";
-constexpr AVRational kNanoseconds = {1, 1'000'000'000};
+constexpr AVRational kNanoseconds = {1, kNsPerSecond};
 
 std::string reason(int code) {
   std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};

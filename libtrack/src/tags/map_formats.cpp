@@ -100,10 +100,10 @@ TagMap read_tag_map(const std::filesystem::path& path) {
   return read_tag_map(path, MapReadOptions()).map;
 }
 
-std::vector<MapLoss> write_tag_map_as(const std::filesystem::path& path, const TagMap& map, MapFormat format,
-                                      const MapWriteOptions& options) {
+std::vector<ConversionLoss> write_tag_map_as(const std::filesystem::path& path, const TagMap& map,
+                                             MapFormat format, const MapWriteOptions& options) {
   check_tag_map(map, path.string());  // what could not be read again must not be written
-  std::vector<MapLoss> losses;
+  std::vector<ConversionLoss> losses;
   const std::string text = code_of(format).write(map, options, path.string(), losses);
   write_file_atomically(path, text);
   return losses;

@@ -10,6 +10,8 @@
 
 namespace apriltrack {
 
+inline constexpr std::int64_t kNsPerSecond = 1'000'000'000;
+
 /// A moment in int64 nanoseconds since the epoch of the recording's clock. A frame's time is the MIDDLE of
 /// its exposure. Never held in a double: 1e18 ns in a double loses 128 ns.
 struct Timestamp {

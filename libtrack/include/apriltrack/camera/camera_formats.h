@@ -9,6 +9,7 @@
 
 #include "apriltrack/base/log.h"
 #include "apriltrack/camera/camera.h"
+#include "apriltrack/io/conversion_loss.h"
 
 namespace apriltrack {
 
@@ -46,35 +47,16 @@ std::optional<CameraFormat> camera_format_named(std::string_view name);
 /// COLMAP's; nullopt where the ending does not tell (.json).
 std::optional<CameraFormat> camera_format_of_ending(const std::filesystem::path& path);
 
-/// What a camera file says and another one, or we, cannot hold.
-enum class CameraLoss {
-  kResolution,
-  kResponse,
-  kExposure,
-  kLineDelay,
-  kExtrinsics,      ///< The place of a camera on its rig, relative to the IMU or in a reference frame.
-  kNames,           ///< What the cameras are called.
-  kFurtherCameras,  ///< All but one camera of a rig.
-  kSkew,            ///< Axes of the picture that are not at a right angle.
-  kLensTerms,       ///< Terms of a lens that ours has not, fitted by those that it has.
-  kUnreadLens,      ///< Written, and read by us, but not by the program whose format it is.
-};
-
-/// "resolution", "further_cameras", ...: the word in --json.
-std::string_view name_of(CameraLoss loss);
-
-/// One thing that was lost, told in a sentence that names the camera and the value.
-struct LostCameraFact {
-  CameraLoss kind;
-  std::string message;
-};
-
 /// A camera file as it was read.
 struct CameraFile {
   CameraFormat format = CameraFormat::kKalibr;
   CameraRig rig;
-  std::vector<LostCameraFact> lost;  ///< What the file says and Camera does not hold.
+  std::vector<ConversionLoss> lost;  ///< What the file says and Camera does not hold.
 };
+
+/// The sentence that every reader logs of a loss that moves points of the picture (kSkew, kLensTerms): file,
+/// line, key, how much, and the way out. Empty of all others.
+std::string sentence_of_moved_points(const ConversionLoss& loss);
 
 /// What becomes of a lens with OpenCV's thin prism or tilted sensor, which ours have not.
 enum class BeyondOurLenses {
@@ -89,7 +71,7 @@ CameraFile read_camera_file(const std::filesystem::path& path, const LogSink& lo
                             BeyondOurLenses beyond = BeyondOurLenses::kRefuse);
 
 /// What write_cameras_as() would leave out.
-std::vector<LostCameraFact> losses_of_writing(const CameraRig& rig, CameraFormat format,
+std::vector<ConversionLoss> losses_of_writing(const CameraRig& rig, CameraFormat format,
                                               const std::string& only = {});
 
 /// Writes cameras in any format that is written, to the last digit of every number.  only: the name of the
@@ -97,7 +79,7 @@ std::vector<LostCameraFact> losses_of_writing(const CameraRig& rig, CameraFormat
 /// has its place relative to the rig's first camera. Returns what the format cannot hold. Throws
 /// Error(kInvalidInput) where the format is only read, needs a resolution that the camera has not, or has no
 /// such lens model, or where no camera has the name; Error(kIo). Nothing is written then.
-std::vector<LostCameraFact> write_cameras_as(const std::filesystem::path& path, const CameraRig& rig,
+std::vector<ConversionLoss> write_cameras_as(const std::filesystem::path& path, const CameraRig& rig,
                                              CameraFormat format, const std::string& only = {});
 
 }  // namespace apriltrack

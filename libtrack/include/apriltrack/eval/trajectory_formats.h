@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apriltrack/eval/trajectory.h"
+#include "apriltrack/io/conversion_loss.h"
 
 namespace apriltrack {
 
@@ -33,33 +34,6 @@ std::optional<TrajectoryFormat> trajectory_format_named(std::string_view name);
 /// By the ending of a name: .tum, .csv, .kitti, and names that end in kitti.txt.
 std::optional<TrajectoryFormat> trajectory_format_of_ending(const std::filesystem::path& path);
 
-/// What another format of trajectories cannot hold, or did not say.
-enum class TrajectoryLossKind {
-  kTimes,       ///< Of the poses.
-  kVelocities,  ///< Of the origin of the moving frame.
-  kBiases,      ///< Of an IMU.
-};
-
-/// What became of it.
-enum class TrajectoryLossHow {
-  kLeftOut,    ///< It was there, and is not in the result.
-  kAssumed,    ///< It was not there, and the result has a value that nobody stated.
-  kGiven,      ///< It was not there, and the result has what the caller gave.
-  kConverted,  ///< It is in the result in another form or place, which `value` tells.
-};
-
-/// One thing to know about a conversion. The words for it are the caller's.
-struct TrajectoryLoss {
-  TrajectoryLossKind kind = TrajectoryLossKind::kTimes;
-  TrajectoryLossHow how = TrajectoryLossHow::kLeftOut;
-  std::string value = {};  ///< kTimes: the file that has them, or the rate in Hz.
-};
-
-/// "times", "velocities", "biases".
-std::string_view to_string(TrajectoryLossKind kind);
-/// "left_out", "assumed", "given", "converted".
-std::string_view to_string(TrajectoryLossHow how);
-
 struct TrajectoryReadOptions {
   /// The times of KITTI's poses: a line in seconds for each. Empty: kitti_times_file() where it is there,
   /// else times.txt beside the poses.
@@ -71,7 +45,7 @@ struct TrajectoryReadOptions {
 struct TrajectoryReading {
   Trajectory trajectory;
   TrajectoryFormat format = TrajectoryFormat::kTum;
-  std::vector<TrajectoryLoss> losses;
+  std::vector<ConversionLoss> losses;
 };
 
 /// A trajectory in any format, which its content tells, whatever its name is: rows of eight columns are
@@ -87,7 +61,7 @@ Trajectory read_trajectory(const std::filesystem::path& path);
 std::filesystem::path kitti_times_file(const std::filesystem::path& poses);
 
 /// What `format` cannot hold, or wants and has not. path: of the poses.
-std::vector<TrajectoryLoss> trajectory_losses(const std::filesystem::path& path, TrajectoryFormat format);
+std::vector<ConversionLoss> trajectory_losses(const std::filesystem::path& path, TrajectoryFormat format);
 
 /// Writes with every digit of every number; of KITTI two files, kitti_times_file() the second. Throws
 /// Error(kIo); files are replaced only when all is written.

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "apriltrack/tags/map_loss.h"
+#include "apriltrack/io/conversion_loss.h"
 #include "apriltrack/tags/tag_map.h"
 
 namespace apriltrack {
@@ -44,7 +44,7 @@ struct ExportedFile {
 
 struct MapExport {
   std::vector<ExportedFile> files;
-  std::vector<MapLoss> losses;
+  std::vector<ConversionLoss> losses;
 };
 
 /// Tags are in the map's frame, z of which is up for those formats that know an up (glTF is turned to y up).
@@ -54,7 +54,7 @@ MapExport export_tag_map(const TagMap& map, ExportFormat format);
 /// Writes it: a file, or files into a folder that is made where it is missing. Returns what the files do not
 /// hold. Throws what check_tag_map() throws, and Error(kIo); existing files are replaced by complete ones
 /// only. Error(kInvalidInput) for a folder with a COLMAP model that this did not write.
-std::vector<MapLoss> write_exported_map(const std::filesystem::path& path, const TagMap& map,
-                                        ExportFormat format);
+std::vector<ConversionLoss> write_exported_map(const std::filesystem::path& path, const TagMap& map,
+                                               ExportFormat format);
 
 }  // namespace apriltrack

@@ -19,6 +19,10 @@ Eigen::Quaterniond rotation_of_roll_pitch_yaw(const Eigen::Vector3d& roll_pitch_
 /// Its inverse: roll, pitch in [-pi/2, pi/2], yaw. To rounding at the poles, too, where roll and yaw are one.
 Eigen::Vector3d roll_pitch_yaw_of(const Eigen::Quaterniond& rotation);
 
+/// The rotation next to a matrix, in the sense of least squares over its nine numbers: of one whose numbers
+/// are rounded, and of Kabsch's sum of products. Never a mirror image.
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
+
 /// Left Jacobian of SO(3): `exp(w + dw) = exp(J dw) * exp(w)` to first order; also the map from the
 /// translation part of a twist to the translation of its exponential.
 Eigen::Matrix3d rotation_left_jacobian(const Eigen::Vector3d& rotation_vector);

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "apriltrack/tags/map_loss.h"
+#include "apriltrack/io/conversion_loss.h"
 #include "apriltrack/tags/tag_map.h"
 #include "apriltrack/tags/tag_sizes.h"
 
@@ -59,7 +59,7 @@ struct MapReadOptions {
 struct MapReading {
   TagMap map;
   MapFormat format = MapFormat::kAprilTrack;
-  std::vector<MapLoss> losses;
+  std::vector<ConversionLoss> losses;
 };
 
 /// By its contents, whatever its name. Throws Error(kIo) when it cannot be read, Error(kInvalidInput) that
@@ -82,7 +82,7 @@ struct MapWriteOptions {
 /// Returns what the file does not hold. Throws Error(kInvalidInput) when the format cannot hold the map (an
 /// id in two families, a tag that leans where only headings are written, no printed grid) and what
 /// check_tag_map() throws; Error(kIo). An existing file is replaced only when the new one is complete.
-std::vector<MapLoss> write_tag_map_as(const std::filesystem::path& path, const TagMap& map, MapFormat format,
-                                      const MapWriteOptions& options = {});
+std::vector<ConversionLoss> write_tag_map_as(const std::filesystem::path& path, const TagMap& map,
+                                             MapFormat format, const MapWriteOptions& options = {});
 
 }  // namespace apriltrack

@@ -65,7 +65,7 @@ bool is_basalt(const YamlNode& root) {
   return value && value->is_map() && value->find("intrinsics");
 }
 
-CameraRig read_basalt(const YamlNode& root, std::vector<LostCameraFact>& lost) {
+CameraRig read_basalt(const YamlNode& root, std::vector<ConversionLoss>& lost) {
   const YamlNode value = root.at("value0");
   const std::vector<YamlNode> cameras = value.at("intrinsics").items();
   const std::vector<YamlNode> sizes = value.at("resolution").items();
@@ -87,7 +87,7 @@ CameraRig read_basalt(const YamlNode& root, std::vector<LostCameraFact>& lost) {
     rig.cameras.push_back(camera);
   }
   if (!T_imu_cam.empty())
-    lost.push_back({CameraLoss::kExtrinsics, "the cameras' place relative to the IMU (T_imu_cam)"});
+    lost.push_back({.kind = LossKind::kExtrinsics, .which = {"cam0"}, .value = "T_imu_cam"});
   return rig;
 }
 

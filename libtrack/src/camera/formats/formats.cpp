@@ -1,8 +1,9 @@
+#include "formats.h"
+
 #include <algorithm>
 #include <array>
 
 #include "apriltrack/base/check.h"
-#include "apriltrack/camera/camera_formats.h"
 
 namespace apriltrack {
 namespace {
@@ -49,30 +50,9 @@ std::optional<CameraFormat> camera_format_of_ending(const std::filesystem::path&
   return std::nullopt;
 }
 
-std::string_view name_of(CameraLoss loss) {
-  switch (loss) {
-    case CameraLoss::kResolution:
-      return "resolution";
-    case CameraLoss::kResponse:
-      return "response";
-    case CameraLoss::kExposure:
-      return "exposure";
-    case CameraLoss::kLineDelay:
-      return "line_delay";
-    case CameraLoss::kExtrinsics:
-      return "extrinsics";
-    case CameraLoss::kNames:
-      return "names";
-    case CameraLoss::kFurtherCameras:
-      return "further_cameras";
-    case CameraLoss::kSkew:
-      return "skew";
-    case CameraLoss::kLensTerms:
-      return "lens_terms";
-    case CameraLoss::kUnreadLens:
-      return "unread_lens";
-  }
-  return "resolution";
+std::string sentence_of_moved_points(const ConversionLoss& loss) {
+  if (loss.kind == LossKind::kSkew) return sentence_of_skew(loss);
+  return loss.kind == LossKind::kLensTerms ? sentence_of_lens_terms(loss) : "";
 }
 
 }  // namespace apriltrack

@@ -137,7 +137,7 @@ bool has_camera_matrix(const YamlNode& root) {
 }
 
 CameraRig read_matrix_camera(const YamlNode& root, BeyondOurLenses beyond,
-                             std::vector<LostCameraFact>& lost) {
+                             std::vector<ConversionLoss>& lost) {
   check_lens_model(root);
   const YamlNode matrix = *find_any(root, kMatrixNames);
   const SkewedPinhole lens = read_pinhole_matrix(matrix);

@@ -51,7 +51,7 @@ std::string model_name(const YamlNode& node) {
 }
 
 CameraModel read_lens_of_mrcal(const YamlNode& root, const Resolution& size, BeyondOurLenses beyond,
-                               std::vector<LostCameraFact>& lost) {
+                               std::vector<ConversionLoss>& lost) {
   const YamlNode model = root.find("lensmodel") ? root.at("lensmodel") : root.at("distortion_model");
   const auto known = std::ranges::find(kMrcalModels, model_name(model), &MrcalModel::name);
   if (known == kMrcalModels.end()) {
@@ -76,15 +76,15 @@ CameraModel read_lens_of_mrcal(const YamlNode& root, const Resolution& size, Bey
 }
 
 /// mrcal's place of a lone camera is relative to whatever its calibration took for the reference.
-void note_place_in_reference(const YamlNode& root, std::vector<LostCameraFact>& lost) {
+void note_place_in_reference(const YamlNode& root, std::vector<ConversionLoss>& lost) {
   for (const char* key : {"extrinsics", "rt_cam_ref"}) {
     const auto place = root.find(key);
     if (!place || !place->is_list()) continue;
     const std::vector<double> rt = place->as_doubles(6);
     if (std::ranges::all_of(rt, [](double value) { return value == 0.0; })) continue;
-    lost.push_back(
-        {CameraLoss::kExtrinsics, fmt::format("camera 'cam0': its place in the reference frame ({}: [{}])",
-                                              key, fmt::join(rt, ", "))});
+    lost.push_back({.kind = LossKind::kExtrinsics,
+                    .which = {"cam0"},
+                    .value = fmt::format("{}: [{}]", key, fmt::join(rt, ", "))});
   }
 }
 
@@ -97,7 +97,7 @@ bool is_mrcal(const CameraText& file) {
   return has("imagersize") && (has("lensmodel") || has("distortion_model"));
 }
 
-CameraRig read_mrcal(const CameraText& file, BeyondOurLenses beyond, std::vector<LostCameraFact>& lost) {
+CameraRig read_mrcal(const CameraText& file, BeyondOurLenses beyond, std::vector<ConversionLoss>& lost) {
   const YamlNode root = YamlNode::read_text(without_bytes(file.text), file.name);
   const Resolution size = read_resolution_list(root.at("imagersize"));
   const Camera camera{.model = read_lens_of_mrcal(root, size, beyond, lost),

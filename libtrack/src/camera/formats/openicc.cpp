@@ -41,7 +41,7 @@ bool is_openicc(const YamlNode& root) {
   return root.find("intrinsic_type") && root.find("intrinsics");
 }
 
-CameraRig read_openicc(const YamlNode& root, std::vector<LostCameraFact>& lost) {
+CameraRig read_openicc(const YamlNode& root, std::vector<ConversionLoss>& lost) {
   const YamlNode node = root.at("intrinsics");
   const double focal_px = node.at("focal_length").as_double();
   const Pinhole pinhole =

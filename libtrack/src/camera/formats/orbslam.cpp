@@ -70,14 +70,14 @@ bool is_orbslam(const YamlNode& root) {
   return root.find("Camera.fx") || root.find("Camera1.fx");
 }
 
-CameraRig read_orbslam(const YamlNode& root, std::vector<LostCameraFact>& lost) {
+CameraRig read_orbslam(const YamlNode& root, std::vector<ConversionLoss>& lost) {
   refuse_rectified_by_orbslam(root);
   CameraRig rig{{read_camera_of_orbslam(root, root.find("Camera1.fx") ? "Camera1." : "Camera.")}};
   if (!root.find("Camera2.fx")) return rig;
   rig.cameras.push_back(read_camera_of_orbslam(root, "Camera2."));
   rig.cameras.back().name = "cam1";
   lost.push_back(
-      {CameraLoss::kExtrinsics, "camera 'cam1': its place relative to cam0 (Stereo.T_c1_c2, or Tlr)"});
+      {.kind = LossKind::kExtrinsics, .which = {"cam1"}, .value = "Stereo.T_c1_c2 or Tlr"});
   return rig;
 }
 

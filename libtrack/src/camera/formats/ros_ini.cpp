@@ -81,7 +81,7 @@ int read_side(const IniFile& ini, const CameraText& file, const std::string& key
 }
 
 Camera read_ini_camera(const IniFile& ini, const CameraText& file, const std::string& section,
-                       std::vector<LostCameraFact>& lost) {
+                       std::vector<ConversionLoss>& lost) {
   const YamlNode matrix = list_of(value_at(ini, file, section, "camera matrix"));
   const YamlNode distortion = list_of(value_at(ini, file, section, "distortion"));
   const SkewedPinhole lens = read_pinhole_matrix(matrix);
@@ -101,7 +101,7 @@ bool is_ros_ini(const CameraText& file) {
          file.text.find("camera matrix") != std::string::npos;
 }
 
-CameraRig read_ros_ini(const CameraText& file, std::vector<LostCameraFact>& lost) {
+CameraRig read_ros_ini(const CameraText& file, std::vector<ConversionLoss>& lost) {
   const IniFile ini = read_sections(file);
   if (ini.cameras.size() != 1) {
     throw invalid_input(

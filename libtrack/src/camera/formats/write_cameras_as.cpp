@@ -50,11 +50,10 @@ std::vector<std::size_t> chosen_cameras(const CameraRig& rig, CameraFormat forma
   return chosen;
 }
 
-std::string names_of(const CameraRig& rig, const std::vector<std::size_t>& but) {
-  std::string names;
+std::vector<std::string> names_of(const CameraRig& rig, const std::vector<std::size_t>& but) {
+  std::vector<std::string> names;
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
-    if (std::find(but.begin(), but.end(), i) == but.end())
-      names += fmt::format("{}'{}'", names.empty() ? "" : ", ", rig.cameras[i].name);
+    if (std::find(but.begin(), but.end(), i) == but.end()) names.push_back(rig.cameras[i].name);
   }
   return names;
 }
@@ -70,44 +69,42 @@ std::optional<Pose> T_camera_first(const CameraRig& rig, std::size_t index) {
 }
 
 /// ethz-asl/kalibr: aslam_cv RadialTangentialDistortion has k1 k2 p1 p2 alone.
-void note_lens_beyond_kalibr(const Camera& camera, std::vector<LostCameraFact>& lost) {
+void note_lens_beyond_kalibr(const Camera& camera, std::vector<ConversionLoss>& lost) {
   constexpr std::size_t kOfKalibr = 4;
   const std::size_t count = coefficients_of(camera.model).size();
   if (count <= kOfKalibr) return;
-  lost.push_back(
-      {CameraLoss::kUnreadLens,
-       fmt::format("camera '{}': its lens is written as radtan with {} coefficients, which AprilTrack "
-                   "reads and Kalibr itself does not: it takes {}, k1 k2 p1 p2",
-                   camera.name, count, kOfKalibr)});
+  lost.push_back({.kind = LossKind::kUnreadLens,
+                  .how = LossHow::kConverted,
+                  .which = {camera.name},
+                  .numbers = {static_cast<double>(count), static_cast<double>(kOfKalibr)}});
 }
 
 /// `index` of the rig is at `place` of the file.
 void note_losses(const CameraRig& rig, std::size_t index, std::size_t place, CameraFormat format,
-                 std::vector<LostCameraFact>& lost) {
+                 std::vector<ConversionLoss>& lost) {
   const Camera& camera = rig.cameras[index];
   const Room room = room_of(format);
-  const auto note = [&](CameraLoss kind, const std::string& what) {
-    lost.push_back({kind, fmt::format("camera '{}': {} (no place for it in {})", camera.name, what,
-                                      info_of(format).title)});
+  const auto note = [&](ConversionLoss loss) {
+    loss.which = {camera.name};
+    lost.push_back(std::move(loss));
   };
   if (!room.resolution && camera.width > 0)
-    note(CameraLoss::kResolution, fmt::format("its resolution, {} x {}", camera.width, camera.height));
+    note({.kind = LossKind::kResolution, .value = fmt::format("{} x {}", camera.width, camera.height)});
   if (!room.light_and_rows && camera.response_origin != ResponseOrigin::kAssumed)
-    note(CameraLoss::kResponse, fmt::format("its response, {}", camera.response.name()));
+    note({.kind = LossKind::kResponse, .value = camera.response.name()});
   if (!room.light_and_rows && camera.exposure_s)
-    note(CameraLoss::kExposure, fmt::format("its exposure, {} s", *camera.exposure_s));
+    note({.kind = LossKind::kExposure, .numbers = {*camera.exposure_s}});
   if (!room.light_and_rows && camera.line_delay_s != 0.0)
-    note(CameraLoss::kLineDelay, fmt::format("its line delay, {} s per row", camera.line_delay_s));
-  if (!room.names && camera.name != fmt::format("cam{}", place))
-    note(CameraLoss::kNames, fmt::format("its name (it is read back as cam{})", place));
+    note({.kind = LossKind::kLineDelay, .numbers = {camera.line_delay_s}});
+  if (const std::string name = fmt::format("cam{}", place); !room.names && camera.name != name)
+    note({.kind = LossKind::kNames, .how = LossHow::kConverted, .value = name});
   if (format == CameraFormat::kKalibr) note_lens_beyond_kalibr(camera, lost);
   // Kalibr's place is relative to the camera before, which is not there where one camera is taken of a rig;
   // mrcal's is relative to the first.
   const bool keeps_place =
       room.extrinsics &&
       (format == CameraFormat::kKalibr ? place == index : T_camera_first(rig, index).has_value());
-  if (!keeps_place && camera.T_this_previous)
-    note(CameraLoss::kExtrinsics, "its place relative to the camera before (T_cn_cnm1)");
+  if (!keeps_place && camera.T_this_previous) note({.kind = LossKind::kExtrinsics, .value = "T_cn_cnm1"});
 }
 
 std::string text_of(const CameraRig& rig, const std::vector<std::size_t>& chosen, CameraFormat format) {
@@ -152,19 +149,18 @@ void write_camchain(const std::filesystem::path& path, const CameraRig& rig,
 
 }  // namespace
 
-std::vector<LostCameraFact> losses_of_writing(const CameraRig& rig, CameraFormat format,
+std::vector<ConversionLoss> losses_of_writing(const CameraRig& rig, CameraFormat format,
                                               const std::string& only) {
-  std::vector<LostCameraFact> lost;
+  std::vector<ConversionLoss> lost;
   const std::vector<std::size_t> chosen = chosen_cameras(rig, format, only);
   for (std::size_t place = 0; place < chosen.size(); ++place)
     note_losses(rig, chosen[place], place, format, lost);
-  const std::string others = names_of(rig, chosen);
-  if (!others.empty())
-    lost.push_back({CameraLoss::kFurtherCameras, fmt::format("the rig's further cameras: {}", others)});
+  std::vector<std::string> others = names_of(rig, chosen);
+  if (!others.empty()) lost.push_back({.kind = LossKind::kFurtherCameras, .which = std::move(others)});
   return lost;
 }
 
-std::vector<LostCameraFact> write_cameras_as(const std::filesystem::path& path, const CameraRig& rig,
+std::vector<ConversionLoss> write_cameras_as(const std::filesystem::path& path, const CameraRig& rig,
                                              CameraFormat format, const std::string& only) {
   check_can_be_written(format, path);
   if (rig.cameras.empty()) throw invalid_input(path.string(), "there is no camera to write");

@@ -95,16 +95,16 @@ MapReading read_apriltag_ros(const MapText& text, const MapReadOptions& options)
       bundles.push_back(bundle_of_ros1(item, bundles.size(), foreign));
   }
   if (bundles.empty()) fail_without_poses(text.file, "apriltag_ros", single_tags.size());
-  std::vector<MapLoss> losses;
+  std::vector<ConversionLoss> losses;
   const TagBundle bundle = chosen_bundle(bundles, options, text.file, "bundle", losses);
   if (!single_tags.empty())
-    losses.push_back({.kind = MapLossKind::kTags, .value = "standalone_tags, which have no place"});
+    losses.push_back({.kind = LossKind::kTags, .value = "standalone_tags, which have no place"});
   add_foreign_keys(foreign, losses);
   return map_of(MapFormat::kAprilTagRos, options, text.file, bundle.name, bundle.tags, std::move(losses));
 }
 
 std::string write_apriltag_ros(const TagMap& map, const MapWriteOptions&, const std::string& file,
-                               std::vector<MapLoss>& losses) {
+                               std::vector<ConversionLoss>& losses) {
   require_distinct_ids(map, MapFormat::kAprilTagRos, file);
   add_left_out(map, {.sizes = true, .frame_name = true}, losses);
   std::string out = fmt::format(

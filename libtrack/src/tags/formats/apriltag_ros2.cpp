@@ -117,23 +117,23 @@ MapReading read_apriltag_ros2(const MapText& text, const MapReadOptions& options
   }
   const std::size_t single_tags = num_single_tags(parameters);
   if (bundles.empty()) fail_without_poses(text.file, "apriltag_ros (ROS 2)", single_tags);
-  std::vector<MapLoss> losses;
+  std::vector<ConversionLoss> losses;
   const TagBundle bundle = chosen_bundle(bundles, options, text.file, "bundle", losses);
   if (single_tags > 0)
-    losses.push_back({.kind = MapLossKind::kTags, .value = "standalone tags, which have no place"});
+    losses.push_back({.kind = LossKind::kTags, .value = "standalone tags, which have no place"});
   add_foreign_keys(foreign, losses);
   return map_of(MapFormat::kAprilTagRos2, options, text.file, bundle.name, bundle.tags, std::move(losses));
 }
 
 std::string write_apriltag_ros2(const TagMap& map, const MapWriteOptions&, const std::string& file,
-                                std::vector<MapLoss>& losses) {
+                                std::vector<ConversionLoss>& losses) {
   require_distinct_ids(map, MapFormat::kAprilTagRos2, file);
   const std::string name = ros_name(map.frame);
   const std::string& family = map.tags.front().key.family;
   const bool is_one_family =
       std::ranges::all_of(map.tags, [&](const MapTag& tag) { return tag.key.family == family; });
   if (name != map.frame)
-    losses.push_back({.kind = MapLossKind::kFrameName, .how = MapLossHow::kConverted, .value = name});
+    losses.push_back({.kind = LossKind::kFrameName, .how = LossHow::kConverted, .value = name});
   add_left_out(map, {.sizes = true, .families = is_one_family, .frame_name = true}, losses);
   std::string out =
       "# Tag bundle for the ROS 2 port of apriltag_ros (tag_bundles). Metres; T_bundle_tag, tags with y up "

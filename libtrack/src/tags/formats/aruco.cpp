@@ -161,7 +161,7 @@ MapReading read_aruco_marker_map(const MapText& text, const MapReadOptions& opti
 }
 
 std::string write_aruco_marker_map(const TagMap& map, const MapWriteOptions&, const std::string& file,
-                                   std::vector<MapLoss>& losses) {
+                                   std::vector<ConversionLoss>& losses) {
   const std::string dictionary = dictionary_of(map, file);
   add_left_out(map, {.sizes = true, .families = true, .frame_name = map.frame == "world"}, losses);
   std::string out = fmt::format(

@@ -7,7 +7,7 @@ namespace apriltrack {
 bool is_aruco_marker_map(const MapText& text);
 MapReading read_aruco_marker_map(const MapText& text, const MapReadOptions& options);
 std::string write_aruco_marker_map(const TagMap& map, const MapWriteOptions& options, const std::string& file,
-                                   std::vector<MapLoss>& losses);
+                                   std::vector<ConversionLoss>& losses);
 
 /// OpenCV writes `{ id:0, corners:[ ... ] }`, which is no mapping to other readers of YAML: blanks are put
 /// behind these colons. Lines keep their numbers.

@@ -10,7 +10,8 @@
 namespace apriltrack {
 
 TagBundle chosen_bundle(const std::vector<TagBundle>& bundles, const MapReadOptions& options,
-                        const std::string& file, const std::string& word, std::vector<MapLoss>& losses) {
+                        const std::string& file, const std::string& word,
+                        std::vector<ConversionLoss>& losses) {
   std::vector<std::string> names;
   for (const TagBundle& bundle : bundles) names.push_back(bundle.name);
   const auto found = std::ranges::find(names, options.bundle);
@@ -26,7 +27,7 @@ TagBundle chosen_bundle(const std::vector<TagBundle>& bundles, const MapReadOpti
   const std::size_t chosen = is_named ? static_cast<std::size_t>(found - names.begin()) : 0;
   names.erase(names.begin() + static_cast<long>(chosen));
   if (!names.empty())
-    losses.push_back({.kind = MapLossKind::kTags, .value = fmt::format("{}", fmt::join(names, ", "))});
+    losses.push_back({.kind = LossKind::kTags, .value = fmt::format("{}", fmt::join(names, ", "))});
   return bundles[chosen];
 }
 

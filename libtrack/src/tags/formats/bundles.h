@@ -18,6 +18,7 @@ struct TagBundle {
 /// Error(kInvalidInput) that lists the names when there are several and none is chosen, or the chosen one is
 /// not there. word: "bundle".
 TagBundle chosen_bundle(const std::vector<TagBundle>& bundles, const MapReadOptions& options,
-                        const std::string& file, const std::string& word, std::vector<MapLoss>& losses);
+                        const std::string& file, const std::string& word,
+                        std::vector<ConversionLoss>& losses);
 
 }  // namespace apriltrack

@@ -69,17 +69,18 @@ Eigen::Vector3d centre_of(const FieldSize& field) {
 }
 
 TagMap with_origin(const TagMap& map, const char* frame, const std::optional<FieldSize>& field,
-                   std::vector<MapLoss>& losses) {
+                   std::vector<ConversionLoss>& losses) {
   const bool is_centred = map.frame == kFieldCentreFrame;
   const bool wants_centre = frame == std::string_view(kFieldCentreFrame);
   if (is_centred == wants_centre) return map;
-  MapLoss loss{.kind = MapLossKind::kOrigin, .how = MapLossHow::kUnknown, .value = frame};
+  ConversionLoss loss{.kind = LossKind::kOrigin, .how = LossHow::kUnknown, .value = frame};
   TagMap moved = map;
   if (field) {
-    loss.how = MapLossHow::kConverted;
-    loss.shift_m = wants_centre ? Eigen::Vector3d(-centre_of(*field)) : centre_of(*field);
+    loss.how = LossHow::kConverted;
+    const Eigen::Vector3d shift_m = wants_centre ? Eigen::Vector3d(-centre_of(*field)) : centre_of(*field);
+    loss.numbers = {shift_m.x(), shift_m.y(), shift_m.z()};
     for (MapTag& tag : moved.tags)
-      tag.T_map_tag = Pose(tag.T_map_tag.rotation(), tag.T_map_tag.translation() + loss.shift_m);
+      tag.T_map_tag = Pose(tag.T_map_tag.rotation(), tag.T_map_tag.translation() + shift_m);
     moved.frame = frame;
   }
   losses.push_back(loss);

@@ -38,6 +38,6 @@ Eigen::Vector3d centre_of(const FieldSize& field);
 /// The map that formats with that origin hold, and what was done for it: `frame` is kFieldFrame or
 /// kFieldCentreFrame. Where the field's size is not known, positions stay as they are, and that is told.
 TagMap with_origin(const TagMap& map, const char* frame, const std::optional<FieldSize>& field,
-                   std::vector<MapLoss>& losses);
+                   std::vector<ConversionLoss>& losses);
 
 }  // namespace apriltrack

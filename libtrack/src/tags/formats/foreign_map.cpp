@@ -10,6 +10,7 @@
 
 #include "../tag_faults.h"
 #include "apriltrack/base/error.h"
+#include "apriltrack/geometry/rotation.h"
 #include "apriltrack/tags/tag_key_fault.h"
 
 namespace apriltrack {
@@ -54,15 +55,15 @@ TagKey key_of(const ForeignTag& tag, const MapReadOptions& options) {
 
 /// Keys whose family the file does not name.
 void note_families(const std::vector<ForeignTag>& tags, const std::vector<TagKey>& keys,
-                   const MapReadOptions& options, std::vector<MapLoss>& losses) {
-  std::vector<TagKey> open;
+                   const MapReadOptions& options, std::vector<ConversionLoss>& losses) {
+  std::vector<std::string> open;
   for (std::size_t i = 0; i < tags.size(); ++i) {
-    if (!tags[i].family) open.push_back(keys[i]);
+    if (!tags[i].family) open.push_back(to_string(keys[i]));
   }
   if (open.empty()) return;
-  losses.push_back({.kind = MapLossKind::kFamilies,
-                    .how = options.family ? MapLossHow::kGiven : MapLossHow::kAssumed,
-                    .tags = open.size() == tags.size() ? std::vector<TagKey>() : open,
+  losses.push_back({.kind = LossKind::kFamilies,
+                    .how = options.family ? LossHow::kGiven : LossHow::kAssumed,
+                    .which = open.size() == tags.size() ? std::vector<std::string>() : open,
                     .value = options.family.value_or(kUsualFamily)});
 }
 
@@ -91,14 +92,14 @@ void check_agreement(const TagMap& map, const MapReadOptions& options, const std
 }
 
 MapReading map_of(MapFormat format, const MapReadOptions& options, const std::string& file,
-                  const std::string& frame, const std::vector<ForeignTag>& tags, std::vector<MapLoss> losses,
-                  UsualSizes usual) {
+                  const std::string& frame, const std::vector<ForeignTag>& tags,
+                  std::vector<ConversionLoss> losses, UsualSizes usual) {
   if (tags.empty()) throw invalid_input(file, "has no tags: a layout needs at least one");
   MapReading reading{.map = {}, .format = format, .losses = std::move(losses)};
   reading.map.frame = frame;
   std::map<TagKey, MapPlace> places;
-  std::vector<TagKey> keys, sized;
-  std::vector<std::string> without_size;
+  std::vector<TagKey> keys;
+  std::vector<std::string> sized, without_size;
   for (const ForeignTag& foreign : tags) {
     MapTag tag;
     tag.key = key_of(foreign, options);
@@ -115,7 +116,7 @@ MapReading map_of(MapFormat format, const MapReadOptions& options, const std::st
       tag.size_m = *foreign.size_m;
     } else if (const auto given_m = options.sizes.find(tag.key)) {
       tag.size_m = *given_m;
-      sized.push_back(tag.key);
+      sized.push_back(to_string(tag.key));
     } else {
       without_size.push_back(std::to_string(foreign.id));
     }
@@ -127,9 +128,9 @@ MapReading map_of(MapFormat format, const MapReadOptions& options, const std::st
   reading.map.default_family = keys.front().family;
   note_families(tags, keys, options, reading.losses);
   if (!sized.empty())
-    reading.losses.push_back({.kind = MapLossKind::kSizes,
-                              .how = MapLossHow::kGiven,
-                              .tags = sized.size() == tags.size() ? std::vector<TagKey>() : sized});
+    reading.losses.push_back({.kind = LossKind::kSizes,
+                              .how = LossHow::kGiven,
+                              .which = sized.size() == tags.size() ? std::vector<std::string>() : sized});
   check_tag_map(reading.map, file);
   return reading;
 }
@@ -143,9 +144,9 @@ void note_foreign_keys(const YamlNode& node, std::initializer_list<std::string_v
   }
 }
 
-void add_foreign_keys(const std::vector<std::string>& seen, std::vector<MapLoss>& losses) {
+void add_foreign_keys(const std::vector<std::string>& seen, std::vector<ConversionLoss>& losses) {
   if (seen.empty()) return;
-  losses.push_back({.kind = MapLossKind::kForeignKeys, .value = some_of(seen)});
+  losses.push_back({.kind = LossKind::kForeignKeys, .value = some_of(seen)});
 }
 
 double read_coordinate(const YamlNode& node) {
@@ -160,7 +161,7 @@ Eigen::Quaterniond read_unit_quaternion(const YamlNode& node, double w, double x
   return rotation;
 }
 
-Eigen::Quaterniond nearest_rotation(const Eigen::Matrix3d& matrix, const MapPlace& place) {
+Eigen::Quaterniond checked_rotation(const Eigen::Matrix3d& matrix, const MapPlace& place) {
   constexpr double kRounding = 5e-3;
   const double error = (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error <= kRounding) || matrix.determinant() < 0.0)
@@ -168,8 +169,7 @@ Eigen::Quaterniond nearest_rotation(const Eigen::Matrix3d& matrix, const MapPlac
         fmt::format("its upper left 3x3 must be a rotation (determinant {:.4g}, columns off by up to "
                     "{:.3g} from unit length and right angles)",
                     matrix.determinant(), error));
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose())).normalized();
+  return Eigen::Quaterniond(nearest_rotation(matrix)).normalized();
 }
 
 const Eigen::Quaterniond& rotation_ros_tag() {

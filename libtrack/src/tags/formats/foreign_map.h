@@ -7,6 +7,7 @@
 
 #include "apriltrack/io/yaml_reader.h"
 #include "apriltrack/tags/map_formats.h"
+#include "apriltrack/tags/map_holdings.h"
 
 namespace apriltrack {
 
@@ -37,8 +38,8 @@ struct UsualSizes {
 /// Makes a checked map of foreign tags: families and sizes that the file leaves open are taken from the
 /// options, or refused. Adds to `losses` what was assumed. A map without tags is refused with `empty`.
 MapReading map_of(MapFormat format, const MapReadOptions& options, const std::string& file,
-                  const std::string& frame, const std::vector<ForeignTag>& tags, std::vector<MapLoss> losses,
-                  UsualSizes usual = {});
+                  const std::string& frame, const std::vector<ForeignTag>& tags,
+                  std::vector<ConversionLoss> losses, UsualSizes usual = {});
 
 /// Compares sizes and families of a map that states its own with what the caller gave. where: what messages
 /// begin with.
@@ -47,7 +48,7 @@ void check_agreement(const TagMap& map, const MapReadOptions& options, const std
 /// Adds what the file has beyond `known` keys to `seen`, so that it can be told.
 void note_foreign_keys(const YamlNode& node, std::initializer_list<std::string_view> known,
                        std::vector<std::string>& seen);
-void add_foreign_keys(const std::vector<std::string>& seen, std::vector<MapLoss>& losses);
+void add_foreign_keys(const std::vector<std::string>& seen, std::vector<ConversionLoss>& losses);
 
 // Fields of other projects' files, with the rules of our own.
 
@@ -56,7 +57,7 @@ double read_coordinate(const YamlNode& node);
 /// Of unit length but for rounding to three decimals.
 Eigen::Quaterniond read_unit_quaternion(const YamlNode& node, double w, double x, double y, double z);
 /// A rotation but for rounding to three decimals; the nearest one.
-Eigen::Quaterniond nearest_rotation(const Eigen::Matrix3d& matrix, const MapPlace& place);
+Eigen::Quaterniond checked_rotation(const Eigen::Matrix3d& matrix, const MapPlace& place);
 /// What our tag frame is in that of apriltag_ros, TagSLAM and aruco: theirs has y up and z out of the face.
 const Eigen::Quaterniond& rotation_ros_tag();
 /// In that of OpenCV's aruco module, and so of RTAB-Map: y up and z out of the face as well, but of the print

@@ -34,7 +34,7 @@ MapReading read_own_map(const MapText& text, const MapReadOptions& options) {
 }
 
 std::string write_own_map(const TagMap& map, const MapWriteOptions&, const std::string&,
-                          std::vector<MapLoss>&) {
+                          std::vector<ConversionLoss>&) {
   return own_map_text(map);
 }
 

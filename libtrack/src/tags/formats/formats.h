@@ -25,7 +25,7 @@ struct MapFormatCode {
   bool (*recognises)(const MapText& text);
   MapReading (*read)(const MapText& text, const MapReadOptions& options);
   std::string (*write)(const TagMap& map, const MapWriteOptions& options, const std::string& file,
-                       std::vector<MapLoss>& losses);
+                       std::vector<ConversionLoss>& losses);
 };
 
 const std::vector<MapFormatCode>& map_format_codes();

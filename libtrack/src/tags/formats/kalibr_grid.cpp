@@ -79,7 +79,7 @@ MapReading read_kalibr_grid(const MapText& text, const MapReadOptions& options) 
 }
 
 std::string write_kalibr_grid(const TagMap& map, const MapWriteOptions&, const std::string& file,
-                              std::vector<MapLoss>& losses) {
+                              std::vector<ConversionLoss>& losses) {
   std::vector<MapTag> tags = map.tags;
   std::ranges::sort(tags, {}, [](const MapTag& tag) { return tag.key.id; });
   for (const MapTag& tag : tags) {

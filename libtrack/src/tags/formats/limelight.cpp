@@ -96,7 +96,7 @@ Pose pose_of_fmap(const YamlNode& node, bool by_columns) {
   for (const double coordinate_m : position) {
     if (const auto fault = fault_of_coordinate(coordinate_m)) node.fail(*fault);
   }
-  return pose_from_frame({nearest_rotation(matrix.topLeftCorner<3, 3>(), place), position},
+  return pose_from_frame({checked_rotation(matrix.topLeftCorner<3, 3>(), place), position},
                          rotation_wpilib_tag());
 }
 
@@ -149,8 +149,8 @@ MapReading read_fmap(const MapText& text, const MapReadOptions& options) {
   std::vector<ForeignTag> tags;
   for (const YamlNode& node : fiducials) tags.push_back(tag_of_fmap(node, by_columns, foreign));
   const FieldFacts field = field_of_fmap(root, options);
-  std::vector<MapLoss> losses;
-  if (by_columns) losses.push_back({.kind = MapLossKind::kMatrixOrder, .how = MapLossHow::kConverted});
+  std::vector<ConversionLoss> losses;
+  if (by_columns) losses.push_back({.kind = LossKind::kMatrixOrder, .how = LossHow::kConverted});
   add_foreign_keys(foreign, losses);
   MapReading reading =
       map_of(MapFormat::kLimelight, options, text.file, kFieldCentreFrame, tags, std::move(losses));
@@ -160,7 +160,7 @@ MapReading read_fmap(const MapText& text, const MapReadOptions& options) {
 }
 
 std::string write_fmap(const TagMap& map, const MapWriteOptions& options, const std::string& file,
-                       std::vector<MapLoss>& losses) {
+                       std::vector<ConversionLoss>& losses) {
   const FieldFacts field = field_of(map);
   const auto size = agreed_field(field.size, {file, ""}, options.field);
   const TagMap moved = with_origin(map, kFieldCentreFrame, size, losses);

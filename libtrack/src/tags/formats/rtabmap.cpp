@@ -140,7 +140,7 @@ Pose pose_of_prior(const std::vector<double>& v, const MapPlace& place) {
     return {rotation, position(v[0], v[1], v[2])};
   }
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(v.data());
-  return {nearest_rotation(matrix.leftCols<3>(), place), position(v[3], v[7], v[11])};
+  return {checked_rotation(matrix.leftCols<3>(), place), position(v[3], v[7], v[11])};
 }
 
 ForeignTag tag_of_prior(const RtabmapValue& marker, const std::string& file) {
@@ -256,17 +256,17 @@ MapReading read_rtabmap(const MapText& text, const MapReadOptions& options) {
 }
 
 std::string write_rtabmap(const TagMap& map, const MapWriteOptions&, const std::string& file,
-                          std::vector<MapLoss>& losses) {
+                          std::vector<ConversionLoss>& losses) {
   require_distinct_ids(map, MapFormat::kRtabmap, file);
   TagMap written = map;
   std::erase_if(written.tags, [](const MapTag& tag) { return tag.key.id == 0; });
   if (written.tags.empty())
     throw invalid_input(file, "RTAB-Map passes over id 0, and the map has no other: nothing would be left");
   if (written.tags.size() < map.tags.size())
-    losses.push_back(
-        {.kind = MapLossKind::kTags,
-         .tags = {std::ranges::find(map.tags, 0, [](const MapTag& tag) { return tag.key.id; })->key},
-         .value = "id 0, which RTAB-Map passes over"});
+    losses.push_back({.kind = LossKind::kTags,
+                      .which = {to_string(
+                          std::ranges::find(map.tags, 0, [](const MapTag& tag) { return tag.key.id; })->key)},
+                      .value = "id 0, which RTAB-Map passes over"});
   const MapTag& first = written.tags.front();
   const bool is_one_size =
       std::ranges::all_of(written.tags, [&](const MapTag& tag) { return tag.size_m == first.size_m; });
@@ -278,8 +278,8 @@ std::string write_rtabmap(const TagMap& map, const MapWriteOptions&, const std::
       });
   const auto variance = common_variance(written);
   if (variance)
-    losses.push_back({.kind = MapLossKind::kCovariance,
-                      .how = MapLossHow::kConverted,
+    losses.push_back({.kind = LossKind::kCovariance,
+                      .how = LossHow::kConverted,
                       .value = "the largest variances, for all tags"});
   add_left_out(written,
                {.sizes = is_one_size,

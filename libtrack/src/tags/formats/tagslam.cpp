@@ -156,11 +156,12 @@ std::optional<int> bits_of(const std::string& family) {
 }
 
 /// The noise of a tag; notes in `assumed` tags whose covariance cannot be written as it is.
-std::string tagslam_noise_of(const MapTag& tag, const std::string& indent, std::vector<TagKey>& assumed) {
+std::string tagslam_noise_of(const MapTag& tag, const std::string& indent,
+                             std::vector<std::string>& assumed) {
   if (tag.covariance) {
     if (const auto text = text_of_tagslam_covariance(*tag.covariance, indent)) return *text;
   }
-  assumed.push_back(tag.key);
+  assumed.push_back(to_string(tag.key));
   const Vector6d sigmas =
       tag.covariance ? Vector6d(tag.covariance->diagonal().cwiseSqrt()) : Vector6d::Constant(kAssumedNoise);
   return text_of_tagslam_sigmas(sigmas, kLeastNoise, indent);
@@ -180,9 +181,9 @@ MapReading read_tagslam(const MapText& text, const MapReadOptions& options) {
   if (bodies.empty())
     throw invalid_input(text.file,
                         "this file of TagSLAM has no body that has tags with poses: its poses.yaml has them");
-  std::vector<MapLoss> losses;
+  std::vector<ConversionLoss> losses;
   if (!without_pose.empty())
-    losses.push_back({.kind = MapLossKind::kTags,
+    losses.push_back({.kind = LossKind::kTags,
                       .value = fmt::format("{}, which have no pose", fmt::join(without_pose, ", "))});
   add_foreign_keys(foreign, losses);
   if (options.bundle.empty() && stand_still(bodies)) {
@@ -198,29 +199,29 @@ MapReading read_tagslam(const MapText& text, const MapReadOptions& options) {
 }
 
 std::string write_tagslam(const TagMap& map, const MapWriteOptions&, const std::string& file,
-                          std::vector<MapLoss>& losses) {
+                          std::vector<ConversionLoss>& losses) {
   require_distinct_ids(map, MapFormat::kTagSlam, file);
   const std::string name = ros_name(map.frame);
   if (name != map.frame)
-    losses.push_back({.kind = MapLossKind::kFrameName, .how = MapLossHow::kConverted, .value = name});
-  std::vector<TagKey> assumed, without_family;
+    losses.push_back({.kind = LossKind::kFrameName, .how = LossHow::kConverted, .value = name});
+  std::vector<std::string> assumed, without_family;
   std::string tags;
   for (const MapTag& tag : map.tags) {
     tags += fmt::format("       - id: {}\n         size: {}\n", tag.key.id, yaml_double(tag.size_m));
     if (const auto bits = bits_of(tag.key.family))
       tags += fmt::format("         bits: {}\n", *bits);
     else
-      without_family.push_back(tag.key);
+      without_family.push_back(to_string(tag.key));
     tags += "         pose:\n" +
             text_of_tagslam_pose(pose_to_frame(tag.T_map_tag, rotation_ros_tag()), "           ") +
             tagslam_noise_of(tag, "           ", assumed);
   }
-  if (!without_family.empty()) losses.push_back({.kind = MapLossKind::kFamilies, .tags = without_family});
+  if (!without_family.empty()) losses.push_back({.kind = LossKind::kFamilies, .which = without_family});
   if (!assumed.empty())
     losses.push_back(
-        {.kind = MapLossKind::kCovariance,
-         .how = MapLossHow::kAssumed,
-         .tags = assumed,
+        {.kind = LossKind::kCovariance,
+         .how = LossHow::kAssumed,
+         .which = assumed,
          .value = "1 mm and 1 mrad where it is not known; where it has no inverse, its variances, and at "
                   "least (0.001 mm)^2 and (0.001 mrad)^2"});
   add_left_out(map, {.sizes = true, .families = true, .covariances = true, .frame_name = true}, losses);

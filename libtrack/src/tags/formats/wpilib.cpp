@@ -71,7 +71,7 @@ MapReading read_wpilib_json(const MapText& text, const MapReadOptions& options) 
                     .T_map_tag = wpilib_pose_of(item.at("pose"), foreign)});
   }
   const auto field = wpilib_field_of(root, options, foreign);
-  std::vector<MapLoss> losses;
+  std::vector<ConversionLoss> losses;
   add_foreign_keys(foreign, losses);
   MapReading reading =
       map_of(MapFormat::kWpilibJson, options, text.file, kFieldFrame, tags, std::move(losses), kFrcSizes);
@@ -80,12 +80,11 @@ MapReading read_wpilib_json(const MapText& text, const MapReadOptions& options) 
 }
 
 std::string write_wpilib_json(const TagMap& map, const MapWriteOptions& options, const std::string& file,
-                              std::vector<MapLoss>& losses) {
+                              std::vector<ConversionLoss>& losses) {
   require_distinct_ids(map, MapFormat::kWpilibJson, file);
   const auto field = agreed_field(field_of(map).size, {file, ""}, options.field);
   const TagMap moved = with_origin(map, kFieldFrame, field, losses);
-  if (!field)
-    losses.push_back({.kind = MapLossKind::kFieldSize, .how = MapLossHow::kAssumed, .value = "0 x 0"});
+  if (!field) losses.push_back({.kind = LossKind::kFieldSize, .how = LossHow::kAssumed, .value = "0 x 0"});
   add_left_out(map, {.frame_name = moved.frame == kFieldFrame}, losses, kFieldExtension);
   std::string out = "{\n \"tags\": [\n";
   for (std::size_t i = 0; i < moved.tags.size(); ++i)

@@ -95,11 +95,11 @@ MapReading read_wpilib_csv(const MapText& text, const MapReadOptions& options) {
 }
 
 std::string write_wpilib_csv(const TagMap& map, const MapWriteOptions& options, const std::string& file,
-                             std::vector<MapLoss>& losses) {
+                             std::vector<ConversionLoss>& losses) {
   require_distinct_ids(map, MapFormat::kWpilibCsv, file);
   const auto field = agreed_field(field_of(map).size, {file, ""}, options.field);
   const TagMap moved = with_origin(map, kFieldFrame, field, losses);
-  if (field) losses.push_back({.kind = MapLossKind::kFieldSize});
+  if (field) losses.push_back({.kind = LossKind::kFieldSize});
   add_left_out(map, {.frame_name = moved.frame == kFieldFrame}, losses, kFieldExtension);
   std::string out = "ID,X,Y,Z,Z-Rotation,Y-Rotation\n";
   for (const MapTag& tag : moved.tags) {

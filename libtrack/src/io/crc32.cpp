@@ -1,4 +1,4 @@
-#include "crc32.h"
+#include "apriltrack/io/crc32.h"
 
 #include <array>
 #include <cstddef>
