@@ -91,17 +91,17 @@ void run_convert(const ConvertOptions& options) {
 }  // namespace
 
 void add_trajectory_convert(CLI::App& trajectory_command) {
-  CLI::App& verb =
-      add_command(trajectory_command, "convert",
-                  {"Writes a trajectory in another format, and reports what that cannot hold.",
-                   "apriltrack trajectory convert camera.tum camera.csv\n"
-                   "apriltrack trajectory convert camera.tum camera.kitti\n"
-                   "apriltrack trajectory convert 00.txt 00.tum --times times.txt\n"
-                   "apriltrack trajectory convert mocap.bag truth.tum --topic /vicon/head/pose\n"
-                   "apriltrack trajectory convert robot.bag robot.tum --topic /tf --transform odom:base_link",
-                   "IN is of any known format, recognised by its content (docs/file_formats.md). Formats, for "
-                   "--to: " +
-                       names_of_formats() + "."});
+  CLI::App& verb = add_command(
+      trajectory_command, "convert",
+      {"Writes a trajectory in another format, and reports what that cannot hold.",
+       "apriltrack trajectory convert camera.tum camera.csv\n"
+       "apriltrack trajectory convert camera.tum camera.kitti\n"
+       "apriltrack trajectory convert 00.txt 00.tum --times times.txt\n"
+       "apriltrack trajectory convert mocap.bag truth.tum --topic /vicon/head/pose\n"
+       "apriltrack trajectory convert robot.bag robot.tum --topic /tf --transform odom:base_link",
+       "IN is of any known format, recognised by its content (docs/file_formats.md). Formats, for "
+       "--to: " +
+           names_of_formats() + "."});
   auto options = std::make_shared<ConvertOptions>();
   verb.add_option("IN", options->input, "Trajectory to read, or a bag with poses")->required();
   verb.add_option(

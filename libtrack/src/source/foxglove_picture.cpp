@@ -15,7 +15,6 @@
 namespace apriltrack {
 namespace {
 
-constexpr std::int64_t kNsInSecond = 1'000'000'000;
 constexpr std::size_t kSizeOfK = 9, kSizeOfP = 12;
 
 bool is_json(const BagTopic& topic) {
@@ -56,11 +55,11 @@ Timestamp time_of(std::string_view message) {
     if (field->number == 1) seconds = static_cast<std::int64_t>(field->value);
     if (field->number == 2) nanoseconds = static_cast<std::int64_t>(field->value);
   }
-  constexpr std::int64_t kMostSeconds = std::numeric_limits<std::int64_t>::max() / kNsInSecond - 1;
-  if (seconds < -kMostSeconds || seconds > kMostSeconds || nanoseconds < 0 || nanoseconds >= kNsInSecond)
+  constexpr std::int64_t kMostSeconds = std::numeric_limits<std::int64_t>::max() / kNsPerSecond - 1;
+  if (seconds < -kMostSeconds || seconds > kMostSeconds || nanoseconds < 0 || nanoseconds >= kNsPerSecond)
     throw BadMessage(
         fmt::format("timestamp: {} s and {} ns are no time in 64 bits of ns", seconds, nanoseconds));
-  return {kNsInSecond * seconds + nanoseconds};
+  return {kNsPerSecond * seconds + nanoseconds};
 }
 
 /// Of a list of doubles: packed, as proto3 writes it, or one by one.

@@ -76,8 +76,7 @@ CameraRig read_orbslam(const YamlNode& root, std::vector<ConversionLoss>& lost) 
   if (!root.find("Camera2.fx")) return rig;
   rig.cameras.push_back(read_camera_of_orbslam(root, "Camera2."));
   rig.cameras.back().name = "cam1";
-  lost.push_back(
-      {.kind = LossKind::kExtrinsics, .which = {"cam1"}, .value = "Stereo.T_c1_c2 or Tlr"});
+  lost.push_back({.kind = LossKind::kExtrinsics, .which = {"cam1"}, .value = "Stereo.T_c1_c2 or Tlr"});
   return rig;
 }
 
