@@ -17,6 +17,12 @@ TEST(Base64, IsThatOfTheStandard) {
   EXPECT_EQ(base64("foo"), "Zm9v");
   EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
   EXPECT_EQ(base64("\xFF\xFE\xFD"), "//79");
+  EXPECT_EQ(bytes_of_base64(""), "");
+  EXPECT_EQ(bytes_of_base64("Zm8="), "fo");
+  EXPECT_EQ(bytes_of_base64("Zm8"), "fo");
+  EXPECT_EQ(bytes_of_base64("Zg=="), "f");
+  EXPECT_EQ(bytes_of_base64("//79"), "\xFF\xFE\xFD");
+  for (const char* text : {"Z", "A===", "Zm 8", "Zm8-", "Zm=8"}) EXPECT_FALSE(bytes_of_base64(text)) << text;
 }
 
 TEST(Crc32, GoesOnWhereItEnded) {

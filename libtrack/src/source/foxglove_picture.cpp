@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/base64.h"
 #include "apriltrack/io/yaml_reader.h"
-#include "base64.h"
 #include "foxglove_message.h"
 #include "protobuf_fields.h"
 
