@@ -31,6 +31,13 @@ inline void expect_truth(const SyntheticWorld& world, const TagMap& map, const T
         << to_string(tag.key);
 }
 
+/// Of a tag's pose against the truth in the frame of the held tag, by its covariance: chi squared of six
+/// numbers where that is right.
+inline double squared_sigmas_off(const SyntheticWorld& world, const TagKey& held, const MapTag& tag) {
+  const Vector6d error = (tag.T_map_tag.inverse() * T_origin_tag(world.map, held, tag.key)).log();
+  return error.dot(tag.covariance->ldlt().solve(error));
+}
+
 inline std::string error_of(ErrorKind kind, const std::function<void()>& action) {
   try {
     action();

@@ -123,10 +123,10 @@ TEST(CameraRefinement, LeavesARightCameraAloneThatFilmsFromOnePlace) {
     Filmed filmed = film(test::perspective_camera(), 0.0, 60);
     RandomStream random(60, seed);
     const std::size_t place = 5 * (seed - 1);
-    for (std::size_t i = 0; i < filmed.truth.T_world_rig.size(); ++i)
-      filmed.truth.T_world_rig[i] =
-          filmed.truth.T_world_rig[place] *
-          by(0.02 * random.normal(), 0.02 * random.normal(), 0.02 * random.normal());
+    for (std::size_t i = 0; i < filmed.truth.T_world_rig.size(); ++i) {
+      const Eigen::Vector3d step{0.02 * random.normal(), 0.02 * random.normal(), 0.02 * random.normal()};
+      filmed.truth.T_world_rig[i] = filmed.truth.T_world_rig[place] * by(step.x(), step.y(), step.z());
+    }
     filmed.frames = test::exact_detections(filmed.truth);
     test::add_edge_biases(filmed.frames, 0.05, -0.45, random);
     test::add_edge_noise(filmed.frames, 0.02, -0.45, random);

@@ -23,7 +23,7 @@ SyntheticWorld room() {
 /// Normal errors of `sigma_px` per coordinate, of which the detector claims `claim_px`.
 void add_claimed_noise(Detection& detection, double sigma_px, double claim_px, RandomStream& random) {
   for (Eigen::Vector2d& corner : detection.corners_px)
-    corner += sigma_px * Eigen::Vector2d(random.normal(), random.normal());
+    corner += sigma_px * Eigen::Vector2d{random.normal(), random.normal()};
   detection.covariance_px2 = claim_px * claim_px * CornerCovariance::Identity();
 }
 
@@ -40,7 +40,7 @@ void add_gloss(std::vector<FrameDetections>& frames, int id, std::size_t first, 
                double error_px, RandomStream& random) {
   std::array<Eigen::Vector2d, kNumCorners> error;
   for (Eigen::Vector2d& of_corner : error)
-    of_corner = error_px * Eigen::Vector2d(random.normal(), random.normal());
+    of_corner = error_px * Eigen::Vector2d{random.normal(), random.normal()};
   std::size_t rank = 0;
   for (FrameDetections& frame : frames) {
     for (Detection& detection : frame.detections) {

@@ -289,7 +289,7 @@ TEST(MapFrameStart, FindsTheFrameFromAnyOrientation) {
   const SmallRoom& room = small_room();
   for (std::uint64_t trial = 0; trial < 12; ++trial) {
     RandomStream random(17, trial);
-    const Eigen::Quaterniond turn(random.normal(), random.normal(), random.normal(), random.normal());
+    const Eigen::Quaterniond turn{random.normal(), random.normal(), random.normal(), random.normal()};
     const Pose T_measured_world(turn.normalized(), {100.0 * random.normal(), 1.0, -3e4});
     std::vector<MapConstraint> constraints;
     for (const int tag : {0, 2, 3, 5}) {

@@ -53,7 +53,7 @@ TEST(Constraints, ErrorsAndAuditsAreAsLargeAsTheCovarianceSays) {
     CalibrationOptions options{.corner_bias_px = 0.0};
     for (const int id : {3, 7, 11, 17})
       options.constraints.push_back(
-          position(id, 0.005 * Eigen::Vector3d(random.normal(), random.normal(), random.normal()), 0.005));
+          position(id, 0.005 * Eigen::Vector3d{random.normal(), random.normal(), random.normal()}, 0.005));
     for (const auto& [a, b] : {std::pair(5, 13), {5, 15}, {9, 19}})
       options.constraints.push_back(distance(a, b, 0.001 * random.normal(), 0.001));
     const CalibrationResult result = calibrate(walls(), noisy_frames(trial), options);

@@ -32,7 +32,7 @@ inline FrameDetections filmed_frame(const Renderer& renderer, std::size_t i) {
     frame.patches.push_back(*cut_patch(rendered.pixels.view(), detection));
     detection.covariance_px2.reset();
     for (Eigen::Vector2d& corner : detection.corners_px)
-      corner += kFilmedCornerError_px * Eigen::Vector2d(random.normal(), random.normal());
+      corner += kFilmedCornerError_px * Eigen::Vector2d{random.normal(), random.normal()};
   }
   return frame;
 }

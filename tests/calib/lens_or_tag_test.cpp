@@ -44,7 +44,7 @@ void walk(RandomStream& random, SyntheticWorld& world) {
                                   std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
     const Eigen::Vector3d place = middle + (2.1 + 0.25 * random.normal()) * outward;
     const Eigen::Vector3d aim =
-        middle + 0.15 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+        middle + 0.15 * Eigen::Vector3d{random.normal(), random.normal(), random.normal()};
     world.T_world_rig.push_back(test::looking_along(place, aim - place, 0.15 * random.normal()));
   }
 }

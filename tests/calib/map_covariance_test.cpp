@@ -7,6 +7,7 @@
 #include <string>
 
 #include "apriltrack/calib/calibrate_map.h"
+#include "calibrating.h"
 #include "synthetic_world.h"
 #include "view_residual.h"
 
@@ -32,9 +33,7 @@ double mean_normalised_error(const SyntheticWorld& world, const CalibrationOptio
     EXPECT_EQ(result.map.tags.size(), world.map.tags.size());
     for (const MapTag& tag : result.map.tags) {
       if (tag.key == result.held_tag) continue;
-      const Pose truth = test::T_origin_tag(world.map, result.held_tag, tag.key);
-      const Vector6d xi = (tag.T_map_tag.inverse() * truth).log();
-      sum += xi.dot(tag.covariance->ldlt().solve(xi)) / 6.0;
+      sum += test::squared_sigmas_off(world, result.held_tag, tag) / 6.0;
       ++count;
     }
   }

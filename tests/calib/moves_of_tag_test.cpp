@@ -84,9 +84,11 @@ TEST(MovesOfTag, ExplainWhatTheLeastSquaresOverAllUnknownsDo) {
   }
   const AllUnknowns unknowns(part.views, one.solved.held_tag);
   const double without = unknowns.least_squares(moves.none(), rank_of_view);
+  // Numbers that the views hardly tell are held back: of 80 draws .84 to 1 were explained, .99 in the median.
   for (const Move& move : {once, twice}) {
     const double explained = without - unknowns.least_squares(move, rank_of_view);
-    EXPECT_NEAR(move.squares, explained, 0.02 * explained) << move.moments.size();
+    EXPECT_LE(move.squares, 1.001 * explained) << move.moments.size();
+    EXPECT_GE(move.squares, 0.8 * explained) << move.moments.size();
   }
   EXPECT_GT(twice.squares, 1.2 * once.squares);
   // Of stretches that hold one view each, some numbers are hardly known, and are held back.

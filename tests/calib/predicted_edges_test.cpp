@@ -22,14 +22,15 @@ constexpr double kNoiseOfRow_px = 0.3;
 /// Eight tags in a row, 36 px wide, filmed from near their front, each frame two neighbours.
 SyntheticWorld row_of_small_tags(RandomStream& random, int frames_of_pair) {
   SyntheticWorld world;
-  for (int i = 0; i < kTagsOfRow; ++i)
-    test::add_tag(world, 0.12,
-                  test::looking_along({0.17 * i, 2.0, 0.06 * random.normal()},
-                                      {0.3 * random.normal(), 1.0, 0.3 * random.normal()}));
+  for (int i = 0; i < kTagsOfRow; ++i) {
+    const Eigen::Vector3d place{0.17 * i, 2.0, 0.06 * random.normal()};
+    const Eigen::Vector3d normal{0.3 * random.normal(), 1.0, 0.3 * random.normal()};
+    test::add_tag(world, 0.12, test::looking_along(place, normal));
+  }
   world.rig.cameras.push_back(test::perspective_camera());
   for (int k = 0; k < frames_of_pair * (kTagsOfRow - 1); ++k) {
     const double x = 0.17 * (k % (kTagsOfRow - 1)) + 0.085;
-    const Eigen::Vector3d eye(x + 0.16 * random.normal(), 0.2 * std::sin(1.3 * k), 0.16 * random.normal());
+    const Eigen::Vector3d eye{x + 0.16 * random.normal(), 0.2 * std::sin(1.3 * k), 0.16 * random.normal()};
     world.T_world_rig.push_back(test::looking_along(eye, Eigen::Vector3d(x, 2.0, 0.0) - eye));
   }
   return world;
@@ -73,7 +74,7 @@ struct SpoiltCorners : test::AdjustedWorld {
     RandomStream random(7);
     for (TagView& view : observations.views) {
       for (Eigen::Vector2d& corner : view.corners_px)
-        corner += 3.0 * Eigen::Vector2d(random.normal(), random.normal());
+        corner += 3.0 * Eigen::Vector2d{random.normal(), random.normal()};
       view.whitening.setZero();
       view.inward.setZero();
     }

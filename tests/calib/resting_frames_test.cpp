@@ -220,7 +220,7 @@ TEST(RestingFrames, ANoisyTagDoesNotKeepTheOthersApart) {
   RandomStream random(115);
   for (FrameDetections& frame : frames) {
     for (Eigen::Vector2d& corner : frame.detections[1].corners_px)
-      corner += 0.8 * Eigen::Vector2d(random.normal(), random.normal());
+      corner += 0.8 * Eigen::Vector2d{random.normal(), random.normal()};
   }
   Observations observations = observations_of(world, frames);
   EXPECT_GT(merge_resting_frames(observations, 1.0, {}, {}).merged, 150);

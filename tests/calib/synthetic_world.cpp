@@ -98,7 +98,7 @@ SyntheticWorld make_room(int num_tags, int num_frames, const Camera& camera) {
     } else {
       position = {0.0, 18.0 - along_m, height_m}, outward = {-1.0, 0.0, 0.0};
     }
-    outward += 0.05 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    outward += 0.05 * Eigen::Vector3d{random.normal(), random.normal(), random.normal()};
     world.map.tags.push_back(make_tag(3 + 2 * i, i % 3 == 0 ? 0.2 : 0.16,
                                       looking_along(position, outward, 0.1 * random.normal())));
   }
@@ -152,7 +152,7 @@ void add_noise(std::vector<FrameDetections>& frames, double sigma_px, RandomStre
   for (FrameDetections& frame : frames) {
     for (Detection& detection : frame.detections) {
       for (Eigen::Vector2d& corner : detection.corners_px)
-        corner += sigma_px * Eigen::Vector2d(random.normal(), random.normal());
+        corner += sigma_px * Eigen::Vector2d{random.normal(), random.normal()};
     }
   }
 }

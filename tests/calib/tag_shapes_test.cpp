@@ -115,7 +115,7 @@ TEST(TagShapes, FindATwist) {
 // Narrower, and twisted, each so little that its number by itself may be chance.
 TEST(TagShapes, FindABendThatItsNumbersShowOnlyTogether) {
   int found = 0, told = 0;
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const auto finding = finding_of(
         [](Eigen::Vector3d corner, std::size_t) {
           corner.z() += (corner.x() > 0.0) == (corner.y() > 0.0) ? 0.0012 : -0.0012;
@@ -126,8 +126,9 @@ TEST(TagShapes, FindABendThatItsNumbersShowOnlyTogether) {
     found += finding && finding->kind == TagFinding::Kind::kNotFlat ? 1 : 0;
     told += finding && finding->words.find("scale, aspect and twist together") != std::string::npos;
   }
-  EXPECT_GE(found, 4);
-  EXPECT_GE(told, 2);
+  // Of 60 draws 36 and 19.
+  EXPECT_GE(found, 8);
+  EXPECT_GE(told, 3);
 }
 
 TEST(TagShapes, AreAsStatedWhereCornersAreAndWhereTheyErr) {

@@ -67,7 +67,7 @@ class Painter {
  private:
   void add_tag(int id, FrameDetections& frame) {
     const double size_px = 26.0 + 30.0 * random_.uniform();
-    const Eigen::Vector3d axis(random_.normal(), random_.normal(), 0.0);
+    const Eigen::Vector3d axis{random_.normal(), random_.normal(), 0.0};
     const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.5 * random_.uniform(), axis.normalized()));
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(6.0 * random_.uniform(), Eigen::Vector3d::UnitZ()));
     const double z = kPaintedFocal_px * kPaintedSize_m / size_px;

@@ -43,7 +43,7 @@ TEST(Alignment, RecoversAMotionFromPositionsOfAPlane) {  // where a mirror image
   RandomStream random(1);
   for (int i = 0; i < 10; ++i) {
     reference.emplace_back(Eigen::Quaterniond::Identity(),
-                           Eigen::Vector3d(random.normal(), random.normal(), 0.5));
+                           Eigen::Vector3d{random.normal(), random.normal(), 0.5});
     estimate.push_back(some_motion().inverse() * reference.back());
   }
   EXPECT_THAT(align_rigidly(reference, estimate, 0.0).value(), test::PoseNear(some_motion(), 1e-13, 1e-13));

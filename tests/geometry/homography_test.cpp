@@ -33,7 +33,7 @@ TEST(Homography, FindsTheMapThatMadeThePoints) {
       const Eigen::Matrix3d truth = random_homography(random);
       Points plane = {{-1, 1}, {1, 1}, {1, -1}, {-1, -1}};
       while (plane.size() < num_points)
-        plane.emplace_back(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+        plane.push_back({random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)});
       const auto H = estimate_homography(plane, mapped(truth, plane));
       ASSERT_TRUE(H);
       EXPECT_NEAR(H->norm(), 1.0, 1e-12);
@@ -59,9 +59,9 @@ TEST(Homography, SpreadsNoiseOverAllPoints) {
   RandomStream random(223);
   const Eigen::Matrix3d truth = random_homography(random);
   Points plane;
-  for (int i = 0; i < 400; ++i) plane.emplace_back(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+  for (int i = 0; i < 400; ++i) plane.push_back({random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)});
   Points image = mapped(truth, plane);
-  for (Eigen::Vector2d& point : image) point += 1e-3 * Eigen::Vector2d(random.normal(), random.normal());
+  for (Eigen::Vector2d& point : image) point += 1e-3 * Eigen::Vector2d{random.normal(), random.normal()};
   const auto H = estimate_homography(plane, image);
   ASSERT_TRUE(H);
   EXPECT_LT((*H - truth / truth.norm()).norm(),

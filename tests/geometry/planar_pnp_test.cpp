@@ -49,7 +49,7 @@ Eigen::Vector3d random_ray(RandomStream& random, double max_off_axis_rad) {
 
 Rays with_noise(Rays rays, RandomStream& random, double sigma_rad) {
   for (Eigen::Vector3d& ray : rays) {
-    ray = (ray + sigma_rad * Eigen::Vector3d(random.normal(), random.normal(), random.normal())).normalized();
+    ray = (ray + sigma_rad * Eigen::Vector3d{random.normal(), random.normal(), random.normal()}).normalized();
   }
   return rays;
 }
@@ -78,8 +78,9 @@ TEST(PlanarPnp, ExactCornersHaveTheTruePoseAmongTheSolutions) {
     const double size_m = random.uniform(0.02, 0.5);
     const double distance_m = size_m * random.uniform(1.2, 40.0);
     // Rays up to 110 degrees off the axis: a fisheye sees behind itself.
-    const Pose T_camera_tag = random_view(random, random_ray(random, 110.0 * kDegree), distance_m,
-                                          random.uniform(0.0, 60.0) * kDegree);
+    const Eigen::Vector3d ray = random_ray(random, 110.0 * kDegree);
+    const double tilt_rad = random.uniform(0.0, 60.0) * kDegree;
+    const Pose T_camera_tag = random_view(random, ray, distance_m, tilt_rad);
     const PlanarPoses poses = solve_planar_pnp(rays_of(T_camera_tag, size_m), size_m);
     ASSERT_FALSE(poses.empty()) << "view " << i;
     EXPECT_THAT(poses[0].T_camera_tag, PoseNear(T_camera_tag, 1e-6 * distance_m, 1e-5)) << "view " << i;
@@ -98,8 +99,10 @@ TEST(PlanarPnp, EachSolutionIsAMinimumOfTheRayError) {
   RandomStream random(102);
   int num_solutions = 0;
   for (int i = 0; i < 300; ++i) {
-    const Pose truth =
-        random_view(random, random_ray(random, 0.5), random.uniform(0.5, 3.0), random.uniform(0.1, 1.0));
+    const Eigen::Vector3d ray = random_ray(random, 0.5);
+    const double distance_m = random.uniform(0.5, 3.0);
+    const double tilt_rad = random.uniform(0.1, 1.0);
+    const Pose truth = random_view(random, ray, distance_m, tilt_rad);
     const Rays rays = with_noise(rays_of(truth, 0.16), random, 1e-3);
     for (const PlanarPose& pose : solve_planar_pnp(rays, 0.16)) {
       const double error = squared_error(rays, pose.T_camera_tag, 0.16);
@@ -147,15 +150,18 @@ TEST(PlanarPnp, NoisyAmbiguousViewsLeaveNoMinimumUnfound) {
   int num_second_minima = 0;
   for (int i = 0; i < 40; ++i) {
     const double distance_m = random.uniform(1.0, 4.0);
-    const Pose truth = random_view(random, random_ray(random, 0.5), distance_m, random.uniform(0.0, 1.0));
+    const Eigen::Vector3d ray = random_ray(random, 0.5);
+    const double tilt_rad = random.uniform(0.0, 1.0);
+    const Pose truth = random_view(random, ray, distance_m, tilt_rad);
     const Rays rays = with_noise(rays_of(truth, kSize_m), random, 5e-4);  // 0.3 px at f = 600
     const PlanarPoses poses = solve_planar_pnp(rays, kSize_m);
     if (poses.empty()) continue;
     ++num_views;
     const double lowest = squared_error(rays, poses[0].T_camera_tag, kSize_m);
     for (int start = 0; start < 8; ++start) {
-      const Pose guess = random_view(random, truth.translation().normalized(),
-                                     distance_m * random.uniform(0.8, 1.2), random.uniform(0.0, 1.3));
+      const double guessed_m = distance_m * random.uniform(0.8, 1.2);
+      const double guessed_tilt_rad = random.uniform(0.0, 1.3);
+      const Pose guess = random_view(random, ray, guessed_m, guessed_tilt_rad);
       const Pose found = minimise_by_compass_search(rays, guess, kSize_m);
       if (!is_in_front_and_facing(rays, found, kSize_m)) continue;
       EXPECT_GE(squared_error(rays, found, kSize_m), lowest * (1.0 - 1e-6))
@@ -181,7 +187,8 @@ TEST(PlanarPnp, TheMirroredViewIsTheSecondSolution) {
   // first's place.
   RandomStream random(104);
   for (int i = 0; i < 200; ++i) {
-    const Pose truth = random_view(random, Eigen::Vector3d::UnitZ(), 4.0, random.uniform(0.5, 1.0));
+    const double tilt_rad = random.uniform(0.5, 1.0);
+    const Pose truth = random_view(random, Eigen::Vector3d::UnitZ(), 4.0, tilt_rad);
     const PlanarPoses poses = solve_planar_pnp(rays_of(truth, 0.16), 0.16);
     ASSERT_EQ(poses.size(), 2U);
     const Eigen::Vector3d normal = truth.rotation() * Eigen::Vector3d::UnitZ();
@@ -240,7 +247,7 @@ TEST(PlanarPnp, RandomQuadsNeverGiveNaN) {
     Rays rays;
     const double spread = std::pow(10.0, random.uniform(-9.0, 1.0));
     for (Eigen::Vector3d& ray : rays) {
-      ray = Eigen::Vector3d(spread * random.normal(), spread * random.normal(), 1.0).normalized();
+      ray = Eigen::Vector3d{spread * random.normal(), spread * random.normal(), 1.0}.normalized();
     }
     for (const PlanarPose& pose : solve_planar_pnp(rays, 0.16)) {
       EXPECT_TRUE(pose.T_camera_tag.is_finite());

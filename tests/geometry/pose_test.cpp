@@ -22,7 +22,7 @@ Vector6d random_twist(RandomStream& random, double max_angle_rad) {
   Vector6d xi;
   for (int i = 0; i < 3; ++i) xi(i) = random.uniform(-3.0, 3.0);
   const Eigen::Vector3d direction =
-      Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+      Eigen::Vector3d{random.normal(), random.normal(), random.normal()}.normalized();
   xi.tail<3>() = random.uniform(0.0, max_angle_rad) * direction;
   return xi;
 }
@@ -51,7 +51,7 @@ TEST(Pose, ActsOnPointsAsItsMatrix) {
   for (int i = 0; i < kNumPoses; ++i) {
     const Pose a = random_pose(random);
     const Pose b = random_pose(random);
-    const Eigen::Vector3d point(random.normal(), random.normal(), random.normal());
+    const Eigen::Vector3d point{random.normal(), random.normal(), random.normal()};
     EXPECT_LT((a * point - (a.matrix() * point.homogeneous()).head<3>()).norm(), 1e-14);
     EXPECT_LT(((a * b).matrix() - a.matrix() * b.matrix()).norm(), 1e-13);
     EXPECT_LT(((a * b) * point - a * (b * point)).norm(), 1e-13);
@@ -122,7 +122,7 @@ TEST(Pose, APointMovesWithTheRightPerturbationAsDocumented) {
   RandomStream random(218);
   for (int i = 0; i < 20; ++i) {
     const Pose T = random_pose(random);
-    const Eigen::Vector3d point(random.normal(), random.normal(), random.normal());
+    const Eigen::Vector3d point{random.normal(), random.normal(), random.normal()};
     Eigen::Matrix<double, 3, 6> analytic;
     analytic << T.rotation_matrix(), -T.rotation_matrix() * skew(point);
     const auto moved = [&](const Eigen::VectorXd& xi) { return Eigen::VectorXd(T * Pose::exp(xi) * point); };

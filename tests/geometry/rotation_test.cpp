@@ -13,7 +13,7 @@ namespace apriltrack {
 namespace {
 
 Eigen::Vector3d random_direction(RandomStream& random) {
-  return Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+  return Eigen::Vector3d{random.normal(), random.normal(), random.normal()}.normalized();
 }
 
 /// Angles at which series take over from closed forms, and both ends of the logarithm's range.
@@ -161,7 +161,7 @@ TEST(NearestRotation, IsTheTurnOfAStretchedOne) {
     const Eigen::Matrix3d R =
         rotation_exp(3.0 * random.uniform() * random_direction(random)).toRotationMatrix();
     const Eigen::Matrix3d turn = rotation_exp(random_direction(random)).toRotationMatrix();
-    const Eigen::Vector3d stretch(0.5 + random.uniform(), 0.5 + random.uniform(), 0.5 + random.uniform());
+    const Eigen::Vector3d stretch{0.5 + random.uniform(), 0.5 + random.uniform(), 0.5 + random.uniform()};
     const Eigen::Matrix3d S = turn * stretch.asDiagonal() * turn.transpose();
     EXPECT_NEAR((nearest_rotation(R * S) - R).norm(), 0.0, 1e-13);
   }

@@ -17,7 +17,8 @@ TEST(JointLikelihood, SameBitsOnAnyNumberOfThreads) {
   RandomStream random(7);
   std::vector<MotionState> hypotheses;
   for (int i = 0; i < 1500; ++i) {  // more than a batch
-    MotionState state = at_rest(facing(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), 0.8));
+    const Eigen::Vector2d off_m{random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)};
+    MotionState state = at_rest(facing(off_m.x(), off_m.y(), 0.8));
     for (int k = 0; k < 6; ++k) state.velocity[k] = random.normal();
     hypotheses.push_back(state);
   }
@@ -48,7 +49,8 @@ TEST(JointLikelihood, ManyTagsTakeLittleMemoryAndChangeNoScore) {
   RandomStream random(9);
   std::vector<MotionState> hypotheses;
   for (int i = 0; i < 70; ++i) {
-    MotionState state = at_rest(facing(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), 3.0));
+    const Eigen::Vector2d off_m{random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)};
+    MotionState state = at_rest(facing(off_m.x(), off_m.y(), 3.0));
     for (int k = 0; k < 3; ++k) state.velocity[k] = random.normal();
     hypotheses.push_back(state);
   }
@@ -83,7 +85,8 @@ TEST(JointLikelihood, AsksForNoMemoryOnceItHasSeenAFrame) {
   RandomStream random(10);
   std::vector<MotionState> hypotheses;
   for (int i = 0; i < 1500; ++i) {  // more than a batch
-    MotionState state = at_rest(facing(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), 0.8));
+    const Eigen::Vector2d off_m{random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)};
+    MotionState state = at_rest(facing(off_m.x(), off_m.y(), 0.8));
     state.velocity[0] = random.normal();
     hypotheses.push_back(state);
   }

@@ -33,8 +33,10 @@ TEST(JointLikelihood, RejectsOnlyHypothesesThatAreFarFromTheBest) {
   const Pose truth = facing(0.0, 0.0, 0.8);
   RandomStream random(12);
   std::vector<MotionState> hypotheses;
-  for (int i = 0; i < 1000; ++i)  // within some 15 pixels
-    hypotheses.push_back(at_rest(facing(0.03 * random.normal(), 0.03 * random.normal(), 0.8)));
+  for (int i = 0; i < 1000; ++i) {  // within some 15 pixels
+    const Eigen::Vector2d off_m{0.03 * random.normal(), 0.03 * random.normal()};
+    hypotheses.push_back(at_rest(facing(off_m.x(), off_m.y(), 0.8)));
+  }
   JointLikelihoodOptions options = with_references(PatchError::kLinear, 32);
   const PhotometricFrame earlier = blurred_noise(12);
   PhotometricFrame frame = earlier;
@@ -116,8 +118,10 @@ TEST(JointLikelihood, DropsOnlyHypothesesThatAreNegligibleWhateverTheRestShows) 
   for (const double edge_m : {0.0, -0.27}) {  // in the middle, and cut by the image's edge
     const Pose truth = facing(edge_m, 0.0, 0.8);
     std::vector<MotionState> hypotheses;
-    for (int i = 0; i < 1000; ++i)  // within some 15 pixels
-      hypotheses.push_back(at_rest(facing(edge_m + 0.03 * random.normal(), 0.03 * random.normal(), 0.8)));
+    for (int i = 0; i < 1000; ++i) {  // within some 15 pixels
+      const Eigen::Vector2d off_m{0.03 * random.normal(), 0.03 * random.normal()};
+      hypotheses.push_back(at_rest(facing(edge_m + off_m.x(), off_m.y(), 0.8)));
+    }
     hypotheses.push_back(at_rest(truth));
     for (const bool has_unknown : {false, true}) {
       JointLikelihoodOptions options = with_references(PatchError::kGaussianProfile, 32);

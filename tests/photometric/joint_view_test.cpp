@@ -68,7 +68,7 @@ TEST(JointLikelihood, MissesNoPartOfATagThatIsInTheImage) {
     RandomStream random(8);
     std::vector<MotionState> hypotheses;
     for (int i = 0; i < 3000; ++i) {
-      Eigen::Vector3d place(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-0.3, 1.0));
+      Eigen::Vector3d place{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-0.3, 1.0)};
       hypotheses.push_back(at_rest({rotation_exp(random.normal() * place), place}));
     }
     JointScores scores;

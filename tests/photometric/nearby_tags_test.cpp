@@ -69,7 +69,8 @@ TEST(NearbyTags, HoldAllThatAnyViewOfAPathShows) {
     const int width = static_cast<int>(2.0 * lens.model.pinhole().cx);
     const int height = static_cast<int>(2.0 * lens.model.pinhole().cy);
     for (const TrackMode mode : {TrackMode::kEgo, TrackMode::kJoint}) {
-      const TagMap map = scattered(random, 400, random.uniform(0.5, 6.0));
+      const double spread_m = random.uniform(0.5, 6.0);
+      const TagMap map = scattered(random, 400, spread_m);
       const PhotometricWorld world(camera, map, mode, 0, 0);  // no picture is asked for
       const double cone_rad = max_view_angle_rad(lens.model, width, height);
       NearbyTags nearby(world.tags);

@@ -69,9 +69,9 @@ const std::vector<CameraModel>& lenses() {
 
 /// Before the camera, beside it, behind it, on edge; of an edge of 16 cm.
 Eigen::Matrix3d random_view(RandomStream& random, double spread) {
-  const Eigen::Vector3d place(random.uniform(-spread, spread), random.uniform(-spread, spread),
-                              random.uniform(-0.2, 1.0));
-  const Eigen::Vector3d turn(random.normal(), random.normal(), 2.0 * random.normal());
+  const Eigen::Vector3d place{random.uniform(-spread, spread), random.uniform(-spread, spread),
+                              random.uniform(-0.2, 1.0)};
+  const Eigen::Vector3d turn{random.normal(), random.normal(), 2.0 * random.normal()};
   return camera_from_tag_plane({rotation_exp(turn), place}, 0.16);
 }
 

@@ -33,7 +33,7 @@ class WavySky {
     RandomStream random(seed);
     constexpr int kWaves = 16;
     for (int k = 0; k < kWaves; ++k) {
-      const Vector3d direction(random.normal(), random.normal(), random.normal());
+      const Vector3d direction{random.normal(), random.normal(), random.normal()};
       const double per_rad = 4.0 * std::pow(most_per_rad / 4.0, (k + 0.5) / kWaves);
       waves_.push_back({(per_rad * direction.normalized()).cast<float>(),
                         static_cast<float>(random.uniform(0.0, 2.0 * std::numbers::pi))});
@@ -194,7 +194,7 @@ TEST_F(SeenTurns, AreTheMiddlesOfExposuresOfAnyTurns) {
   const SkyCamera camera(lens, 320, 240);
   RandomStream random(2);
   const auto any = [&](double most) -> Vector3d {
-    return most * Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    return most * Vector3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
   };
   double most = 0.0;
   for (int i = 0; i < 20; ++i) {

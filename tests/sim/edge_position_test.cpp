@@ -122,10 +122,10 @@ void check_edges(const CameraModel& model, double max_offset_m, std::uint64_t se
   RandomStream random(seed);
   CornerCheck check;
   for (int i = 0; i < 12; ++i) {
-    const Eigen::Vector3d turn(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6),
-                               random.uniform(-3.0, 3.0));
-    const Eigen::Vector3d place(random.uniform(-max_offset_m, max_offset_m),
-                                random.uniform(-max_offset_m, max_offset_m), random.uniform(0.7, 1.0));
+    const Eigen::Vector3d turn{random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6),
+                               random.uniform(-3.0, 3.0)};
+    const Eigen::Vector3d place{random.uniform(-max_offset_m, max_offset_m),
+                                random.uniform(-max_offset_m, max_offset_m), random.uniform(0.7, 1.0)};
     const Scene scene = one_tag(Pose(rotation_exp(turn), place), model);
     check.add(scene, Renderer(scene).sensor_light({0}, 0.004));
   }
@@ -156,7 +156,7 @@ TEST(EdgePosition, OfATagFarOffTheAxisOfAFisheyeIsTheTruth) {
     const Eigen::Quaterniond R =
         rotation_exp(Eigen::Vector3d(0.0, off_axis, 0.0)) *
         rotation_exp(
-            Eigen::Vector3d(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-3.0, 3.0)));
+            Eigen::Vector3d{random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-3.0, 3.0)});
     const Eigen::Vector3d place(0.8 * std::sin(off_axis), random.uniform(-0.15, 0.15),
                                 0.8 * std::cos(off_axis));
     const Scene scene = one_tag(Pose(R, place), model);

@@ -92,7 +92,7 @@ TEST(LensOnATag, KeepsThePlaceAndTheSizeOfAnUprightOne) {
     const UprightTag tag(sigma_px);
     for (int i = 0; i < 4; ++i) {
       TagPlace place;
-      const Eigen::Vector2d place_px(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5));
+      const Eigen::Vector2d place_px{random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)};
       place.T_camera_tag = {Eigen::Quaterniond::Identity(),
                             {place_px.x() / place.focal_px, place_px.y() / place.focal_px, 1.0}};
       const Image<float> light = light_behind(tag_scene(place, sigma_px));

@@ -32,7 +32,7 @@ std::vector<Eigen::Quaterniond> awkward_rotations() {
 }
 
 MapTag tag_with(int id, const Eigen::Quaterniond& rotation, RandomStream& random) {
-  const Eigen::Vector3d at(random.uniform(-20, 20), random.uniform(-20, 20), random.uniform(-3, 3));
+  const Eigen::Vector3d at{random.uniform(-20, 20), random.uniform(-20, 20), random.uniform(-3, 3)};
   return map_tag("tag36h11", id, 0.1651, Pose(rotation, at));
 }
 
@@ -45,7 +45,7 @@ TagMap random_layout() {
   for (const Eigen::Quaterniond& rotation : awkward_rotations())
     map.tags.push_back(tag_with(id++, rotation, random));
   for (; id <= 200; ++id) {
-    const Eigen::Vector4d q(random.normal(), random.normal(), random.normal(), random.normal());
+    const Eigen::Vector4d q{random.normal(), random.normal(), random.normal(), random.normal()};
     map.tags.push_back(tag_with(id, Eigen::Quaterniond(q.normalized()), random));
   }
   return map;
@@ -63,7 +63,7 @@ TagMap layout_of_headings() {
     // As turned about y by the pitch, then about z by the heading.
     const Eigen::Vector3d out(std::cos(yaw) * c, std::sin(yaw) * c, -s),
         right(-std::sin(yaw), std::cos(yaw), 0);
-    const PlacedTag placed{Eigen::Vector3d(random.uniform(0, 16), random.uniform(0, 8), 1.0), right,
+    const PlacedTag placed{Eigen::Vector3d{random.uniform(0, 16), random.uniform(0, 8), 1.0}, right,
                            (-out).cross(right)};
     map.tags.push_back(map_tag("tag36h11", id, 0.1651, placed.T_map_tag()));
   }

@@ -97,11 +97,11 @@ inline MapTag random_tag(RandomStream& random, int id) {
   MapTag tag;
   tag.key = {id % 3 == 0 ? "tagStandard41h12" : "tag36h11", id};
   tag.size_m = random.uniform(1e-3, 2.0);
-  const Eigen::Vector4d q(random.normal(), random.normal(), random.normal(), random.normal());
+  const Eigen::Vector4d q{random.normal(), random.normal(), random.normal(), random.normal()};
   const double magnitude = std::pow(10.0, random.uniform(-12.0, 6.0));
   tag.T_map_tag = Pose(
       Eigen::Quaterniond(q),
-      magnitude * Eigen::Vector3d(random.normal(), random.normal(), id % 7 == 0 ? -0.0 : random.normal()));
+      magnitude * Eigen::Vector3d{random.normal(), random.normal(), id % 7 == 0 ? -0.0 : random.normal()});
   if (id % 2 == 0) tag.covariance = random_covariance(random);
   if (id % 5 == 0) tag.covariance = Matrix6d::Zero();
   if (id % 4 == 1) tag.statistics = TagStatistics{id, random.uniform(), {"weak", "seen once: \"yes\""}};

@@ -19,7 +19,10 @@ Eigen::Vector3d any_vector(RandomStream& random) {
 /// z: in other buildings, behind it, or before it with the back turned.
 Pose out_of_sight(RandomStream& random, int kind) {
   const Eigen::Quaterniond any_turn = rotation_exp(2.0 * any_vector(random));
-  if (kind == 0) return {any_turn, (20.0 + 30.0 * random.uniform()) * any_vector(random).normalized()};
+  if (kind == 0) {
+    const double distance_m = 20.0 + 30.0 * random.uniform();
+    return {any_turn, distance_m * any_vector(random).normalized()};
+  }
   if (kind == 1) return {any_turn, {random.normal(), random.normal(), -random.uniform(1.5, 5.0)}};
   const Eigen::Quaterniond about_face = rotation_exp({3.1, 0.0, 0.0});
   return {about_face, {0.5 * random.normal(), 0.5 * random.normal(), random.uniform(1.0, 4.0)}};

@@ -43,9 +43,9 @@ TEST(Localizer, NoDetectionWhateverGivesANaNOrAnException) {
                           .corners_px = {},
                           .hamming = {},
                           .decision_margin = {}};
-      const Eigen::Vector2d centre(random.uniform(0.0, 640.0), random.uniform(0.0, 480.0));
+      const Eigen::Vector2d centre{random.uniform(0.0, 640.0), random.uniform(0.0, 480.0)};
       for (Eigen::Vector2d& corner : detection.corners_px) {
-        corner = centre + spread_px * Eigen::Vector2d(random.normal(), random.normal());
+        corner = centre + spread_px * Eigen::Vector2d{random.normal(), random.normal()};
       }
       if (i % 50 == 0) detection.corners_px[1].x() = std::numeric_limits<double>::quiet_NaN();
       frame.detections.push_back(detection);

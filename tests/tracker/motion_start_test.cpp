@@ -15,7 +15,7 @@ const Pose kMapFromTag(rotation_exp({0.3, -0.5, 0.2}), {0.4, 0.1, -0.2});
 /// A tag some two metres ahead and aside, tilted any way, in any motion.
 MotionState any_state(RandomStream& random, TrackMode mode) {
   const auto vector = [&](double scale) -> Eigen::Vector3d {
-    return scale * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    return scale * Eigen::Vector3d{random.normal(), random.normal(), random.normal()};
   };
   const Pose T_camera_tag(rotation_exp(vector(0.4)), Eigen::Vector3d(0.3, -0.4, 2.0) + vector(0.2));
   MotionState state;

@@ -56,7 +56,7 @@ TEST_F(PullingTags, DoNotHoldThePoseWhereTheyFitByAStripe) {
   for (int i = 0; i < 150; ++i) {
     const MapTag& tag = film_.scene.map.tags[static_cast<std::size_t>(i % 3)];
     const Eigen::Vector3d turn =
-        0.45 * Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+        0.45 * Eigen::Vector3d{random.normal(), random.normal(), random.normal()}.normalized();
     std::vector<Explanation> found = {start_fit_.explained(frame_, turned_about(tag, turn), {})};
     if (!found.front().is_explained() || !leaves_a_tag_unexplained(found.front())) continue;
     ++num_pulled;

@@ -70,7 +70,7 @@ struct WholeUpdate {
 };
 
 Vector3d random3(RandomStream& random, double scale) {
-  return scale * Vector3d(random.normal(), random.normal(), random.normal());
+  return scale * Vector3d{random.normal(), random.normal(), random.normal()};
 }
 
 /// correlated: pose and velocity, as some frames without evidence leave them.
@@ -111,7 +111,7 @@ Matrix12d in_sigmas(const Matrix12d& covariance, const Matrix12d& of) {
   return scale.asDiagonal() * covariance * scale.asDiagonal();
 }
 
-/// The logarithms of two turns of a degree or two differ by a little more than that of their difference.
+/// The logarithms of two turns of a degree differ by a little more than that of their difference.
 constexpr double kLinearised = 0.05;
 
 void expect_same_belief(const MotionBelief& belief, const MotionBelief& expected) {
@@ -125,7 +125,7 @@ TEST(SeenTurn, TellsOfTheMotionWhatBayesRuleDoes) {
   RandomStream random(1);
   for (int i = 0; i < 20; ++i) {
     const MotionBelief before = any_motion(random, false);
-    const SeenTurn seen = any_turn(random, before, 0.03);
+    const SeenTurn seen = any_turn(random, before, 0.02);
     const TurnedBelief turned = turned_by(before, kStep, seen);
     const WholeUpdate expected(before, kStep, seen);
     SCOPED_TRACE(i);
@@ -144,7 +144,7 @@ TEST(SeenTurn, TellsOfAPlaceThatIsTiedToTheVelocityWhatBayesRuleDoes) {
   for (int i = 0; i < 20; ++i) {
     const MotionBelief before = any_motion(random, true);
     const MotionStep step{.noise = {}, .dt_s = kStep.dt_s, .speed_sigma = i % 2 == 0 ? 0.0 : 0.3};
-    const SeenTurn seen = any_turn(random, before, 0.03);
+    const SeenTurn seen = any_turn(random, before, 0.02);
     const TurnedBelief turned = turned_by(before, step, seen);
     const WholeUpdate expected(before, step, seen);
     SCOPED_TRACE(i);
@@ -227,7 +227,7 @@ TEST(SeenTurn, IsAsLikelyAsItsDensity) {
   RandomStream random(5);
   for (int i = 0; i < 20; ++i) {
     const MotionBelief before = any_motion(random, false);
-    const SeenTurn seen = any_turn(random, before, 0.03);
+    const SeenTurn seen = any_turn(random, before, 0.02);
     EXPECT_NEAR(turned_by(before, kStep, seen).log_likelihood, WholeUpdate(before, kStep, seen).log_density,
                 0.1)
         << i;

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <functional>
+#include <initializer_list>
 #include <limits>
 #include <utility>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/base64.h"
+#include "apriltrack/io/byte_order.h"
 #include "apriltrack/io/yaml_reader.h"
 #include "foxglove_message.h"
 #include "protobuf_fields.h"
@@ -62,103 +65,88 @@ Timestamp time_of(std::string_view message) {
   return {kNsPerSecond * seconds + nanoseconds};
 }
 
+void check_kind(const ProtobufField& field, ProtobufField::Kind kind) {
+  if (field.kind != kind) throw BadMessage(fmt::format("field {}: is of another type", field.number));
+}
+
 /// Of a list of doubles: packed, as proto3 writes it, or one by one.
 void add_doubles(const ProtobufField& field, std::vector<double>& values) {
   if (field.kind == ProtobufField::Kind::kEight) {
     values.push_back(std::bit_cast<double>(field.value));
     return;
   }
+  check_kind(field, ProtobufField::Kind::kBytes);
   if (field.bytes.size() % sizeof(double) != 0) throw BadMessage("a list of numbers ends too soon");
-  for (std::size_t at = 0; at < field.bytes.size(); at += sizeof(double)) {
-    std::uint64_t bits = 0;
-    for (std::size_t i = sizeof(double); i-- > 0;)
-      bits = bits << 8 | static_cast<unsigned char>(field.bytes[at + i]);
-    values.push_back(std::bit_cast<double>(bits));
-  }
+  for (std::size_t at = 0; at < field.bytes.size(); at += sizeof(double))
+    values.push_back(std::bit_cast<double>(little_endian(field.bytes.substr(at, sizeof(double)))));
 }
 
-std::uint32_t count_of(const ProtobufField& field) {
-  return static_cast<std::uint32_t>(field.value);
+void set(Timestamp& value, const ProtobufField& field) {
+  check_kind(field, ProtobufField::Kind::kBytes);
+  value = time_of(field.bytes);
+}
+
+void set(std::uint32_t& value, const ProtobufField& field) {
+  if (field.kind == ProtobufField::Kind::kBytes) check_kind(field, ProtobufField::Kind::kFour);
+  if (field.value > std::numeric_limits<std::uint32_t>::max())
+    throw BadMessage(fmt::format("field {}: {} is beyond 32 bits", field.number, field.value));
+  value = static_cast<std::uint32_t>(field.value);
+}
+
+void set(std::string_view& value, const ProtobufField& field) {
+  check_kind(field, ProtobufField::Kind::kBytes);
+  value = field.bytes;
+}
+
+void set(std::string& value, const ProtobufField& field) {
+  check_kind(field, ProtobufField::Kind::kBytes);
+  value = field.bytes;
+}
+
+void set(std::vector<double>& values, const ProtobufField& field) {
+  add_doubles(field, values);
+}
+
+/// Where a message's field goes.
+struct FieldTarget {
+  std::uint32_t number;
+  std::function<void(const ProtobufField&)> set_it;
+
+  template <class Value>
+  FieldTarget(std::uint32_t number_in_schema, Value& value)
+      : number(number_in_schema), set_it([&value](const ProtobufField& field) { set(value, field); }) {}
+};
+
+/// Fields that have no target are skipped.
+void read_fields(std::string_view message, std::initializer_list<FieldTarget> targets) {
+  ProtobufFields fields(message);
+  while (const auto field = fields.next())
+    for (const FieldTarget& target : targets)
+      if (target.number == field->number) target.set_it(*field);
 }
 
 RosImage raw_image_of(std::string_view message) {
   RosImage image;
-  ProtobufFields fields(message);
-  while (const auto field = fields.next()) {
-    switch (field->number) {
-      case 1:
-        image.stamp = time_of(field->bytes);
-        break;
-      case 2:
-        image.width = count_of(*field);
-        break;
-      case 3:
-        image.height = count_of(*field);
-        break;
-      case 4:
-        image.encoding = field->bytes;
-        break;
-      case 5:
-        image.step = count_of(*field);
-        break;
-      case 6:
-        image.data = field->bytes;
-        break;
-      default:
-        break;
-    }
-  }
+  read_fields(message, {{1, image.stamp},
+                        {2, image.width},
+                        {3, image.height},
+                        {4, image.encoding},
+                        {5, image.step},
+                        {6, image.data}});
   return image;
 }
 
 RosCompressedImage compressed_image_of(std::string_view message) {
   RosCompressedImage image;
-  ProtobufFields fields(message);
-  while (const auto field = fields.next()) {
-    switch (field->number) {
-      case 1:
-        image.stamp = time_of(field->bytes);
-        break;
-      case 2:
-        image.data = field->bytes;
-        break;
-      case 3:
-        image.format = field->bytes;
-        break;
-      default:
-        break;
-    }
-  }
+  read_fields(message, {{1, image.stamp}, {2, image.data}, {3, image.format}});
   return image;
 }
 
 RosCameraInfo calibration_of(std::string_view message) {
   RosCameraInfo info;
-  ProtobufFields fields(message);
-  while (const auto field = fields.next()) {
-    switch (field->number) {
-      case 2:
-        info.width = count_of(*field);
-        break;
-      case 3:
-        info.height = count_of(*field);
-        break;
-      case 4:
-        info.distortion_model = field->bytes;
-        break;
-      case 5:
-        add_doubles(*field, info.d);
-        break;
-      case 6:
-        add_doubles(*field, info.k);
-        break;
-      case 8:
-        add_doubles(*field, info.p);
-        break;
-      default:
-        break;
-    }
-  }
+  read_fields(
+      message,
+      {{2, info.width}, {3, info.height}, {4, info.distortion_model}, {5, info.d}, {6, info.k}, {8, info.p}});
   return info;
 }
 
@@ -218,10 +206,9 @@ RosCameraInfo read_foxglove_calibration(const BagTopic& topic, std::string_view 
 Timestamp read_foxglove_time(const BagTopic& topic, std::string_view bytes) {
   if (is_json(topic))
     return read_json(bytes, [](const YamlNode& m) { return read_foxglove_time(m.at("timestamp")); });
-  ProtobufFields fields(bytes);
-  while (const auto field = fields.next())
-    if (field->number == 1) return time_of(field->bytes);
-  return {};
+  Timestamp stamp{};
+  read_fields(bytes, {{1, stamp}});
+  return stamp;
 }
 
 }  // namespace apriltrack

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "apriltrack/io/byte_order.h"
 #include "ros_message.h"
 
 namespace apriltrack {
@@ -23,10 +24,10 @@ std::optional<ProtobufField> ProtobufFields::next() {
       field.value = varint();
       return field;
     case ProtobufField::Kind::kEight:
-      field.value = little_endian(8);
+      field.value = little_endian(take(8));
       return field;
     case ProtobufField::Kind::kFour:
-      field.value = little_endian(4);
+      field.value = little_endian(take(4));
       return field;
     case ProtobufField::Kind::kBytes:
       field.bytes = take(varint());
@@ -45,13 +46,6 @@ std::uint64_t ProtobufFields::varint() {
     if (byte < 0x80u) return value;
   }
   throw BadMessage("is no protobuf message: a number is longer than 64 bits");
-}
-
-std::uint64_t ProtobufFields::little_endian(std::size_t size) {
-  const std::string_view taken = take(size);
-  std::uint64_t value = 0;
-  for (std::size_t i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(taken[i]);
-  return value;
 }
 
 std::string_view ProtobufFields::take(std::uint64_t size) {

@@ -26,7 +26,6 @@ class ProtobufFields {
 
  private:
   std::uint64_t varint();
-  std::uint64_t little_endian(std::size_t size);
   std::string_view take(std::uint64_t size);
 
   std::string_view message_;  ///< What is left of it.
