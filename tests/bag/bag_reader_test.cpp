@@ -133,6 +133,29 @@ TEST(BagReader, JoinsFilesThatOverlapInTime) {
   EXPECT_EQ(order, "10 20 30 40 50 60 ");
 }
 
+/// Writers tell a type once: the second topic's chunk, of a file that was cut off, has its channel alone.
+TEST(BagReader, KnowsTheTypeOfEveryTopicOfACutFile) {
+  const fs::path bag = temporary_folder() / "cut.mcap";
+  write_mcap(bag, Wire::kCdr,
+             {{"/left", "sensor_msgs/Image", 1, "a"}, {"/right", "sensor_msgs/Image", 2, "b"}}, 1);
+  const auto reader = open_bag(bag);
+  ASSERT_EQ(reader->topics().size(), 2u);
+  for (const BagTopic& topic : reader->topics()) {
+    EXPECT_EQ(topic.type, "sensor_msgs/msg/Image") << topic.name;
+    EXPECT_EQ(topic.schema_encoding, "ros2msg") << topic.name;
+    EXPECT_EQ(topic.count, 1u) << topic.name;
+  }
+}
+
+/// Each search for the next record ends some bytes on.
+TEST(BagReader, PassesOverAMillionBrokenRecords) {
+  const fs::path bag = temporary_folder() / "broken.mcap";
+  std::string bytes("\x89MCAP0\r\n", 8);
+  for (int i = 0; i < 1'000'000; ++i) bytes += std::string("\x05\0\0\0\0\0\0\0\0", 9);
+  write_bytes(bag, bytes);
+  EXPECT_EQ(read_all(*open_bag(bag)).size(), 0u);
+}
+
 TEST(BagReader, RefusesOtherStoragesAndCompressionsByName) {
   const fs::path folder = temporary_folder();
   const auto metadata = [&](const std::string& storage, const std::string& compression) {

@@ -191,17 +191,20 @@ void write_mcap(const std::filesystem::path& path, Wire wire, const std::vector<
   const std::string magic("\x89MCAP0\r\n", 8);
   std::string bytes = magic + record(1, sized(words.profile) + sized("test"));
   const auto ids = numbered(messages);
-  std::map<std::string, bool> is_told;
+  std::map<std::string, std::string> schema_of_type;
+  std::map<std::string, bool> has_channel;
   for (std::size_t begin = 0; begin < messages.size(); begin += messages_per_chunk) {
     std::string chunk;
     for (std::size_t i = begin; i < std::min(messages.size(), begin + messages_per_chunk); ++i) {
       const TestMessage& one = messages[i];
       const std::string id = little(ids.at(one.topic), 2);
-      if (!std::exchange(is_told[one.topic], true)) {
-        chunk +=
-            record(3, id + sized(is_ros2 ? ros2_type(one.type) : one.type) + sized(words.schema) + sized(""));
-        chunk += record(4, id + id + sized(one.topic) + sized(words.message) + sized(""));
-      }
+      const auto [schema, is_new] =
+          schema_of_type.try_emplace(one.type, little(schema_of_type.size() + 1, 2));
+      if (is_new)
+        chunk += record(3, schema->second + sized(is_ros2 ? ros2_type(one.type) : one.type) +
+                               sized(words.schema) + sized(""));
+      if (!std::exchange(has_channel[one.topic], true))
+        chunk += record(4, id + schema->second + sized(one.topic) + sized(words.message) + sized(""));
       const std::string time = little(static_cast<std::uint64_t>(one.log_time_ns), 8);
       chunk += record(5, id + little(i, 4) + time + time + one.bytes);
     }

@@ -87,7 +87,8 @@ struct ChunkForm {
 /// All of one chunk.
 void write_ros1_bag(const std::filesystem::path& path, const std::vector<TestMessage>& messages,
                     const ChunkForm& form = {});
-/// A chunk for every so many messages, without indices. wire: of the messages.
+/// A chunk for every so many messages, without indices; each type and topic is told once, as other writers
+/// do. wire: of the messages.
 void write_mcap(const std::filesystem::path& path, Wire wire, const std::vector<TestMessage>& messages,
                 std::size_t messages_per_chunk = 4, const ChunkForm& form = {});
 /// A SQLite file of rosbag2 while it is recorded.

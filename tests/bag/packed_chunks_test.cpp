@@ -153,6 +153,32 @@ TEST_P(PackedChunks, TellThatTheirHeaderSaysAWrongSize) {
   }
 }
 
+TEST(ChunkPackings, ThatAreNotReadAreNamed) {
+  const ChunkForm form = {.compression = "brotli", .pack = [](const std::string& chunk) { return chunk; }};
+  for (const bool is_ros1 : {false, true}) {
+    const auto reader = open_bag(write_bag({.name = "brotli", .is_ros1 = is_ros1}, form));
+    EXPECT_EQ(read_all(*reader).size(), 0u);
+    EXPECT_THAT(reader->damage(),
+                AllOf(HasSubstr("1 chunk cannot be read"), HasSubstr("packed by 'brotli'")));
+  }
+}
+
+/// rosbag2 with `--compression-mode message`.
+TEST(PackedMessages, AreUnpackedOneByOne) {
+  const std::vector<TestMessage> plain = six_messages(Wire::kCdr);
+  std::vector<TestMessage> packed = plain;
+  for (TestMessage& one : packed) one.bytes = zstd_frame(one.bytes);
+  const fs::path bag = temporary_folder() / "messages.mcap";
+  write_mcap(bag, Wire::kCdr, packed, 6);
+  EXPECT_EQ(read(bag).bytes, bytes_of(plain));
+  packed[2].bytes.resize(packed[2].bytes.size() / 2);
+  write_mcap(bag, Wire::kCdr, packed, 6);
+  const Reading reading = read(bag);
+  EXPECT_EQ(reading.bytes.size(), plain.size() - 1);
+  EXPECT_EQ(reading.num_bad, 1u);
+  EXPECT_THAT(reading.damage, HasSubstr("1 message cannot be read"));
+}
+
 TEST(ChunkSizes, AreComparedWhereNothingIsPacked) {
   const Packed plain;
   for (const int size_error : {-5, 1000}) {

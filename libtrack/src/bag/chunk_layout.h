@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,9 +45,10 @@ struct Chunk {
   std::uint64_t offset = 0;       ///< Of its record in the file.
   std::uint64_t data_offset = 0;  ///< Of its bytes in the file, as packed.
   std::uint64_t data_size = 0;
-  std::uint64_t unpacked_size = 0;  ///< As its header says.
-  Packing packing = Packing::kNone;
-  std::uint32_t crc = 0;  ///< Of the unpacked bytes; 0: none is told.
+  std::uint64_t unpacked_size = 0;                  ///< As its header says.
+  std::optional<Packing> packing = Packing::kNone;  ///< None: in a way that is not read.
+  std::string packing_name = {};                    ///< As its header says.
+  std::uint32_t crc = 0;                            ///< Of the unpacked bytes; 0: none is told.
   std::vector<IndexPlace> index = {};
   bool has_index = false;   ///< `index` tells of all its messages, as far as can be seen from outside.
   bool is_partial = false;  ///< The file ends within it, or its size is in doubt: the CRC cannot be right.
@@ -91,7 +93,7 @@ class ChunkedFormat {
   /// Finds the chunks, and channels as far as they are told outside of chunks.
   virtual FileLayout lay_out(Damage& damage) = 0;
   /// hints: where the index says that records begin, in order; beyond a damaged record it goes on there.
-  virtual ChunkContents walk(std::string_view unpacked, const std::vector<std::uint32_t>& hints) const = 0;
+  virtual ChunkContents walk(std::string_view unpacked, const std::vector<std::uint32_t>& hints) = 0;
   /// The messages of one channel of a chunk, by the index; `chunk` is left 0. Throws BadBytes.
   virtual std::vector<MessagePlace> read_index(const IndexPlace& place) const = 0;
 };

@@ -64,6 +64,8 @@ class ChunkedReader : public BagReader {
           continue;
         }
         message.bytes = found->data;
+        if (topics_[message.topic].encoding == "cdr") unpack_message(message, message_);
+        if (!message.error.empty()) damage_.lost_message(layout_.chunks[place.chunk].offset, message.error);
       }
       ++position_;
       return message;
@@ -97,7 +99,10 @@ class ChunkedReader : public BagReader {
   void find_messages(std::size_t index) {
     layout_.chunks[index].has_index = false;
     if (!load(index).empty()) return;
-    for (const auto& [id, channel] : contents_.channels) layout_.channels.insert({id, channel});
+    for (const auto& [id, channel] : contents_.channels) {
+      BagChannel& known = layout_.channels.try_emplace(id, channel).first->second;
+      if (known.type.empty()) known = channel;  // its schema came later
+    }
     for (const FoundMessage& message : contents_.messages)
       found_.push_back({message.time_ns, static_cast<std::uint32_t>(index), message.channel, message.offset});
   }
@@ -191,11 +196,12 @@ class ChunkedReader : public BagReader {
     const std::uint64_t size =
         std::min(chunk.data_size, file_->size() - std::min(file_->size(), chunk.data_offset));
     if (size > kMostUnpackedBytes) return fmt::format("it has {} bytes, more than are read at once", size);
+    if (!chunk.packing) return fmt::format("it is packed by '{}', which is not read", chunk.packing_name);
     file_->read(chunk.data_offset, size, packed_);
     content_ = packed_.view();
     if (content_.size() < chunk.data_size && !chunk.is_partial) return "the file ends before it";
     if (chunk.packing != Packing::kNone) {
-      const Unpacked result = unpack(chunk.packing, packed_.view(), chunk.unpacked_size, unpacked_);
+      const Unpacked result = unpack(*chunk.packing, packed_.view(), chunk.unpacked_size, unpacked_);
       content_ = unpacked_.view();
       // Checksums stand at the end of a block or a stream: what came before damage may be wrong, before a cut
       // not.
@@ -270,7 +276,7 @@ class ChunkedReader : public BagReader {
 
   std::size_t loaded_ = kNothing;
   std::string load_error_;
-  ByteBuffer packed_, unpacked_;
+  ByteBuffer packed_, unpacked_, message_;
   std::string_view content_;
   ChunkContents contents_;
   std::size_t num_chosen_loaded_ = 0;

@@ -27,14 +27,14 @@ void add_message(const RandomAccessFile& file, const McapPrefix& prefix, std::ui
 Chunk scanned_chunk(const RandomAccessFile& file, const McapPrefix& prefix, std::uint64_t position) {
   const std::string start = file.read(prefix.content, kMostChunkHeaderBytes);
   const McapChunkHeader header = read_chunk_header(start);
-  Chunk chunk{.offset = position,
-              .data_offset = prefix.content + header.header_size,
-              .data_size = header.data_size,
-              .unpacked_size = header.unpacked_size,
-              .packing = known_packing(header.compression),
-              .crc = header.crc};
   if (prefix.size != header.header_size + header.data_size) throw BadBytes("a chunk's lengths do not agree");
-  return chunk;
+  return {.offset = position,
+          .data_offset = prefix.content + header.header_size,
+          .data_size = header.data_size,
+          .unpacked_size = header.unpacked_size,
+          .packing = packing_of(header.compression),
+          .packing_name = header.compression,
+          .crc = header.crc};
 }
 
 }  // namespace
@@ -46,11 +46,6 @@ McapPrefix read_mcap_prefix(const RandomAccessFile& file, std::uint64_t position
   prefix.size = cursor.u64();
   if (prefix.size > std::uint64_t{1} << 62) throw BadBytes("a record is longer than any file");
   return prefix;
-}
-
-Packing known_packing(std::string_view compression) {
-  if (const auto packing = packing_of(compression)) return *packing;
-  throw BadBytes(fmt::format("a chunk is packed by '{}'", compression));
 }
 
 void add_message_index(std::string_view content, std::uint64_t at, Chunk& chunk) {

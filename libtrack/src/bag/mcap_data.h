@@ -26,7 +26,6 @@ struct McapPrefix {
 
 // All throw BadBytes.
 McapPrefix read_mcap_prefix(const RandomAccessFile& file, std::uint64_t position);
-Packing known_packing(std::string_view compression);
 /// content: of a message index, whole; at: where it begins in the file.
 void add_message_index(std::string_view content, std::uint64_t at, Chunk& chunk);
 /// Takes a record of the data section that begins at `position` into the layout. True where the data end.

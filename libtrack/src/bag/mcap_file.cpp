@@ -19,14 +19,14 @@ class McapFile : public ChunkedFormat {
   }
 
   FileLayout lay_out(Damage& damage) override {
-    McapSummary summary = read_mcap_summary(*file_, damage);
+    McapSummary summary = read_mcap_summary(*file_, channels_, damage);
     if (summary.layout) return std::move(*summary.layout);
     if (!summary.is_closed) damage.has_no_index();
-    return scan_mcap(*file_, damage);
+    return scan_mcap(*file_, channels_, damage);
   }
 
-  ChunkContents walk(std::string_view unpacked, const std::vector<std::uint32_t>& hints) const override {
-    return walk_mcap(unpacked, hints);
+  ChunkContents walk(std::string_view unpacked, const std::vector<std::uint32_t>& hints) override {
+    return walk_mcap(unpacked, hints, channels_);
   }
 
   std::vector<MessagePlace> read_index(const IndexPlace& place) const override {
@@ -54,6 +54,7 @@ class McapFile : public ChunkedFormat {
   }
 
   std::shared_ptr<const RandomAccessFile> file_;
+  McapChannels channels_;  ///< Of all that was read so far.
 };
 
 }  // namespace

@@ -29,8 +29,8 @@ bool McapChannels::take(const McapRecord& record) {
   return true;
 }
 
-ChunkContents walk_mcap(std::string_view unpacked, const std::vector<std::uint32_t>& hints) {
-  McapChannels channels;
+ChunkContents walk_mcap(std::string_view unpacked, const std::vector<std::uint32_t>& hints,
+                        McapChannels& channels) {
   ChunkContents contents = walk_records(unpacked, hints, [&](ByteCursor& cursor, ChunkContents& found) {
     const auto offset = static_cast<std::uint32_t>(cursor.position());
     const McapRecord record = take_mcap_record(cursor);

@@ -58,8 +58,10 @@ class McapChannels {
   std::map<std::uint32_t, BagChannel> channels_;
 };
 
-/// All records of an unpacked chunk; see ChunkedFormat::walk.
-ChunkContents walk_mcap(std::string_view unpacked, const std::vector<std::uint32_t>& hints);
+/// All records of an unpacked chunk; see ChunkedFormat::walk. channels: as known so far, for a file may have
+/// each schema and channel only once, in whatever chunk comes first.
+ChunkContents walk_mcap(std::string_view unpacked, const std::vector<std::uint32_t>& hints,
+                        McapChannels& channels);
 
 /// Fields of a chunk's record before its bytes.
 struct McapChunkHeader {

@@ -4,21 +4,12 @@
 #include <optional>
 
 #include "mcap_data.h"
+#include "search_window.h"
 
 namespace apriltrack {
 namespace {
 
-std::optional<std::uint64_t> search(const RandomAccessFile& file, std::uint64_t from, bool only_chunks) {
-  constexpr std::uint64_t kStep = 1 << 20, kOverlap = 1 << 16;
-  ByteBuffer buffer;
-  for (std::uint64_t begin = from; begin < file.size(); begin += kStep) {
-    file.read(begin, kStep + kOverlap, buffer);
-    const std::uint64_t behind = file.size() - std::min(file.size(), begin + buffer.size());
-    const std::size_t found = find_mcap_record(buffer.view(), only_chunks, behind);
-    if (found != std::string_view::npos) return begin + found;
-  }
-  return std::nullopt;
-}
+constexpr std::uint64_t kBytesOfChain = 1 << 16;
 
 /// A chunk whose record begins at `position`, and whose size cannot be right.
 std::optional<Chunk> doubtful_chunk(const RandomAccessFile& file, std::uint64_t position) {
@@ -27,11 +18,12 @@ std::optional<Chunk> doubtful_chunk(const RandomAccessFile& file, std::uint64_t 
     if (prefix.op != McapOp::kChunk) return std::nullopt;
     const std::string start = file.read(prefix.content, kMostChunkHeaderBytes);
     const McapChunkHeader header = read_chunk_header(start);
-    if (prefix.content + header.header_size >= file.size()) return std::nullopt;
+    const auto packing = packing_of(header.compression);
+    if (!packing || prefix.content + header.header_size >= file.size()) return std::nullopt;
     Chunk chunk{.offset = position,
                 .data_offset = prefix.content + header.header_size,
                 .unpacked_size = header.unpacked_size,
-                .packing = known_packing(header.compression),
+                .packing = packing,
                 .crc = header.crc,
                 .is_partial = true};
     return chunk;
@@ -45,12 +37,14 @@ bool is_single(const FileLayout& layout) {
 }
 
 /// Where the next record begins, from a place on that is none, or one that goes on beyond the file.
-std::uint64_t find_next(const RandomAccessFile& file, std::uint64_t position, FileLayout& layout,
-                        Damage& damage) {
+std::uint64_t find_next(const RandomAccessFile& file, SearchWindow& window, std::uint64_t position,
+                        FileLayout& layout, Damage& damage) {
   auto chunk = doubtful_chunk(file, position);
   // What is packed holds pieces that look like records.
   const bool only_chunks = chunk && chunk->packing != Packing::kNone;
-  const auto next = search(file, position + 1, only_chunks);
+  const auto next = window.first(position + 1, [&](std::string_view bytes, std::uint64_t behind) {
+    return find_mcap_record(bytes, only_chunks, behind);
+  });
   const std::uint64_t end = next.value_or(file.size());
   if (!layout.chunks.empty() && !chunk && !is_single(layout)) layout.chunks.back().has_index = false;
   if (!next) damage.is_cut(position);
@@ -65,9 +59,9 @@ std::uint64_t find_next(const RandomAccessFile& file, std::uint64_t position, Fi
 
 }  // namespace
 
-FileLayout scan_mcap(const RandomAccessFile& file, Damage& damage) {
+FileLayout scan_mcap(const RandomAccessFile& file, McapChannels& channels, Damage& damage) {
   FileLayout layout;
-  McapChannels channels;
+  SearchWindow window(file, kBytesOfChain);
   std::uint64_t position = kMcapMagic.size();
   bool is_at_end = false;
   while (position < file.size() && !is_at_end) {
@@ -77,7 +71,7 @@ FileLayout scan_mcap(const RandomAccessFile& file, Damage& damage) {
       is_at_end = take_mcap_data(file, prefix, position, channels, layout);
       position = prefix.end();
     } catch (const BadBytes&) {
-      position = find_next(file, position, layout, damage);
+      position = find_next(file, window, position, layout, damage);
     }
   }
   layout.channels = channels.channels();

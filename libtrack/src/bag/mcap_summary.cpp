@@ -135,9 +135,8 @@ void look_between(const RandomAccessFile& file, std::uint64_t begin, std::uint64
 }
 
 std::optional<FileLayout> layout_of(const RandomAccessFile& file, std::string_view summary,
-                                    std::uint64_t summary_start, Damage& damage) {
+                                    std::uint64_t summary_start, McapChannels& channels, Damage& damage) {
   FileLayout layout;
-  McapChannels channels;
   std::optional<Counts> counts;
   ByteCursor cursor(summary);
   while (!cursor.is_at_end()) {
@@ -169,11 +168,11 @@ std::optional<FileLayout> layout_of(const RandomAccessFile& file, std::string_vi
 
 }  // namespace
 
-McapSummary read_mcap_summary(const RandomAccessFile& file, Damage& damage) {
+McapSummary read_mcap_summary(const RandomAccessFile& file, McapChannels& channels, Damage& damage) {
   McapSummary summary;
   try {
     if (const auto found = find_summary(file, summary.is_closed))
-      summary.layout = layout_of(file, found->bytes, found->begin, damage);
+      summary.layout = layout_of(file, found->bytes, found->begin, channels, damage);
   } catch (const BadBytes&) {
     summary.is_closed = false;
   }

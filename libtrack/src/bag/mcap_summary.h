@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "chunk_layout.h"
+#include "mcap_records.h"
 #include "random_access_file.h"
 
 namespace apriltrack {
@@ -13,7 +14,7 @@ struct McapSummary {
 };
 
 /// By the summary at the end of an MCAP file. Throws Error(kInvalidInput) where it tells of chunks that are
-/// packed in a way that is not read.
-McapSummary read_mcap_summary(const RandomAccessFile& file, Damage& damage);
+/// packed in a way that is not read. channels: those that it tells of are added.
+McapSummary read_mcap_summary(const RandomAccessFile& file, McapChannels& channels, Damage& damage);
 
 }  // namespace apriltrack

@@ -9,6 +9,7 @@
 
 #include "apriltrack/base/error.h"
 #include "ros1_records.h"
+#include "search_window.h"
 
 namespace apriltrack {
 namespace {
@@ -50,7 +51,7 @@ class Ros1Bag : public ChunkedFormat {
     return layout;
   }
 
-  ChunkContents walk(std::string_view unpacked, const std::vector<std::uint32_t>& hints) const override {
+  ChunkContents walk(std::string_view unpacked, const std::vector<std::uint32_t>& hints) override {
     return walk_ros1(unpacked, hints);
   }
 
@@ -161,13 +162,13 @@ class Ros1Bag : public ChunkedFormat {
   }
 
   static Chunk chunk_of(const FileRecord& record, const Ros1Fields& header, std::uint64_t position) {
-    const auto packing = packing_of(header.text("compression"));
-    if (!packing) throw BadBytes("a chunk is packed in a way that is not known");
+    const std::string_view compression = header.text("compression");
     return {.offset = position,
             .data_offset = record.data_offset,
             .data_size = record.data_size,
             .unpacked_size = header.u32("size"),
-            .packing = *packing};
+            .packing = packing_of(compression),
+            .packing_name = std::string(compression)};
   }
 
   /// Of the chunk before; one that is not as it must be leaves the chunk without an index.
@@ -185,7 +186,7 @@ class Ros1Bag : public ChunkedFormat {
   }
 
   /// Where the next chunk begins, from a place on that is no record, or one that goes on beyond the file.
-  std::uint64_t find_next(std::uint64_t position, FileLayout& layout, Damage& damage) const {
+  std::uint64_t find_next(std::uint64_t position, FileLayout& layout, Damage& damage) {
     if (auto chunk = overlong_chunk(position)) {
       const auto next = search(chunk->data_offset);
       if (!next) damage.is_cut(position);
@@ -238,18 +239,15 @@ class Ros1Bag : public ChunkedFormat {
     }
   }
 
-  std::optional<std::uint64_t> search(std::uint64_t from) const {
-    constexpr std::uint64_t kStep = 1 << 20, kOverlap = 256;  // a chunk's header has less
-    ByteBuffer buffer;
-    for (std::uint64_t begin = from; begin < file_->size(); begin += kStep) {
-      file_->read(begin, kStep + kOverlap, buffer);
-      const std::size_t found = find_chunk_record(buffer.view(), 0);
-      if (found != std::string_view::npos) return begin + found;
-    }
-    return std::nullopt;
+  std::optional<std::uint64_t> search(std::uint64_t from) {
+    return window_.first(from,
+                         [](std::string_view bytes, std::uint64_t) { return find_chunk_record(bytes, 0); });
   }
 
+  static constexpr std::uint64_t kMostChunkHeader = 256;
+
   std::shared_ptr<const RandomAccessFile> file_;
+  SearchWindow window_{*file_, kMostChunkHeader};
   bool is_closed_ = false;
   std::uint32_t num_chunks_told_ = 0;
   std::map<std::uint64_t, CountOfChannel> counts_;  ///< By a chunk's place in the file.

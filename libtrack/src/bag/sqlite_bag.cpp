@@ -56,8 +56,7 @@ class SqliteBag : public BagReader {
     blob_.bind(row.id);
     if (blob_.step() == Step::kRow) message.bytes = blob_.blob(0);
     if (message.bytes.empty()) message.error = fmt::format("row {} of its table is damaged", row.id);
-    // CDR begins with 0: what begins so is no message yet.
-    if (message.bytes.starts_with(kZstdMagic)) unpack_message(row, message);
+    unpack_message(message, unpacked_);
     if (!message.error.empty() && ++num_lost_ == 1) first_lost_ = message.error;
     return message;
   }
@@ -156,12 +155,6 @@ class SqliteBag : public BagReader {
       last = id;
       add_row(statement);
     }
-  }
-
-  void unpack_message(const Row& row, BagMessage& message) {
-    const Unpacked result = unpack(Packing::kZstd, message.bytes, 8 * message.bytes.size(), unpacked_);
-    message.bytes = unpacked_.view();
-    if (!result.error.empty()) message = {row.topic, {row.time_ns}, {}, result.error};
   }
 
   SqliteDatabase database_;

@@ -152,4 +152,11 @@ Unpacked unpack(Packing packing, std::string_view packed, std::uint64_t expected
   return result;
 }
 
+void unpack_message(BagMessage& message, ByteBuffer& into) {
+  if (!message.bytes.starts_with(kZstdMagic)) return;
+  const Unpacked result = unpack(Packing::kZstd, message.bytes, 8 * message.bytes.size(), into);
+  message.bytes = result.error.empty() ? into.view() : std::string_view();
+  message.error = result.error;
+}
+
 }  // namespace apriltrack

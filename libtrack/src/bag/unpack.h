@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "apriltrack/bag/bag_reader.h"
 #include "byte_buffer.h"
 
 namespace apriltrack {
@@ -29,5 +30,9 @@ struct Unpacked {
 /// with several threads leave them. expected: how many bytes are said to come, a hint only: room grows as
 /// they do come. What came before an error is in `into`. What follows and begins no stream is passed over.
 Unpacked unpack(Packing packing, std::string_view packed, std::uint64_t expected, ByteBuffer& into);
+
+/// A message of rosbag2 that was packed by itself (`--compression-mode message`); others are left as they
+/// are. CDR begins with 0: what begins as zstd packs is no CDR yet.
+void unpack_message(BagMessage& message, ByteBuffer& into);
 
 }  // namespace apriltrack
