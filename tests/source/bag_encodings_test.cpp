@@ -153,22 +153,26 @@ TEST(BagSource, RefusesPixelsThatDoNotFit) {
   expect_refused(bag_of({image_message(Wire::kCdr, fields)}), ErrorKind::kInvalidInput, {"claims 1048576 x"});
 }
 
-/// One bad picture among good ones is a frame that cannot be read.
+/// One bad picture among good ones is a frame that cannot be read, the first one as any other.
 TEST(BagSource, GivesABadPictureAsUnreadable) {
-  ImageFields cut = picture_of("mono8", "a");
-  cut.stamp_ns = 2 * kSecond;
-  cut.data.resize(20);
-  ImageFields last = picture_of("mono8", "b");
-  last.stamp_ns = 3 * kSecond;
-  const auto frames = read_all(bag_of({image_message(Wire::kCdr, picture_of("mono8", "a")),
-                                       image_message(Wire::kCdr, cut), image_message(Wire::kCdr, last)})
-                                   .string());
-  ASSERT_EQ(frames.size(), 3u);
-  EXPECT_TRUE(frames[0].is_readable());
-  EXPECT_THAT(frames[1].error, HasSubstr("20 bytes of pixels"));
-  EXPECT_TRUE(frames[1].pixels.is_empty());
-  EXPECT_EQ(frames[1].timestamp.ns, 2 * kSecond);
-  EXPECT_TRUE(frames[2].is_readable());
+  for (std::size_t bad = 0; bad < 3; ++bad) {
+    SCOPED_TRACE(bad);
+    std::vector<std::string> messages;
+    for (std::size_t i = 0; i < 3; ++i) {
+      ImageFields fields = picture_of("mono8", "a");
+      fields.stamp_ns = static_cast<std::int64_t>(i + 1) * kSecond;
+      if (i == bad) fields.data.resize(20);
+      messages.push_back(image_message(Wire::kCdr, fields));
+    }
+    const auto frames = read_all(bag_of(messages).string());
+    ASSERT_EQ(frames.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(frames[i].is_readable(), i != bad);
+      EXPECT_EQ(frames[i].timestamp.ns, static_cast<std::int64_t>(i + 1) * kSecond);
+    }
+    EXPECT_THAT(frames[bad].error, HasSubstr("20 bytes of pixels"));
+    EXPECT_TRUE(frames[bad].pixels.is_empty());
+  }
 }
 
 // Packed pictures.

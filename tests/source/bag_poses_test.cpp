@@ -44,17 +44,31 @@ TEST(FoxglovePoses, AreRefusedWithTimesThatAreNone) {
       {"3", "1.5", "timestamp.nsec"},       {"1", "1000000000", "timestamp.nsec"}};
   for (const auto& [seconds, nanoseconds, field] : times) {
     SCOPED_TRACE(seconds + " s, " + nanoseconds + " ns");
-    write_mcap(bag, Wire::kJson, {foxglove_pose("1", "0"), foxglove_pose(seconds, nanoseconds)});
+    write_mcap(bag, Wire::kJson, {foxglove_pose(seconds, nanoseconds)});
     try {
       read_bag_poses(bag.string());
       ADD_FAILURE() << "is read";
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kInvalidInput);
-      EXPECT_THAT(error.what(), HasSubstr("poses.mcap /pose message 1"));
+      EXPECT_THAT(error.what(), HasSubstr("poses.mcap /pose message 0"));
       EXPECT_THAT(error.what(), HasSubstr(field + ": must be a whole number from 0 to"));
       EXPECT_THAT(error.what(), HasSubstr("(is " + (field.ends_with("nsec") ? nanoseconds : seconds)));
     }
   }
+}
+
+TEST(FoxglovePoses, LeaveOutAMessageThatIsBroken) {
+  const fs::path bag = temporary_folder() / "poses.mcap";
+  TestMessage torn = foxglove_pose("2", "0");
+  torn.bytes.resize(torn.bytes.size() / 2);
+  write_mcap(bag, Wire::kJson,
+             {foxglove_pose("1", "0"), torn, foxglove_pose("-3", "0"), foxglove_pose("4", "0")});
+  std::string told;
+  const auto poses = read_bag_poses(bag.string(), {}, [&](LogLevel, std::string_view text) { told = text; });
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_EQ(poses[1].timestamp.ns, 4'000'000'000);
+  EXPECT_THAT(told, HasSubstr("2 messages are left out; the first: "));
+  EXPECT_THAT(told, HasSubstr("poses.mcap /pose message 1"));
 }
 
 // Transforms, serialised as tf2_msgs/TFMessage.msg lists them: transforms[] of header, child_frame_id,

@@ -11,8 +11,8 @@
 
 namespace apriltrack {
 
-/// Looks through a file for what begins like a record. The bytes stay in memory from one search to the next: in
-/// a damaged file each may end a few bytes on.
+/// Looks through a file for what begins like a record. The bytes stay in memory from one search to the next:
+/// in a damaged file each may end a few bytes on.
 class SearchWindow {
  public:
   /// overlap: a record is found if so many of its bytes are looked at. file: outlives this.
@@ -36,7 +36,8 @@ class SearchWindow {
   static constexpr std::uint64_t kStep = 1 << 20;
 
   std::string_view from_on(std::uint64_t from) {
-    const bool is_there = from >= begin_ && from - begin_ < std::min<std::uint64_t>(kStep, bytes_.view().size());
+    const bool is_there =
+        from >= begin_ && from - begin_ < std::min<std::uint64_t>(kStep, bytes_.view().size());
     if (!is_there) {
       begin_ = from;
       file_.read(begin_, kStep + overlap_, bytes_);

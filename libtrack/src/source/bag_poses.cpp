@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "apriltrack/bag/bag_reader.h"
@@ -26,11 +27,22 @@ BagPose checked(const RosPose& message, const std::string& where) {
   return {message.stamp, {message.orientation, message.position}};
 }
 
-/// Goes through the messages of the topics; `take` gets each with what errors call it.
+/// Messages that are left out, for they are not as their type says.
+struct BadMessages {
+  std::size_t count = 0;
+  std::optional<Error> first;
+};
+
+/// Goes through the messages of the topics; `take` gets each with what errors call it, and what it throws is
+/// what is wrong with that one. Throws it where none is good.
 template <class Take>
-void for_each_message(BagReader& bag, const PoseTopics& topics, const std::string& input, const Take& take) {
+void for_each_message(BagReader& bag, const PoseTopics& topics, const std::string& input, BadMessages& bad,
+                      const Take& take) {
   bag.choose(topics.indices);
   std::size_t count = 0;
+  const auto leave_out = [&](const Error& error) {
+    if (bad.count++ == 0) bad.first = error;
+  };
   while (const auto message = bag.next()) {
     if (!message->error.empty()) continue;  // damage() tells
     const BagTopic& topic = bag.topics()[message->topic];
@@ -38,15 +50,19 @@ void for_each_message(BagReader& bag, const PoseTopics& topics, const std::strin
     try {
       take(topic, message->bytes, where);
     } catch (const BadMessage& error) {
-      throw invalid_input(where, error.what());
+      leave_out(invalid_input(where, error.what()));
+    } catch (const Error& error) {
+      leave_out(error);
     }
   }
+  if (bad.first && bad.count == count) throw Error(*bad.first);
 }
 
-std::vector<BagPose> read_poses(BagReader& bag, const PoseTopics& topics, const std::string& input) {
+std::vector<BagPose> read_poses(BagReader& bag, const PoseTopics& topics, const std::string& input,
+                                BadMessages& bad) {
   std::vector<BagPose> poses;
   for_each_message(
-      bag, topics, input, [&](const BagTopic& topic, std::string_view bytes, const std::string& where) {
+      bag, topics, input, bad, [&](const BagTopic& topic, std::string_view bytes, const std::string& where) {
         poses.push_back(checked(topics.kind == PoseKind::kFoxglove ? read_foxglove_pose(bytes, where)
                                                                    : read_pose_message(topic, bytes),
                                 where));
@@ -55,9 +71,10 @@ std::vector<BagPose> read_poses(BagReader& bag, const PoseTopics& topics, const 
 }
 
 /// A path is published again and again as it grows: the last one that is not empty is whole.
-std::vector<BagPose> read_last_path(BagReader& bag, const PoseTopics& topics, const std::string& input) {
+std::vector<BagPose> read_last_path(BagReader& bag, const PoseTopics& topics, const std::string& input,
+                                    BadMessages& bad) {
   std::vector<BagPose> poses;
-  for_each_message(bag, topics, input,
+  for_each_message(bag, topics, input, bad,
                    [&](const BagTopic& topic, std::string_view bytes, const std::string& where) {
                      const std::vector<RosPose> path = read_path_message(topic, bytes);
                      if (path.empty()) return;
@@ -81,9 +98,10 @@ bool are_same(const BagPose& a, const BagPose& b) {
          a.pose.rotation().coeffs() == b.pose.rotation().coeffs();
 }
 
-TransformsByPair read_transforms(BagReader& bag, const PoseTopics& topics, const std::string& input) {
+TransformsByPair read_transforms(BagReader& bag, const PoseTopics& topics, const std::string& input,
+                                 BadMessages& bad) {
   TransformsByPair by_pair;
-  for_each_message(bag, topics, input,
+  for_each_message(bag, topics, input, bad,
                    [&](const BagTopic& topic, std::string_view bytes, const std::string& where) {
                      for (const RosTransform& transform : read_tf_message(topic, bytes)) {
                        auto& poses = by_pair[transform.parent + ":" + transform.child];
@@ -118,16 +136,17 @@ std::vector<BagPose> choose_pair(TransformsByPair by_pair, const std::string& wa
   return std::move(found->second);
 }
 
-std::vector<BagPose> read_chosen(BagReader& bag, const std::string& input, const BagPoseChoice& choice) {
+std::vector<BagPose> read_chosen(BagReader& bag, const std::string& input, const BagPoseChoice& choice,
+                                 BadMessages& bad) {
   const PoseTopics topics = choose_pose_topics(bag, input, choice);
   switch (topics.kind) {
     case PoseKind::kPose:
     case PoseKind::kFoxglove:
-      return read_poses(bag, topics, input);
+      return read_poses(bag, topics, input, bad);
     case PoseKind::kPath:
-      return read_last_path(bag, topics, input);
+      return read_last_path(bag, topics, input, bad);
     case PoseKind::kTransforms:
-      return choose_pair(read_transforms(bag, topics, input), choice.transform, input);
+      return choose_pair(read_transforms(bag, topics, input, bad), choice.transform, input);
   }
   return {};
 }
@@ -137,7 +156,11 @@ std::vector<BagPose> read_chosen(BagReader& bag, const std::string& input, const
 std::vector<BagPose> read_bag_poses(const std::string& input, const BagPoseChoice& choice,
                                     const LogSink& log) {
   const auto bag = open_bag(input, log);
-  std::vector<BagPose> poses = read_chosen(*bag, input, choice);
+  BadMessages bad;
+  std::vector<BagPose> poses = read_chosen(*bag, input, choice, bad);
+  if (bad.first)
+    log(LogLevel::kWarning, fmt::format("{} message{} left out; the first: {}", bad.count,
+                                        bad.count == 1 ? " is" : "s are", bad.first->what()));
   if (const std::string damage = bag->damage(); !damage.empty())
     log(LogLevel::kWarning, fmt::format("{}: {}", input, damage));
   return poses;

@@ -47,7 +47,7 @@ class BagSource : public SkippableSource {
     if (!pending_)
       throw io_error(input, fmt::format("topic {} has no message that can be read", topic_.name));
     check_times();
-    if (pending_->error.empty()) check_picture(pending_->bytes());
+    check_pictures();
   }
 
   std::optional<SourceFrame> next() override {
@@ -95,13 +95,24 @@ class BagSource : public SkippableSource {
                                       topic_.name));
   }
 
-  void check_picture(std::string_view bytes) {
-    if (!read_stamp(topic_, bytes)) return;  // a frame that cannot be read, as others may be
+  /// One bad picture, as many cameras begin with, is a frame that cannot be read.
+  void check_pictures() {
+    const auto fault = fault_of_picture(*pending_);
+    if (!fault) return;
+    for (const StampedMessage& message : messages_.look_ahead(*pending_))
+      if (!fault_of_picture(message)) return;
+    throw invalid_input(input_, fmt::format("topic {}: {}", topic_.name, *fault));
+  }
+
+  /// nullopt also of a message that is damaged as a whole: that says nothing of others.
+  std::optional<std::string> fault_of_picture(const StampedMessage& message) const {
+    if (!message.error.empty() || !read_stamp(topic_, message.bytes())) return std::nullopt;
     try {
-      read_picture_message(topic_, bytes);
+      read_picture_message(topic_, message.bytes());
     } catch (const BadMessage& bad) {
-      throw invalid_input(input_, fmt::format("topic {}: {}", topic_.name, bad.what()));
+      return bad.what();
     }
+    return std::nullopt;
   }
 
   void read(std::string_view bytes, SourceFrame& frame) {

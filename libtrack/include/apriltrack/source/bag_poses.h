@@ -25,10 +25,10 @@ struct BagPoseChoice {
 /// where there is none of these, or by its name, the last nav_msgs/Path, or the transforms between two frames
 /// of tf2_msgs/TFMessage or tf/tfMessage, of all such topics where none is named. Transforms are not chained;
 /// one that is said again is one. choice.topic: empty: the only one of these; where there is one
-/// foxglove.PoseInFrame beside others, as `track` writes it, that one. log: hears of what is damaged. Throws
-/// as open_bag() does, and Error(kInvalidInput) that lists the topics, or the pairs of frames, where there is
-/// none that fits, or several do, for a path whose poses have no times, and for a message that is not as its
-/// type says, or whose quaternion has not length 1.
+/// foxglove.PoseInFrame beside others, as `track` writes it, that one. log: hears of what is damaged, and of
+/// messages that are left out, for they are not as their type says, have no times, or a quaternion whose
+/// length is not 1. Throws as open_bag() does, and Error(kInvalidInput) that lists the topics, or the pairs
+/// of frames, where there is none that fits, or several do, and where all messages would be left out.
 std::vector<BagPose> read_bag_poses(const std::string& input, const BagPoseChoice& choice = {},
                                     const LogSink& log = silent_log());
 
