@@ -73,7 +73,7 @@ class ChunkedReader : public BagReader {
     return std::nullopt;
   }
 
-  std::string damage() const override { return damage_.told(); }
+  std::string damage() const override { return damage_.summary(); }
 
  private:
   bool has_unknown_channel(const Chunk& chunk) const {

@@ -20,7 +20,7 @@ void Damage::Kind::add(std::uint64_t offset, std::string_view reason) {
   why = reason;
 }
 
-std::string Damage::told() const {
+std::string Damage::summary() const {
   std::vector<std::string> parts;
   if (is_cut_) parts.push_back(fmt::format("it ends within the record at byte {}", cut_));
   const auto tell = [&](const Kind& kind, std::string_view what, std::string_view verb) {

@@ -31,7 +31,7 @@ class Damage {
   void has_no_index() { has_no_index_ = true; }
 
   /// Empty where all is well.
-  std::string told() const;
+  std::string summary() const;
 
  private:
   struct Kind {

@@ -46,7 +46,7 @@ class Ros1Bag : public ChunkedFormat {
         position = find_next(position, layout, damage);
       }
     }
-    if (!is_closed_ || counts_.size() < num_chunks_told_) damage.has_no_index();
+    if (!is_closed_ || counts_.size() < num_chunks_stated_) damage.has_no_index();
     distrust_contradicted(layout);
     return layout;
   }
@@ -99,7 +99,7 @@ class Ros1Bag : public ChunkedFormat {
       case Ros1Op::kFileHeader:
         refuse_encrypted(header);
         is_closed_ = header.u64("index_pos") != 0 && header.u64("index_pos") <= file_->size();
-        num_chunks_told_ = header.u32("chunk_count");
+        num_chunks_stated_ = header.u32("chunk_count");
         return;
       case Ros1Op::kChunk:
         layout.chunks.push_back(chunk_of(record, header, position));
@@ -249,7 +249,7 @@ class Ros1Bag : public ChunkedFormat {
   std::shared_ptr<const RandomAccessFile> file_;
   SearchWindow window_{*file_, kMostChunkHeader};
   bool is_closed_ = false;
-  std::uint32_t num_chunks_told_ = 0;
+  std::uint32_t num_chunks_stated_ = 0;
   std::map<std::uint64_t, CountOfChannel> counts_;  ///< By a chunk's place in the file.
 };
 

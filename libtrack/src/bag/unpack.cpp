@@ -12,7 +12,7 @@
 namespace apriltrack {
 namespace {
 
-/// What is said to come is believed up to so many times what is there.
+/// Room for a claimed size is made up to so many times the packed size.
 constexpr std::uint64_t kBelievedRatio = 32;
 constexpr std::uint64_t kFirstRoom = 1 << 16;
 

@@ -42,7 +42,7 @@ class BagSource : public SkippableSource {
         messages_(*bag_, [this](std::string_view bytes) { return read_stamp(topic_, bytes); }) {
     bag_->choose({topic_index_});
     num_messages_ = bag_->num_messages();
-    tell_of_damage();
+    warn_of_damage();
     pending_ = messages_.next();
     if (!pending_)
       throw io_error(input, fmt::format("topic {} has no message that can be read", topic_.name));
@@ -53,7 +53,7 @@ class BagSource : public SkippableSource {
   std::optional<SourceFrame> next() override {
     auto message = pending_ ? std::exchange(pending_, std::nullopt) : messages_.next();
     if (!message) {
-      tell_of_damage();
+      warn_of_damage();
       return std::nullopt;
     }
     SourceFrame frame;
@@ -67,7 +67,7 @@ class BagSource : public SkippableSource {
 
   bool pass_over() override {
     if (!std::exchange(pending_, std::nullopt) && !messages_.pass_over()) {
-      tell_of_damage();
+      warn_of_damage();
       return false;
     }
     ++num_passed_;
@@ -170,10 +170,10 @@ class BagSource : public SkippableSource {
     return counts;
   }
 
-  void tell_of_damage() {
+  void warn_of_damage() {
     const std::string damage = bag_->damage();
-    if (damage.empty() || damage == told_damage_) return;
-    told_damage_ = damage;
+    if (damage.empty() || damage == reported_damage_) return;
+    reported_damage_ = damage;
     log_(LogLevel::kWarning, fmt::format("{}: the bag is cut off or damaged: {}", input_, damage));
   }
 
@@ -192,7 +192,7 @@ class BagSource : public SkippableSource {
   std::size_t num_passed_ = 0;
   bool is_first_ = true;
   ForwardClock clock_;
-  std::string told_damage_;
+  std::string reported_damage_;
 };
 
 }  // namespace

@@ -21,7 +21,7 @@ std::string without_transport(const std::string& topic) {
 
 std::string list_of(const BagReader& bag, const std::vector<std::size_t>& topics) {
   std::vector<std::string> texts;
-  for (const std::size_t topic : topics) texts.push_back(told(bag.topics()[topic]));
+  for (const std::size_t topic : topics) texts.push_back(description_of(bag.topics()[topic]));
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
@@ -78,7 +78,7 @@ std::vector<std::size_t> image_topics(const BagReader& bag) {
   return topics;
 }
 
-std::string told(const BagTopic& topic) {
+std::string description_of(const BagTopic& topic) {
   return fmt::format("{} ({}, {} message{})", topic.name, topic.type, topic.count,
                      topic.count == 1 ? "" : "s");
 }

@@ -16,7 +16,7 @@ bool is_image_topic(const BagTopic& topic);
 std::vector<std::size_t> image_topics(const BagReader& bag);
 
 /// "/left/image_raw (sensor_msgs/Image, 8 messages)".
-std::string told(const BagTopic& topic);
+std::string description_of(const BagTopic& topic);
 
 /// The topic called `wanted`, or the only one with pictures where `wanted` is empty; messages call the bag
 /// `name`. Throws Error(kInvalidInput) that lists the topics there are, Error(kIo) where there are none at

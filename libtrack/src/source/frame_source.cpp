@@ -91,7 +91,7 @@ std::unique_ptr<SkippableSource> open_file(const std::string& input, const Sourc
   return open_video(input, options.rate_hz, options.log);
 }
 
-/// What stands before `< film.mp4` is no pipe, and can be gone back in.
+/// Standard input may be a file (`- < film.mp4`), which can be read again, unlike a pipe.
 std::unique_ptr<SkippableSource> open_pipe(const std::string& input, const SourceOptions& options) {
   constexpr const char* kOpenInput = "/dev/stdin";
   if (input == kStandardInput && fs::is_regular_file(kOpenInput)) return open_file(kOpenInput, options);

@@ -53,9 +53,9 @@ class LiveCamera : public SkippableSource {
     const auto now = std::chrono::steady_clock::now().time_since_epoch();
     const Timestamp arrival{std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
     const Timestamp told = grabbed_time(capture_);
-    if (num_grabbed_ == 0) driver_tells_time_ = told.ns > 0;
+    if (num_grabbed_ == 0) has_driver_time_ = told.ns > 0;
     const auto believed = told.ns > 0 ? std::optional(told) : std::nullopt;  // 0: the driver did not say
-    time_error_ = clock_.take(driver_tells_time_ ? believed : arrival);
+    time_error_ = clock_.take(has_driver_time_ ? believed : arrival);
     ++num_grabbed_;
     return true;
   }
@@ -67,7 +67,7 @@ class LiveCamera : public SkippableSource {
   std::string name_;
   cv::VideoCapture capture_;
   std::size_t num_grabbed_ = 0;
-  bool driver_tells_time_ = false;
+  bool has_driver_time_ = false;
   ForwardClock clock_;
   std::string time_error_;
 };

@@ -13,18 +13,18 @@ GrayImage PictureScaling::to_gray(const ImageValues& values, const std::string& 
     } else {
       const ValueCounts counts = count_sample();
       range_ = counts.is_empty() ? ValueRange{} : counts.range();
-      tell_of_range();
+      report_range();
     }
   }
   check_range(values, where);
   return gray_of(values, *range_);
 }
 
-void PictureScaling::tell_of_range() const {
+void PictureScaling::report_range() const {
   if (*range_ == ValueRange{}) return;
   log_(LogLevel::kInfo,
        fmt::format("{}: the 16-bit pictures use {} and are scaled by that (--bits N overrides)", name_,
-                   told(*range_)));
+                   description_of(*range_)));
 }
 
 void PictureScaling::check_range(const ImageValues& values, const std::string& where) {
@@ -36,7 +36,7 @@ void PictureScaling::check_range(const ImageValues& values, const std::string& w
   log_(LogLevel::kWarning,
        fmt::format("{} has values from {} to {}, but the pictures are scaled by {}: what lies beyond is "
                    "lost; give --bits N for the bits that count",
-                   where, counts.lowest(), counts.highest(), told(*range_)));
+                   where, counts.lowest(), counts.highest(), description_of(*range_)));
 }
 
 }  // namespace apriltrack

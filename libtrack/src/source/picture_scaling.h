@@ -33,7 +33,7 @@ class PictureScaling {
   }
 
  private:
-  void tell_of_range() const;
+  void report_range() const;
   void check_range(const ImageValues& values, const std::string& where);
 
   std::string name_;

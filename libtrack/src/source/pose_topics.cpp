@@ -27,7 +27,7 @@ std::optional<PoseKind> kind_of(const BagTopic& topic) {
 
 std::string list_of(const BagReader& bag, const std::set<std::size_t>& topics) {
   std::vector<std::string> texts;
-  for (const std::size_t i : topics) texts.push_back(told(bag.topics()[i]));
+  for (const std::size_t i : topics) texts.push_back(description_of(bag.topics()[i]));
   return texts.empty() ? "none" : fmt::format("{}", fmt::join(texts, ", "));
 }
 

@@ -67,7 +67,7 @@ Timestamp StampCourse::first_time(const StampedMessage& first, const std::vector
   for (const StampedMessage& message : ahead)
     if (message.has_time() && (!earliest || *message.stamp < *earliest)) earliest = message.stamp;
   if (!earliest) return first.log_time;
-  // Between them is room for others that have no time.
+  // 1 ns for each frame that follows without a time.
   return {earliest->ns - static_cast<std::int64_t>(ahead.size()) - 1};
 }
 

@@ -82,7 +82,7 @@ std::optional<int> ValueRange::bits() const {
   return static_cast<int>(std::bit_width(largest));
 }
 
-std::string told(const ValueRange& range) {
+std::string description_of(const ValueRange& range) {
   const std::optional<int> bits = range.bits();
   if (!bits) return fmt::format("the range {} to {}", range.black, range.white);
   return fmt::format("{} bits (0 to {})", *bits, range.white);

@@ -46,6 +46,6 @@ class ValueCounts {
 ValueRange range_of_bits(int bits);
 
 /// "10 bits (0 to 1023)", "the range 6490 to 8530".
-std::string told(const ValueRange& range);
+std::string description_of(const ValueRange& range);
 
 }  // namespace apriltrack

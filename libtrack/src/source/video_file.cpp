@@ -39,7 +39,7 @@ class VideoFile : public SkippableSource {
   bool pass_over() override {
     const auto decoded = pending_ ? std::exchange(pending_, std::nullopt) : decoder_.advance();
     if (!decoded) {
-      tell_if_cut();
+      warn_if_cut();
       return false;
     }
     const auto told =
@@ -66,11 +66,11 @@ class VideoFile : public SkippableSource {
                                     "-itsscale {:.4g} -i FILM -c copy OUT`",
                                     stored_hz, *rate_hz_, stored_hz / *rate_hz_));
   }
-  void tell_if_cut() {
-    if (has_told_) return;
+  void warn_if_cut() {
+    if (has_reported_) return;
     const std::string missing = decoder_.num_promised() ? missing_frames() : missing_time();
     if (missing.empty()) return;
-    has_told_ = true;
+    has_reported_ = true;
     log_(LogLevel::kWarning, fmt::format("{}: the file is cut off or damaged: {}", name_, missing));
   }
   std::string missing_frames() const {
@@ -99,7 +99,7 @@ class VideoFile : public SkippableSource {
   std::size_t num_passed_ = 0;
   ForwardClock clock_;
   std::string error_;
-  bool has_told_ = false;
+  bool has_reported_ = false;
 };
 
 }  // namespace
