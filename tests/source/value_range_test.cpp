@@ -49,7 +49,7 @@ TEST(ValueRange, IsTheSensorsFullScale) {
 TEST(ValueRange, OfTemperaturesIsAWindowAroundThem) {
   const ValueRange range = range_of(ramp(7000, 8020));
   EXPECT_EQ(range, (ValueRange{6490, 8530}));
-  EXPECT_THAT(told(range), HasSubstr("6490 to 8530"));
+  EXPECT_THAT(description_of(range), HasSubstr("6490 to 8530"));
 }
 
 TEST(ValueRange, MinesNoPictureFromNoise) {
