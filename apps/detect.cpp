@@ -74,7 +74,9 @@ std::optional<Camera> load_camera(const DetectArguments& arguments) {
   if (is_bag_input(source->path.string()))
     return bag_camera(arguments.input, topic_without_camera(arguments.frames.topics),
                       arguments.console.log());
-  return read_camera(*source, arguments.camera_name, arguments.console);
+  const std::string name = camera_name_of(arguments.input, arguments.frames.topics, arguments.camera_name,
+                                          source->path, arguments.console);
+  return read_camera(*source, name, arguments.console);
 }
 
 ResponseCurve parse_response(const std::string& text) {

@@ -153,6 +153,16 @@ void warn_of_another_recording(const TrajectoryEvaluation& evaluation, const Eva
       truth.string(), options.align ? "" : " And is its map frame that of the truth (else --align)?"));
 }
 
+/// A truth with a rate of its own, as of motion capture, meets some frames only, and has more poses than those.
+void warn_of_other_times(const TrajectoryEvaluation& evaluation, const EvaluateOptions& options,
+                         std::size_t num_estimates, const fs::path& truth, std::size_t num_truth) {
+  if (evaluation.unmatched_estimates == 0) return;
+  options.console.warning(fmt::format(
+      "{} of the {} poses of {} are left out, for {} has none within 1 ms of their times, and `coverage` counts "
+      "the truth's {} poses, not the frames: give a truth that has a pose at the time of every frame",
+      evaluation.unmatched_estimates, num_estimates, options.estimate, truth.string(), num_truth));
+}
+
 TrajectoryEvaluation evaluate(const EvaluateOptions& options, const Inputs& inputs) {
   const Trajectory truth = read_trajectory_input(inputs.truth.string(), {}, options.console).trajectory;
   const Trajectory estimate = read_trajectory_input(options.estimate, {}, options.console).trajectory;
@@ -165,6 +175,7 @@ TrajectoryEvaluation evaluate(const EvaluateOptions& options, const Inputs& inpu
     if (hint.empty() && scene) hint = mode_hint_of_poses(evaluation, truth, estimate, *scene, kind);
     if (!hint.empty()) options.console.warning(hint);
     warn_of_another_recording(evaluation, options, inputs.truth);
+    warn_of_other_times(evaluation, options, estimate.size(), inputs.truth, truth.size());
     return evaluation;
   } catch (const Error& error) {
     throw naming_files(error, options.estimate, inputs.truth, hint);

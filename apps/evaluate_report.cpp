@@ -118,9 +118,6 @@ std::string to_text(const TrajectoryEvaluation& evaluation) {
                         1e3 * relative->position_rmse_m, kDegPerRad * relative->rotation_rmse_rad,
                         relative->pairs);
   }
-  if (evaluation.unmatched_estimates > 0)
-    text += fmt::format("{} poses of the estimate have no true frame within 1 ms\n",
-                        evaluation.unmatched_estimates);
   return text;
 }
 

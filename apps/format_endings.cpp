@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/lower_case.h"
 #include "apriltrack/io/staged_files.h"
 
 namespace apriltrack::app {
@@ -44,8 +45,8 @@ std::span<const FormatEnding> trajectory_endings() {
 void check_ending(const std::string& output, std::string_view format, std::span<const FormatEnding> endings,
                   std::string_view option, const Console& console) {
   if (is_written_directly(output)) return;
-  const auto found =
-      std::ranges::find_if(endings, [&](const FormatEnding& one) { return output.ends_with(one.ending); });
+  const auto found = std::ranges::find_if(
+      endings, [&](const FormatEnding& one) { return lower_case(output).ends_with(one.ending); });
   if (found == endings.end() || std::ranges::find(found->formats, format) != found->formats.end()) return;
   if (found->formats.size() == 1)
     throw invalid_input(

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <system_error>
 
 #include "apriltrack/bag/bag_reader.h"
 #include "apriltrack/bag/mcap_writer.h"
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/input_file.h"
+#include "apriltrack/io/lower_case.h"
 #include "apriltrack/io/staged_files.h"
 
 namespace apriltrack::app {
@@ -35,13 +35,6 @@ constexpr std::array<std::string_view, 10> kPictures = {".png",  ".jpg",  ".jpeg
                                                         ".tiff", ".webp", ".pgm",  ".ppm", ".pnm"};
 constexpr std::array<std::string_view, 6> kVideos = {".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm"};
 constexpr std::array<std::string_view, 4> kBags = {".bag", ".db3", ".mcap", ".zstd"};
-
-std::string ending_of(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::ranges::transform(ending, ending.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
 
 template <std::size_t N>
 bool has(const std::array<std::string_view, N>& endings, const std::string& ending) {
@@ -96,7 +89,7 @@ std::string start_of(const fs::path& path) {
 std::optional<std::string> fault_of_name(const fs::path& output, OutputKind kind) {
   const fs::path file = written_file(output);
   if (is_recordings_own(file)) return "is a recording's own file, which no run writes: name another";
-  const std::string ending = ending_of(file);
+  const std::string ending = lower_case_ending(file);
   const auto thing = thing_of(ending);
   if (!thing || is_own_ending(ending, kind)) return std::nullopt;
   return fmt::format("ends in {} as a {} does, and what is written here is none: name another file", ending,
@@ -104,7 +97,7 @@ std::optional<std::string> fault_of_name(const fs::path& output, OutputKind kind
 }
 
 std::optional<std::string> fault_of_replacing(const fs::path& output, OutputKind kind) {
-  const auto thing = thing_of(ending_of(written_file(output)));
+  const auto thing = thing_of(lower_case_ending(written_file(output)));
   if (thing && thing != "bag") return "is a picture or video, which this would replace: name another file";
   if (is_bag(output)) {
     if (kind == OutputKind::kMcap && is_own_mcap(output)) return std::nullopt;
@@ -116,7 +109,7 @@ std::optional<std::string> fault_of_replacing(const fs::path& output, OutputKind
 }
 
 bool has_picture_ending(const fs::path& path) {
-  return has(kPictures, ending_of(path));
+  return has(kPictures, lower_case_ending(path));
 }
 
 bool is_part_of_bag(const fs::path& output, const std::string& input) {
@@ -124,7 +117,7 @@ bool is_part_of_bag(const fs::path& output, const std::string& input) {
   if (!fs::is_directory(input, ignored) || !is_bag(input)) return false;
   const fs::path file = written_file(output);
   return fs::equivalent(file.parent_path(), input, ignored) &&
-         (file.filename() == kMetadata || has(kBags, ending_of(file)));
+         (file.filename() == kMetadata || has(kBags, lower_case_ending(file)));
 }
 
 }  // namespace apriltrack::app

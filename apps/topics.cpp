@@ -1,6 +1,7 @@
 #include "topics.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -50,8 +51,21 @@ const TopicChoice* choice_for(const std::string& camera, const std::vector<Topic
   return nullptr;
 }
 
-bool has_pictures(const std::vector<BagImageTopic>& topics, const std::string& name) {
-  return !name.empty() && std::ranges::count(topics, name, &BagImageTopic::name) > 0;
+/// What image_transport hangs behind a topic's name is the same pictures.
+std::string without_transport(const std::string& topic) {
+  constexpr std::string_view kCompressed = "/compressed";
+  return topic.ends_with(kCompressed) ? topic.substr(0, topic.size() - kCompressed.size()) : topic;
+}
+
+/// The topic with a camera's pictures, by its rostopic: that itself, or else as image_transport packs it.
+/// Empty where there is none.
+std::string topic_of_rostopic(const std::vector<BagImageTopic>& topics, const std::string& rostopic) {
+  if (rostopic.empty()) return "";
+  if (std::ranges::count(topics, rostopic, &BagImageTopic::name) > 0) return rostopic;
+  const auto packed = std::ranges::find_if(topics, [&](const BagImageTopic& topic) {
+    return without_transport(topic.name) == without_transport(rostopic);
+  });
+  return packed == topics.end() ? "" : packed->name;
 }
 
 void tell_of_rostopic(const Recording& recording, const Console& console) {
@@ -79,12 +93,22 @@ std::vector<Recording> of_several_cameras(const Recording& bag, const std::vecto
   }
   if (!choices.empty() || !rig || rig->cameras.size() < 2) return recordings;
   const std::vector<BagImageTopic> topics = bag_image_topics(bag.input);
+  std::vector<std::string> missing;
   for (const Camera& camera : rig->cameras) {
     const auto rostopic = rostopics.find(camera.name);
-    if (rostopic != rostopics.end() && has_pictures(topics, rostopic->second))
-      recordings.push_back({camera.name, bag.input, true, rostopic->second});
+    if (rostopic == rostopics.end()) continue;
+    const std::string topic = topic_of_rostopic(topics, rostopic->second);
+    if (topic.empty())
+      missing.push_back(fmt::format("{} ({})", camera.name, rostopic->second));
+    else
+      recordings.push_back({camera.name, bag.input, true, topic});
   }
   for (const Recording& recording : recordings) tell_of_rostopic(recording, console);
+  if (!recordings.empty() && !missing.empty())
+    console.warning(
+        fmt::format("{}: has no pictures of camera {}, by rostopic of the camera file; --topic "
+                    "CAMERA=NAME names another topic",
+                    bag.input, fmt::join(missing, ", ")));
   return recordings;
 }
 
@@ -98,30 +122,43 @@ void give_topic(Recording& bag, const std::vector<TopicChoice>& choices, const T
   const auto rostopic = rostopics.find(bag.camera);
   if (rostopic == rostopics.end()) return;
   const std::vector<BagImageTopic> topics = bag_image_topics(bag.input);
-  if (topics.size() < 2 || !has_pictures(topics, rostopic->second)) return;
-  bag.topic = rostopic->second;
+  const std::string topic = topic_of_rostopic(topics, rostopic->second);
+  if (topics.size() < 2 || topic.empty()) return;
+  bag.topic = topic;
   tell_of_rostopic(bag, console);
 }
 
-/// What image_transport hangs behind a topic's name is the same pictures.
-std::string without_transport(const std::string& topic) {
-  constexpr std::string_view kCompressed = "/compressed";
-  return topic.ends_with(kCompressed) ? topic.substr(0, topic.size() - kCompressed.size()) : topic;
+/// The topic that is read: as chosen, or the only one there is; else empty.
+std::string read_topic(const std::string& chosen, const std::vector<BagImageTopic>& topics) {
+  if (!chosen.empty()) return chosen;
+  return topics.size() == 1 ? topics.front().name : "";
+}
+
+/// The camera that the camera file gives a topic to; empty where that is none, or several.
+std::string camera_of_rostopic(const TopicOfCamera& rostopics, const std::string& topic) {
+  std::string camera;
+  for (const auto& [name, rostopic] : rostopics) {
+    if (without_transport(rostopic) != without_transport(topic)) continue;
+    if (!camera.empty()) return "";
+    camera = name;
+  }
+  return camera;
 }
 
 /// A topic that the camera file gives to another camera, or beside which the camera's own is in the bag.
 /// Topics that were renamed are neither.
 void warn_of_other_topic(const Recording& recording, const TopicOfCamera& rostopics, const Console& console) {
   const auto own = rostopics.find(recording.camera);
-  const std::string read = without_transport(recording.topic);
-  if (recording.topic.empty() || own == rostopics.end() || without_transport(own->second) == read) return;
-  const auto other = std::ranges::find_if(
-      rostopics, [&](const auto& entry) { return without_transport(entry.second) == read; });
-  if (other == rostopics.end() && !has_pictures(bag_image_topics(recording.input), own->second)) return;
+  if (own == rostopics.end()) return;
+  const std::vector<BagImageTopic> topics = bag_image_topics(recording.input);
+  const std::string read = read_topic(recording.topic, topics);
+  if (read.empty() || without_transport(own->second) == without_transport(read)) return;
+  const std::string other = camera_of_rostopic(rostopics, read);
+  if (other.empty() && topic_of_rostopic(topics, own->second).empty()) return;
   console.warning(fmt::format(
       "{} is read for {}, but rostopic of {} in the camera file is {}{}: is that the camera that filmed it?",
-      recording.topic, recording.camera, recording.camera, own->second,
-      other == rostopics.end() ? "" : fmt::format(", and {} is that of {}", recording.topic, other->first)));
+      read, recording.camera, recording.camera, own->second,
+      other.empty() ? "" : fmt::format(", and {} is that of {}", read, other)));
 }
 
 void check_all_used(const std::vector<Recording>& recordings, const std::vector<TopicChoice>& choices) {
@@ -182,6 +219,24 @@ std::string topic_of(const std::string& input, const std::vector<std::string>& t
                      const std::string& camera, const std::filesystem::path& camera_file,
                      const Console& console) {
   return with_topics({{camera, input, true, ""}}, topics, nullptr, camera_file, console).front().topic;
+}
+
+std::string camera_name_of(const std::string& input, const std::vector<std::string>& topics,
+                           const std::string& camera_name, const std::filesystem::path& camera_file,
+                           const Console& console) {
+  if (!camera_name.empty() || !is_bag_input(input)) return camera_name;
+  const std::vector<TopicChoice> choices = parse_topics(topics);
+  if (choices.size() == 1 && !choices.front().camera.empty()) return choices.front().camera;
+  const TopicOfCamera rostopics = rostopics_of(camera_file);
+  if (rostopics.empty()) return "";
+  const std::string topic = read_topic(topic_without_camera(topics), bag_image_topics(input));
+  const std::string camera = topic.empty() ? "" : camera_of_rostopic(rostopics, topic);
+  if (!camera.empty() && rostopics.size() > 1)
+    console.info(
+        fmt::format("{}: {} is of camera {}, by rostopic of the camera file (--camera-name names "
+                    "another)",
+                    input, topic, camera));
+  return camera;
 }
 
 std::string topic_without_camera(const std::vector<std::string>& topics) {

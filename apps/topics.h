@@ -37,6 +37,12 @@ std::string topic_of(const std::string& input, const std::vector<std::string>& t
                      const std::string& camera, const std::filesystem::path& camera_file,
                      const Console& console);
 
+/// The camera of a recording: as --camera-name names it, or --topic CAMERA=NAME, or, of a bag, the one whose
+/// `rostopic` is the topic that is read. Empty where none of these tells.
+std::string camera_name_of(const std::string& input, const std::vector<std::string>& topics,
+                           const std::string& camera_name, const std::filesystem::path& camera_file,
+                           const Console& console);
+
 /// What --topic says before a camera is known: that for all, or the only one there is; else empty.
 std::string topic_without_camera(const std::vector<std::string>& topics);
 

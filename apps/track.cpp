@@ -243,8 +243,9 @@ void run(const CLI::App& command, const TrackArguments& arguments) {
   tell_of_own_camera(camera_of(arguments), arguments.console);
   const CameraRig rig =
       read_rig(camera_of(arguments), topic_without_camera(arguments.frames.topics), arguments.console).rig;
-  Camera camera = arguments.camera_name.empty() ? rig.cameras.front()
-                                                : camera_named(rig, arguments.camera_name, "--camera-name");
+  const std::string name = camera_name_of(arguments.input, arguments.frames.topics, arguments.camera_name,
+                                          camera_file(arguments), arguments.console);
+  Camera camera = name.empty() ? rig.cameras.front() : camera_named(rig, name, "--camera-name");
   const TagMap map = read_map_input(map_file(arguments).string(), arguments.map_input, arguments.console);
   if (const auto warning = rolling_shutter_warning(camera)) arguments.console.warning(*warning);
   const SourceOptions of_source = source_options(arguments, camera);

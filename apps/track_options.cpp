@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/lower_case.h"
 #include "format_endings.h"
 #include "inputs.h"
 #include "option_checks.h"
@@ -73,8 +74,7 @@ MethodOptions TrackArguments::method_options() const {
 }
 
 bool TrackArguments::writes_mcap() const {
-  return output_format.empty() ? std::filesystem::path(output).extension() == ".mcap"
-                               : output_format == kMcapName;
+  return output_format.empty() ? lower_case_ending(output) == ".mcap" : output_format == kMcapName;
 }
 
 TrajectoryFormat TrackArguments::trajectory_format() const {

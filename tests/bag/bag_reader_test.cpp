@@ -113,11 +113,34 @@ TEST(BagReader, ReadsAFolderWhoseRecorderWasKilled) {
   const fs::path folder = temporary_folder();
   for (const char* name : {"split_0.db3", "split_1.db3"})
     fs::copy_file(fixture("split/") + name, folder / name);
-  std::string told;
-  ASSERT_TRUE(is_bag(folder));
-  const auto reader = open_bag(folder, [&](LogLevel, std::string_view text) { told += text; });
-  EXPECT_EQ(read_all(*reader).size(), expected_messages().size());
-  EXPECT_THAT(told, HasSubstr("metadata.yaml"));
+  const auto expect_whole = [&](const std::string& fault) {
+    std::string told;
+    ASSERT_TRUE(is_bag(folder));
+    const auto reader = open_bag(folder, [&](LogLevel, std::string_view text) { told += text; });
+    EXPECT_EQ(read_all(*reader).size(), expected_messages().size());
+    EXPECT_THAT(told, HasSubstr(fault));
+  };
+  expect_whole("there is no metadata.yaml");
+  write_bytes((folder / "metadata.yaml").string(), "");
+  expect_whole("metadata.yaml is empty");
+  write_bytes((folder / "metadata.yaml").string(), "rosbag2_bagfile_information:\n  version: [5\n");
+  expect_whole("metadata.yaml cannot be read");
+}
+
+/// As of two publishers of one topic.
+TEST(BagReader, JoinsRowsOfOneTopicInSqlite) {
+  const fs::path bag = temporary_folder() / "two.db3";
+  {
+    Db3Recorder recorder(bag);
+    recorder.add({"/notes", "std_msgs/String", 1, "a"});
+    recorder.run(
+        "INSERT INTO topics VALUES (2, '/notes', 'std_msgs/msg/String', 'cdr', '');"
+        "INSERT INTO messages (topic_id, timestamp, data) VALUES (2, 2, x'62')");
+  }
+  const auto reader = open_bag(bag);
+  ASSERT_EQ(reader->topics().size(), 1u);
+  EXPECT_EQ(reader->topics()[0].count, 2u);
+  EXPECT_EQ(read_all(*reader, {"/notes"}).size(), 2u);
 }
 
 /// Two recorders at once.

@@ -102,6 +102,32 @@ TEST(BagCamera, SaysThatACameraWasNotCalibrated) {
   EXPECT_THAT(told, AllOf(HasSubstr("/left/camera_info"), HasSubstr("not calibrated")));
 }
 
+TEST(BagCamera, WarnsOfASmallSkew) {
+  CameraInfoFields info = kInfo;
+  info.k[1] = 1.5;
+  std::string told;
+  EXPECT_TRUE(
+      bag_camera(bag_with_camera(info).string(), "", [&](LogLevel, std::string_view text) { told = text; }));
+  EXPECT_THAT(told, AllOf(HasSubstr("a skew of 1.5 pixels"), HasSubstr("0.89 px")));
+}
+
+/// A driver that published before it had read its calibration.
+TEST(BagCamera, TakesTheFirstThatWasCalibrated) {
+  const fs::path path = temporary_folder() / "camera.mcap";
+  CameraInfoFields none = kInfo;
+  none.k = std::vector<double>(9, 0.0);
+  std::vector<TestMessage> messages = {small_picture("/left/image_raw", kSecond)};
+  for (int i = 0; i < 5; ++i)
+    messages.push_back({"/left/camera_info", "sensor_msgs/CameraInfo", kSecond * (i + 1),
+                        camera_info_message(Wire::kCdr, i < 2 ? none : kInfo)});
+  write_mcap(path, Wire::kCdr, messages);
+  std::string told;
+  const auto camera = bag_camera(path.string(), "", [&](LogLevel, std::string_view text) { told = text; });
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->model.pinhole().fx, 400);
+  EXPECT_EQ(told, "");
+}
+
 TEST(BagCamera, SaysThatItChanges) {
   const fs::path path = temporary_folder() / "camera.mcap";
   CameraInfoFields other = kInfo;
@@ -126,6 +152,15 @@ TEST(BagCamera, RefusesOtherLenses) {
   CameraInfoFields info = kInfo;
   info.model = "double_sphere";
   refused(info, {"/left/camera_info", "'double_sphere' is not supported"});
+  info = kInfo;
+  info.k[1] = 50;  // (480 - 1 - 242) / 410 of it at the lower edge; 242 / 410 at the upper one
+  refused(info, {"/left/camera_info", "a skew of 50 pixels", "29.51 px", "--fisheye-fix-skew"});
+  info = kInfo;
+  info.k[8] = 2;
+  refused(info, {"/left/camera_info", "0 0 2"});
+  info = kInfo;
+  info.k[3] = 30;
+  refused(info, {"/left/camera_info", "30 410 242"});
   info = kInfo;
   info.d[9] = 0.1;
   refused(info, {"D has 14"});

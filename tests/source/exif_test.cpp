@@ -7,6 +7,7 @@
 
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/source/image_file.h"
+#include "image_values.h"
 #include "support/shared_data.h"
 
 namespace apriltrack {
@@ -47,6 +48,14 @@ TEST(ExifOrientation, SixTurnsAQuarterClockwise) {
   ASSERT_EQ(image.height(), 48);
   EXPECT_GT(image(16, 8), 200);
   EXPECT_LT(image(16, 40), 50);
+}
+
+/// CameraInfo describes the pixels that the camera sent.
+TEST(ExifOrientation, LeavesPicturesOfMessagesAsStored) {
+  const cv::Mat pixels = decode_image(jpeg_with_orientation(3), "x", PictureTurn::kAsStored).pixels;
+  ASSERT_EQ(pixels.size(), cv::Size(48, 32));
+  EXPECT_GT(pixels.at<std::uint8_t>(16, 4), 200);
+  EXPECT_LT(pixels.at<std::uint8_t>(16, 44), 50);
 }
 
 TEST(ExifOrientation, ThreeTurnsHalfRound) {

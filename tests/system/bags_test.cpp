@@ -200,6 +200,39 @@ TEST_F(Bags, WhoseTopicIsAnotherCamerasIsWarnedOf) {
   EXPECT_THAT(told("renamed.mcap", "cam1", "/renamed"), Not(HasSubstr("but rostopic")));
 }
 
+/// By the wrong lens of a rig, poses are wrong.
+TEST_F(Bags, AreReadByTheCameraWhoseTopicTheyHave) {
+  simulate("single", 3);
+  const std::string camera = read_text(path("single/camera.yaml"));
+  std::string other = camera.substr(4);
+  const std::size_t intrinsics = other.find("intrinsics: [");
+  ASSERT_NE(intrinsics, std::string::npos);
+  other.insert(intrinsics + 13, "1");  // another focal length
+  write_text(path("rig.yaml"), "cam0" + other + "\n  rostopic: /left/image_raw\ncam1" + camera.substr(4) +
+                                   "\n  T_cn_cnm1: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+                                   "  rostopic: /right/image_raw\n");
+  const auto track = [&](const std::string& input, const std::string& camera_file,
+                         const std::vector<std::string>& more) {
+    std::vector<std::string> words = {
+        "track", input, "--camera", camera_file, "--map", path("single/map.yaml"), "--output", path("o.tum")};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramRun run = run_program(words);
+    EXPECT_EQ(run.status, 0) << run.err;
+    return std::pair(read_text(path("o.tum")), run.err);
+  };
+  const std::string expected = track(path("single"), path("single/camera.yaml"), {}).first;
+  for (const std::string topic : {"/right/image_raw", "/right/image_raw/compressed"}) {
+    write_mcap(path("right.mcap"), Wire::kCdr, pictures_of("single", topic, Wire::kCdr));
+    const auto [poses, told] = track(path("right.mcap"), path("rig.yaml"), {});
+    EXPECT_EQ(poses, expected) << topic;
+    EXPECT_THAT(told, HasSubstr(topic + " is of camera cam1, by rostopic"));
+  }
+  EXPECT_THAT(run_program({"track", path("right.mcap"), "--camera", path("rig.yaml"), "--camera-name", "cam0",
+                           "--map", path("single/map.yaml"), "--output", path("o.tum")})
+                  .err,
+              HasSubstr("is read for cam0, but rostopic of cam0 in the camera file is /left/image_raw"));
+}
+
 TEST_F(Bags, WithoutPosesOrFramesSaySoOnce) {
   simulate("single", 3);
   write_mcap(path("a.mcap"), Wire::kCdr, pictures_of("single", "/image", Wire::kCdr));

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <system_error>
 #include <tuple>
+#include <utility>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/yaml_reader.h"
@@ -63,32 +65,46 @@ std::optional<fs::path> found_in(const fs::path& folder, const std::string& rela
   return std::nullopt;
 }
 
+/// What a recorder writes when it closes the bag.
+struct Metadata {
+  std::optional<YamlNode> root;
+  std::string fault;  ///< Why there is none; else empty.
+};
+
+Metadata read_metadata(const fs::path& folder) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(folder / kMetadata, ignored))
+    return {{}, fmt::format("there is no {}", kMetadata)};
+  try {
+    YamlNode root = YamlNode::read_file(folder / kMetadata);
+    if (root.is_null()) return {{}, fmt::format("{} is empty", kMetadata)};
+    return {std::move(root), ""};
+  } catch (const Error& error) {
+    return {{}, fmt::format("{} cannot be read ({})", kMetadata, error.cause())};
+  }
+}
+
 }  // namespace
 
 bool is_rosbag2_folder(const fs::path& folder) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) return false;
-  if (!fs::is_regular_file(folder / kMetadata, ignored)) return !files_by_name(folder).empty();
-  try {
-    const YamlNode root = YamlNode::read_file(folder / kMetadata);
-    return root.is_map() && root.find(kRoot).has_value();
-  } catch (const Error&) {
-    return !files_by_name(folder).empty();
-  }
+  const Metadata metadata = read_metadata(folder);
+  if (!metadata.fault.empty()) return !files_by_name(folder).empty();
+  return metadata.root->is_map() && metadata.root->find(kRoot).has_value();
 }
 
 std::vector<fs::path> rosbag2_files(const fs::path& folder, const LogSink& log) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(folder / kMetadata, ignored)) {
+  const Metadata metadata = read_metadata(folder);
+  if (!metadata.fault.empty()) {
     std::vector<fs::path> files = files_by_name(folder);
     if (files.empty()) throw io_error(folder.string(), "holds no bag files");
     log(LogLevel::kWarning,
-        fmt::format("{}: there is no {}, as of a recording that was not closed: the {} bag "
-                    "files there are read",
-                    folder.string(), kMetadata, files.size()));
+        fmt::format("{}: {}, as of a recording that was not closed: the {} bag files there are read",
+                    folder.string(), metadata.fault, files.size()));
     return files;
   }
-  const YamlNode root = YamlNode::read_file(folder / kMetadata).at(kRoot);
+  const YamlNode root = metadata.root->at(kRoot);
   check_storage(root);
   check_compression(root);
   const YamlNode paths = root.at("relative_file_paths");

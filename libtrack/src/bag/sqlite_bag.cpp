@@ -116,8 +116,12 @@ class SqliteBag : public BagReader {
     SqliteDatabase::Statement statement(database_, "SELECT id, name, type, serialization_format FROM topics");
     Step step = statement.step();
     for (; step == Step::kRow; step = statement.step()) {
-      topic_of_id_[statement.integer(0)] = topics_.size();
-      topics_.push_back({statement.text(1), statement.text(2), statement.text(3), "", 0});
+      const BagTopic topic{statement.text(1), statement.text(2), statement.text(3), "", 0};
+      const auto same = std::ranges::find_if(topics_, [&](const BagTopic& other) {
+        return other.name == topic.name && other.type == topic.type && other.encoding == topic.encoding;
+      });
+      topic_of_id_[statement.integer(0)] = static_cast<std::size_t>(same - topics_.begin());
+      if (same == topics_.end()) topics_.push_back(topic);
     }
     if (step == Step::kDamaged)
       throw io_error(database_.name(), fmt::format("its topics cannot be read: {}", database_.last_error()));

@@ -7,6 +7,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/input_file.h"
+#include "apriltrack/io/lower_case.h"
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/io/staged_files.h"
 #include "trajectory_lines.h"
@@ -109,9 +110,9 @@ std::optional<TrajectoryFormat> trajectory_format_named(std::string_view name) {
 }
 
 std::optional<TrajectoryFormat> trajectory_format_of_ending(const fs::path& path) {
-  if (path.filename().string().ends_with(kKittiText)) return TrajectoryFormat::kKitti;
+  if (lower_case(path.filename().string()).ends_with(kKittiText)) return TrajectoryFormat::kKitti;
   for (const TrajectoryFormatInfo& info : trajectory_formats())
-    if (path.extension() == info.ending) return info.format;
+    if (lower_case_ending(path) == info.ending) return info.format;
   return std::nullopt;
 }
 

@@ -1,10 +1,13 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/sensor_window.h"
+#include "apriltrack/camera/skew.h"
 #include "apriltrack/source/bag_input.h"
 #include "bag_topics.h"
 #include "picture_message.h"
@@ -68,11 +71,14 @@ bool is_uncalibrated(const std::vector<double>& matrix) {
 }
 
 void check_numbers(const RosCameraInfo& info, const std::vector<double>& matrix, const std::string& where) {
-  for (const double value : {matrix[0], matrix[2], matrix[4], matrix[5]})
+  for (const double value : matrix)
     if (!std::isfinite(value)) throw invalid_input(where, "its matrix holds a number that is not finite");
   if (!(matrix[0] > 0.0 && matrix[4] > 0.0))
     throw invalid_input(
         where, fmt::format("focal lengths must be > 0 pixels (are {} and {})", matrix[0], matrix[4]));
+  if (matrix[3] != 0.0 || matrix[6] != 0.0 || matrix[7] != 0.0 || matrix[8] != 1.0)
+    throw invalid_input(
+        where, fmt::format("its matrix must be fx skew cx, 0 fy cy, 0 0 1 (is {})", fmt::join(matrix, " ")));
   if (info.width > kMostPixelsPerSide || info.height > kMostPixelsPerSide)
     throw invalid_input(where, fmt::format("claims {} x {} pixels", info.width, info.height));
   for (const std::uint32_t number :
@@ -81,13 +87,27 @@ void check_numbers(const RosCameraInfo& info, const std::vector<double>& matrix,
       throw invalid_input(where, fmt::format("its roi or binning is {} pixels", number));
 }
 
+/// camera: of the whole sensor, as the matrix is.
+void check_skew(double skew_px, const Camera& camera, const std::string& where, const LogSink& log) {
+  if (skew_px == 0.0) return;
+  const std::string text = fmt::format("a skew of {} pixels moves points of the picture by up to {:.2f} px",
+                                       skew_px, largest_skew_effect_px(skew_px, camera));
+  constexpr const char* kWayOut = "calibrate without skew (cameracalibrator --fisheye-fix-skew)";
+  if (largest_skew_effect_px(skew_px, camera) > kMaxSkewEffect_px)
+    throw invalid_input(where, fmt::format("{}, and is not supported (without it, up to {} px pass); {}",
+                                           text, kMaxSkewEffect_px, kWayOut));
+  log(LogLevel::kWarning, fmt::format("{}: {}, and is passed over; {}", where, text, kWayOut));
+}
+
 /// By the matrix, 3 x 3, of the pictures that are published.
-Camera camera_of(const RosCameraInfo& info, const std::vector<double>& k, const Distortion& lens) {
+Camera camera_of(const RosCameraInfo& info, const std::vector<double>& k, const Distortion& lens,
+                 const std::string& where, const LogSink& log) {
   const Camera whole{.name = "cam0",
                      .model = CameraModel({k[0], k[4], k[2], k[5]}, lens),
                      .width = static_cast<int>(info.width),
                      .height = static_cast<int>(info.height),
                      .response_origin = ResponseOrigin::kAssumed};
+  check_skew(k[1], whole, where, log);
   const auto joined = [](std::uint32_t binning) { return std::max(1, static_cast<int>(binning)); };
   return camera_of_window(whole, {.x_offset = static_cast<int>(info.roi_x),
                                   .y_offset = static_cast<int>(info.roi_y),
@@ -104,8 +124,11 @@ std::optional<Camera> bag_camera(const std::string& input, const std::string& to
   const BagTopic images = bag->topics()[choose_image_topic(*bag, input, topic)];
   const auto info_topic = camera_info_topic(*bag, images);
   if (!info_topic || !is_read_topic(bag->topics()[*info_topic])) return std::nullopt;
-  const std::vector<RosCameraInfo> infos = sample_infos(*bag, *info_topic);
+  std::vector<RosCameraInfo> infos = sample_infos(*bag, *info_topic);
   if (infos.empty()) return std::nullopt;
+  // A driver may start before it has read its calibration.
+  const auto was_calibrated = [](const RosCameraInfo& info) { return !is_uncalibrated(info.k); };
+  if (std::ranges::any_of(infos, was_calibrated)) std::erase_if(infos, std::not_fn(was_calibrated));
   const std::string where = fmt::format("{} {}", input, bag->topics()[*info_topic].name);
   const auto odd =
       std::ranges::find_if(infos, [&](const RosCameraInfo& info) { return info != infos.front(); });
@@ -116,7 +139,7 @@ std::optional<Camera> bag_camera(const std::string& input, const std::string& to
                     where));
   const RosCameraInfo& info = infos.front();
   const std::vector<double> rectified = {info.p[0], info.p[1], info.p[2], info.p[4], info.p[5],
-                                         info.p[6], 0,         0,         1};
+                                         info.p[6], info.p[8], info.p[9], info.p[10]};
   const std::vector<double>& matrix = is_rectified(images) ? rectified : info.k;
   if (is_uncalibrated(info.k) || matrix[0] == 0.0) {
     log(LogLevel::kWarning, fmt::format("{}: the camera was not calibrated ({} is zero)", where,
@@ -124,7 +147,8 @@ std::optional<Camera> bag_camera(const std::string& input, const std::string& to
     return std::nullopt;
   }
   check_numbers(info, matrix, where);
-  return camera_of(info, matrix, is_rectified(images) ? Distortion(NoDistortion()) : lens_of(info, where));
+  return camera_of(info, matrix, is_rectified(images) ? Distortion(NoDistortion()) : lens_of(info, where),
+                   where, log);
 }
 
 }  // namespace apriltrack

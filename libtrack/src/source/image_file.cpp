@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -15,6 +14,7 @@
 #include "apriltrack/image/opencv_bridge.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/input_file.h"
+#include "apriltrack/io/lower_case.h"
 #include "gray_pixels.h"
 #include "image_integrity.h"
 #include "image_values.h"
@@ -50,8 +50,8 @@ bool may_be_deep(const ImageIntegrity& found) {
 
 /// Colour by one formula whatever the file, and the same as of video frames and of messages: OpenCV's own
 /// decoders of PNG and PPM have others (libpng cuts fractions off, half a grey level on average).
-cv::Mat decode_gray(const cv::Mat& bytes) {
-  const cv::Mat picture = cv::imdecode(bytes, cv::IMREAD_ANYCOLOR);
+cv::Mat decode_gray(const cv::Mat& bytes, int turn_flag) {
+  const cv::Mat picture = cv::imdecode(bytes, cv::IMREAD_ANYCOLOR | turn_flag);
   if (picture.channels() == 1) return picture;
   cv::Mat gray;
   cv::cvtColor(picture, gray, cv::COLOR_BGR2GRAY);
@@ -59,57 +59,52 @@ cv::Mat decode_gray(const cv::Mat& bytes) {
 }
 
 /// JPEG holds the grey picture itself. Empty where it is of inks.
-cv::Mat decode_gray_jpeg(std::string_view bytes, const std::string& where) {
-  JpegPicture picture = decode_jpeg(bytes);
+cv::Mat decode_gray_jpeg(std::string_view bytes, const std::string& where, PictureTurn turn) {
+  JpegPicture picture = decode_jpeg(bytes, turn);
   if (!picture.damage.empty()) throw io_error(where, fmt::format("cannot be decoded: {}", picture.damage));
   return picture.pixels;
 }
 
 /// Empty where OpenCV cannot make a picture of the bytes.
-ImageValues decode(std::string_view bytes, const ImageIntegrity& found, const std::string& where) {
+ImageValues decode(std::string_view bytes, const ImageIntegrity& found, const std::string& where,
+                   PictureTurn turn) {
   if (found.kind == ImageKind::kJpeg) {
-    if (const cv::Mat gray = decode_gray_jpeg(bytes, where); !gray.empty()) return {gray};
+    if (const cv::Mat gray = decode_gray_jpeg(bytes, where, turn); !gray.empty()) return {gray};
   }
   // OpenCV takes a mutable header over constant bytes; it does not write to them.
   const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
   const int full_scale = found.full_scale;
+  const int turn_flag = turn == PictureTurn::kAsStored ? cv::IMREAD_IGNORE_ORIENTATION : 0;
   try {
     // OpenCV hands out a PNM file's numbers as they are, whatever its header says of white: 12 bits would be
     // black.
     if (full_scale > 0 && full_scale < 65535 && full_scale != 255) {
-      const cv::Mat numbers = cv::imdecode(view, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+      const cv::Mat numbers = cv::imdecode(view, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | turn_flag);
       cv::Mat gray;
       if (!numbers.empty()) numbers.convertTo(gray, CV_8U, 255.0 / full_scale);
       return {gray};
     }
     if (full_scale == 65535 || may_be_deep(found)) {
-      const cv::Mat numbers = cv::imdecode(view, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+      const cv::Mat numbers = cv::imdecode(view, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | turn_flag);
       if (numbers.type() == CV_16UC1) return {numbers};
     }
-    return {decode_gray(view)};
+    return {decode_gray(view, turn_flag)};
   } catch (const cv::Exception& error) {
     throw io_error(where, fmt::format("cannot be decoded: {}", error.err));
   }
 }
 
-std::string lower_case_ending(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::ranges::transform(ending, ending.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
-
 }  // namespace
 
 ImageValues read_values(const std::filesystem::path& path) {
-  return decode_image(read_file(path, kMaxPictureBytes), path.string());
+  return decode_image(read_file(path, kMaxPictureBytes), path.string(), PictureTurn::kUpright);
 }
 
-ImageValues decode_image(std::string_view bytes, const std::string& where) {
+ImageValues decode_image(std::string_view bytes, const std::string& where, PictureTurn turn) {
   if (bytes.size() > kMaxPictureBytes) throw io_error(where, "is larger than 2 GiB: no image");
   const ImageIntegrity found = checked(bytes, where);
-  const ImageValues values = found.kind == ImageKind::kPng ? decode(picture_of_png(bytes), found, where)
-                                                           : decode(bytes, found, where);
+  const ImageValues values = found.kind == ImageKind::kPng ? decode(picture_of_png(bytes), found, where, turn)
+                                                           : decode(bytes, found, where, turn);
   if (values.pixels.empty()) throw io_error(where, "is not an image that can be decoded, or is damaged");
   return values;
 }

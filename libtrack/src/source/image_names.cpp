@@ -6,6 +6,8 @@
 #include <string>
 #include <system_error>
 
+#include "apriltrack/io/lower_case.h"
+
 namespace apriltrack {
 namespace fs = std::filesystem;
 namespace {
@@ -29,10 +31,7 @@ std::string_view take_number(std::string_view& text) {
 bool has_image_ending(const fs::path& path) {
   constexpr std::array<std::string_view, 10> kEndings = {".png", ".jpg", ".jpeg", ".pgm",  ".ppm",
                                                          ".pnm", ".bmp", ".tif",  ".tiff", ".webp"};
-  std::string ending = path.extension().string();
-  std::ranges::transform(ending, ending.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::ranges::find(kEndings, ending) != kEndings.end();
+  return std::ranges::find(kEndings, lower_case_ending(path)) != kEndings.end();
 }
 
 std::vector<fs::path> list_images(const fs::path& folder) {

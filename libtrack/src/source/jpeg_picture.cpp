@@ -115,7 +115,7 @@ cv::Mat upright(const cv::Mat& stored, std::int64_t orientation) {
 
 }  // namespace
 
-JpegPicture decode_jpeg(std::string_view bytes) {
+JpegPicture decode_jpeg(std::string_view bytes, PictureTurn turn) {
   jpeg_decompress_struct codec{};
   ErrorManager manager{};
   codec.err = jpeg_std_error(&manager.base);
@@ -128,7 +128,7 @@ JpegPicture decode_jpeg(std::string_view bytes) {
   if (manager.is_damaged) {
     picture.damage = manager.told.data();
     picture.pixels.release();
-  } else if (!picture.pixels.empty()) {
+  } else if (!picture.pixels.empty() && turn == PictureTurn::kUpright) {
     picture.pixels = upright(picture.pixels, orientation);
   }
   jpeg_destroy_decompress(&codec);

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/lower_case.h"
 
 namespace apriltrack {
 namespace {
@@ -132,9 +132,7 @@ namespace {
 
 /// What image_transport writes besides pictures that files could hold.
 void refuse_other_formats(std::string_view format) {
-  std::string lower(format);
-  std::ranges::transform(lower, lower.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string lower = lower_case(format);
   for (const char* other : {"compresseddepth", "theora", "h264", "h265", "hevc", "vp9", "av1", "rvl"}) {
     if (lower.find(other) == std::string::npos) continue;
     throw BadMessage(
@@ -169,7 +167,7 @@ ImageValues values_of_mosaic(const cv::Mat& pixels, std::string_view encoding) {
 ImageValues values_of(const RosCompressedImage& image) {
   refuse_other_formats(image.format);
   try {
-    ImageValues values = decode_image(image.data, "");
+    ImageValues values = decode_image(image.data, "", PictureTurn::kAsStored);
     const std::string_view mosaic = packed_mosaic(image.format);
     return mosaic.empty() ? values : values_of_mosaic(values.pixels, mosaic);
   } catch (const Error& error) {
