@@ -153,12 +153,14 @@ void warn_of_another_recording(const TrajectoryEvaluation& evaluation, const Eva
       truth.string(), options.align ? "" : " And is its map frame that of the truth (else --align)?"));
 }
 
-/// A truth with a rate of its own, as of motion capture, meets some frames only, and has more poses than those.
+/// A truth with a rate of its own, as of motion capture, meets some frames only, and has more poses than
+/// those.
 void warn_of_other_times(const TrajectoryEvaluation& evaluation, const EvaluateOptions& options,
                          std::size_t num_estimates, const fs::path& truth, std::size_t num_truth) {
   if (evaluation.unmatched_estimates == 0) return;
   options.console.warning(fmt::format(
-      "{} of the {} poses of {} are left out, for {} has none within 1 ms of their times, and `coverage` counts "
+      "{} of the {} poses of {} are left out, for {} has none within 1 ms of their times, and `coverage` "
+      "counts "
       "the truth's {} poses, not the frames: give a truth that has a pose at the time of every frame",
       evaluation.unmatched_estimates, num_estimates, options.estimate, truth.string(), num_truth));
 }

@@ -252,5 +252,20 @@ TEST_F(Trajectories, OfTrackAreOfAllFormatsAndScoredAlike) {
               EndsWith(2, "is the file of"));
 }
 
+/// Motion capture at 100 Hz, a camera at 30: frames 0, 3, 6 and 9 of ten meet a pose within 1 ms.
+TEST_F(Trajectories, WarnOfATruthThatHasNoPoseAtTheTimesOfFrames) {
+  const auto at_hz = [](double rate_hz, int count) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += fmt::format("{:.9f} {} 0 0 0 0 0 1\n", i / rate_hz, i / rate_hz);
+    return text;
+  };
+  const auto score = run_for_json({"evaluate", "--truth", file("mocap.tum", at_hz(100.0, 31)), "--estimate",
+                                   file("film.tum", at_hz(30.0, 10))});
+  EXPECT_EQ(score["unmatched_estimates"], 6);
+  ASSERT_EQ(score["warnings"].size(), 1u);
+  EXPECT_THAT(score["warnings"][0].get<std::string>(),
+              AllOf(HasSubstr("6 of the 10 poses of"), HasSubstr("the truth's 31 poses")));
+}
+
 }  // namespace
 }  // namespace apriltrack::test
