@@ -20,6 +20,16 @@ void refuse_empty_texts(CLI::App& command) {
     refuse_empty_texts(*sub);
 }
 
+/// CLI11 takes the word behind an option for its value, whatever that is: of `--output --json` a file called
+/// --json.
+void refuse_options_as_values(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    if (option->get_expected_max() > 0 && !option->get_positional()) option->check(no_option_of(command));
+  }
+  for (CLI::App* sub : command.get_subcommands([](const CLI::App*) { return true; }))
+    refuse_options_as_values(*sub);
+}
+
 }  // namespace
 
 void add_all_commands(CLI::App& app) {
@@ -45,6 +55,7 @@ void add_all_commands(CLI::App& app) {
   add_completion_command(app);
   name_values(app);
   refuse_empty_texts(app);
+  refuse_options_as_values(app);
 }
 
 void run_command(std::vector<std::string> words) {

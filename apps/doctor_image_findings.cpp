@@ -188,10 +188,13 @@ std::vector<Finding> find_in_images(const RecordingFacts& recording) {
          fmt::format("images of {} sizes ({}): a camera file is true of one, and frames of another are left "
                      "out; keep those of one size",
                      sizes.size(), told_sizes(sizes))});
-  if (recording.unreadable > 0)
-    findings.push_back({Severity::kNote, "unreadable",
+  if (recording.unreadable > 0) {
+    // One in twenty is a cable that was touched; more is a fault of the recording.
+    const std::size_t all = recording.unreadable + recording.frames.size();
+    findings.push_back({20 * recording.unreadable > all ? Severity::kWarning : Severity::kNote, "unreadable",
                         fmt::format("{} of {} frames cannot be read; calibrate and track leave them out, too",
-                                    recording.unreadable, recording.unreadable + recording.frames.size())});
+                                    recording.unreadable, all)});
+  }
   find_in_times(recording, findings);
   find_in_light(recording, findings);
   return findings;

@@ -1,6 +1,7 @@
 #include "inputs.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 
@@ -82,10 +83,12 @@ UnestimatedRig read_rig(const CameraSource& source, const std::string& topic, co
   }
   const std::optional<Camera> camera = bag_camera(path.string(), topic, console.log());
   if (camera) return {{{*camera}}, {}};
-  throw invalid_input("--camera",
-                      fmt::format("is required: {} has no sensor_msgs/CameraInfo or "
-                                  "foxglove.CameraCalibration of a calibrated camera beside its pictures",
-                                  path.string()));
+  const std::vector<std::string> others = bag_camera_topics(path.string());
+  throw invalid_input(
+      "--camera",
+      fmt::format("is required: {} has no sensor_msgs/CameraInfo or foxglove.CameraCalibration of a "
+                  "calibrated camera beside its pictures that can be read{}",
+                  path.string(), others.empty() ? "" : fmt::format(" (it has {})", fmt::join(others, ", "))));
 }
 
 std::optional<std::string> rolling_shutter_warning(const Camera& camera) {

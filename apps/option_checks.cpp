@@ -63,6 +63,15 @@ CLI::Validator not_empty(const std::string& what) {
       [what](std::string& text) { return text.empty() ? "must not be empty: " + what : std::string(); }, "");
 }
 
+CLI::Validator no_option_of(const CLI::App& command) {
+  return CLI::Validator(
+      [&command](std::string& text) {
+        const bool is_option = text.starts_with("--") && command.get_option_no_throw(text) != nullptr;
+        return is_option ? fmt::format("has no value: {} follows, which is an option", text) : std::string();
+      },
+      "");
+}
+
 CLI::Validator seed() {
   // CLI11 alone would wrap -1 round, and make the largest number of what is larger than that.
   return must_be(fmt::format("a whole number from 0 to {}", std::numeric_limits<std::uint64_t>::max()),

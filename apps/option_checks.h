@@ -17,6 +17,8 @@ CLI::Validator whole_number(long long low, std::optional<long long> high = std::
 CLI::Validator number_between(double low, double high);
 CLI::Validator number_at_least(double low);
 CLI::Validator not_empty(const std::string& what);
+/// Not the name of an option. command: outlives this.
+CLI::Validator no_option_of(const CLI::App& command);
 
 CLI::Validator seed();        ///< Of random numbers: 64 bits, unsigned.
 CLI::Validator threads();     ///< 0 (one per core) to 256.

@@ -25,6 +25,17 @@ TEST(DoctorImages, OfAGoodFilmNothingIsFound) {
   EXPECT_THAT(find_in_blur(film), IsEmpty());
 }
 
+/// 30 frames that are read and 1, or 2, that are not: one in twenty is between them.
+TEST(Images, ManyThatCannotBeReadAreAWarning) {
+  RecordingFacts film = recording(frames_of(30, {1, 2}));
+  for (const auto& [unreadable, severity] : {std::pair(1, Severity::kNote), {2, Severity::kWarning}}) {
+    film.unreadable = static_cast<std::size_t>(unreadable);
+    const auto findings = find_in_images(film);
+    ASSERT_THAT(abouts(findings), ElementsAre("unreadable"));
+    EXPECT_EQ(findings[0].severity, severity) << unreadable;
+  }
+}
+
 TEST(DoctorImages, SizesThatDifferAreCounted) {
   RecordingFacts film = recording(frames_of(30, {1, 2}));
   for (const std::size_t i : {0u, 7u}) film.frames[i].width = 320;

@@ -193,6 +193,13 @@ TEST_F(OptionValues, AnEmptyTextIs2WithTheOptionsOwnName) {
               EndsWith(2, "--output: must not be empty"));
 }
 
+TEST_F(OptionValues, AnOptionIsNoValueOfAnother) {
+  EXPECT_THAT(track({"--output", "--json"}), EndsWith(2, "--output: has no value: --json follows"));
+  EXPECT_THAT(run_program({"map", "convert", path("map.yaml"), path("o"), "--to", "--bundle", "x"}),
+              EndsWith(2, "--to: has no value: --bundle follows"));
+  EXPECT_FALSE(std::filesystem::exists("--json"));
+}
+
 TEST_F(OptionValues, MapsThatDoNotFitAreBothNamed) {
   std::string other = read_text(path("map.yaml"));
   other.replace(other.find("tag36h11"), 8, "tag25h9");

@@ -119,6 +119,13 @@ Camera camera_of(const RosCameraInfo& info, const std::vector<double>& k, const 
 
 }  // namespace
 
+std::vector<std::string> bag_camera_topics(const std::string& input) {
+  std::vector<std::string> names;
+  for (const BagTopic& topic : open_bag(input)->topics())
+    if (topic.count > 0 && is_camera_type(topic.type)) names.push_back(topic.name);
+  return names;
+}
+
 std::optional<Camera> bag_camera(const std::string& input, const std::string& topic, const LogSink& log) {
   const auto bag = open_bag(input);
   const BagTopic images = bag->topics()[choose_image_topic(*bag, input, topic)];

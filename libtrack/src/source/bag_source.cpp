@@ -88,6 +88,8 @@ class BagSource : public SkippableSource {
       num_stamps += message.stamp.has_value();
     }
     has_times_ = num_with > 0 || num_stamps == 0;
+    if (has_times_ && rate_hz_)
+      log_(LogLevel::kWarning, fmt::format("{}: --rate is not used, for its messages carry times", input_));
     if (!has_times_ && !rate_hz_)
       throw invalid_input(input_,
                           fmt::format("topic {}: its messages carry no times (header.stamp is 0): give the "

@@ -25,6 +25,10 @@ bool is_bag_input(const std::string& input);
 /// Those with messages, in the order of their names. Throws as open_bag() does.
 std::vector<BagImageTopic> bag_image_topics(const std::string& input);
 
+/// Names of topics that describe cameras (sensor_msgs/CameraInfo, foxglove.CameraCalibration). Throws as
+/// open_bag() does.
+std::vector<std::string> bag_camera_topics(const std::string& input);
+
 /// The camera that a bag itself describes: by the sensor_msgs/CameraInfo or
 /// foxglove.CameraCalibration beside the pictures (/left/camera_info or /left/calibration of
 /// /left/image_raw), for pictures of the size that binning and region of interest leave. Of a rectified topic
