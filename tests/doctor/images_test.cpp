@@ -26,7 +26,7 @@ TEST(DoctorImages, OfAGoodFilmNothingIsFound) {
 }
 
 /// 30 frames that are read and 1, or 2, that are not: one in twenty is between them.
-TEST(Images, ManyThatCannotBeReadAreAWarning) {
+TEST(DoctorImages, ManyThatCannotBeReadAreAWarning) {
   RecordingFacts film = recording(frames_of(30, {1, 2}));
   for (const auto& [unreadable, severity] : {std::pair(1, Severity::kNote), {2, Severity::kWarning}}) {
     film.unreadable = static_cast<std::size_t>(unreadable);
