@@ -137,6 +137,8 @@ TEST(FoxglovePictures, ThatAreBrokenAreUnreadableFrames) {
       std::string(11, '\xff'),                         // a number without an end
       std::string(1, '\0'),                            // field 0
       varint_field(1, 1) + bytes_field(2, png()),      // a number in place of the time
+      bytes_field(1, varint_field(1, 2) + bytes_field(2, "5")) + bytes_field(2, png()) +
+          bytes_field(3, "png"),  // text in place of nanoseconds
       at(1) + bytes_field(2, png().substr(0, 40)) + bytes_field(3, "png")};
   for (std::size_t i = 0; i < broken.size(); ++i) {
     SCOPED_TRACE(i);
