@@ -153,7 +153,8 @@ TEST_P(GltfExport, KhronosValidatorAccepts) {
       "Uint8Array(fs.readFileSync(process.argv[1])))"
       ".then(r=>{console.log(JSON.stringify(r.issues));process.exit(r.issues.numErrors+r.issues.numWarnings)}"
       ")";
-  const JudgeRun run = ask_judge(node() + " -e \"" + script + "\" '" + path.string() + "'", path.parent_path());
+  const JudgeRun run =
+      ask_judge(node() + " -e \"" + script + "\" '" + path.string() + "'", path.parent_path());
   EXPECT_TRUE(run.is_content) << run.talk;
   EXPECT_NE(run.talk.find("\"numErrors\":0"), std::string::npos) << run.talk;
 }
