@@ -21,17 +21,28 @@ std::string quoted_for_shell(const std::string& word) {
   return quoted + "'";
 }
 
+void add_word(std::string& line, const std::string& word) {
+  if (!line.empty()) line += ' ';
+  line += quoted_for_shell(word);
+}
+
 }  // namespace
+
+std::string shell_line(const std::vector<std::string>& words) {
+  std::string line;
+  for (const std::string& word : words) add_word(line, word);
+  return line;
+}
 
 std::string command_line_of(const CLI::App& command) {
   std::string line = "apriltrack " + command.get_name();
   for (const bool is_positional : {true, false}) {
     for (const CLI::Option* option : command.get_options()) {
       if (option->count() == 0 || option->get_positional() != is_positional) continue;
-      if (!is_positional) line += " " + option->get_name();
+      if (!is_positional) add_word(line, option->get_name());
       const bool is_flag = option->get_expected_max() == 0;
       if (is_flag) continue;
-      for (const std::string& word : option->results()) line += " " + quoted_for_shell(word);
+      for (const std::string& word : option->results()) add_word(line, word);
     }
   }
   return line;

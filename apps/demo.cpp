@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -9,6 +8,7 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
 #include "command_help.h"
+#include "command_line.h"
 #include "commands.h"
 #include "console.h"
 #include "demo_plan.h"
@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void run_step(DemoStep step, const Console& console) {
-  console.info(fmt::format("\n== {}\n$ apriltrack {}", step.what, fmt::join(step.words, " ")));
+  console.info(fmt::format("\n== {}\n$ apriltrack {}", step.what, shell_line(step.words)));
   if (console.is_quiet()) step.words.emplace_back("--quiet");
   {
     const AnswersAsTalk talk(console);

@@ -5,6 +5,7 @@
 #include "apriltrack/base/degrees.h"
 #include "apriltrack/eval/compare_maps.h"
 #include "apriltrack/report/html_page.h"
+#include "command_line.h"
 #include "demo_charts.h"
 #include "demo_paper.h"
 #include "demo_picture.h"
@@ -68,8 +69,8 @@ void add_paper(HtmlPage& page, const DemoOptions& options, const DemoFiles& file
 
 /// Every option with its value, so that the page can be made again.
 std::string command_line(const DemoOptions& options) {
-  return fmt::format("apriltrack demo --output {} --seed {} --frames {} --threads {}", options.output,
-                     options.seed, options.num_frames, options.threads);
+  return fmt::format("apriltrack demo --output {} --seed {} --frames {} --threads {}",
+                     shell_line({options.output}), options.seed, options.num_frames, options.threads);
 }
 
 }  // namespace

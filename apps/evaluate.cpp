@@ -15,6 +15,7 @@
 #include "evaluate_report.h"
 #include "inputs.h"
 #include "map_input.h"
+#include "pose_choice.h"
 #include "trajectory_input.h"
 
 namespace apriltrack::app {
@@ -37,6 +38,7 @@ struct EvaluateOptions {
   std::string map;
   MapInputOptions map_input;
   std::string frames_csv;
+  PoseChoices pose_choices;
   bool align = false;
   Console console;
 };
@@ -166,8 +168,14 @@ void warn_of_other_times(const TrajectoryEvaluation& evaluation, const EvaluateO
 }
 
 TrajectoryEvaluation evaluate(const EvaluateOptions& options, const Inputs& inputs) {
-  const Trajectory truth = read_trajectory_input(inputs.truth.string(), {}, options.console).trajectory;
-  const Trajectory estimate = read_trajectory_input(options.estimate, {}, options.console).trajectory;
+  check_pose_choices(options.pose_choices, {inputs.truth.string(), options.estimate});
+  const auto read = [&](const std::string& role, const std::string& path) {
+    return read_trajectory_input(path, {.bag = choice_for(role, path, options.pose_choices), .read = {}},
+                                 options.console)
+        .trajectory;
+  };
+  const Trajectory truth = read("truth", inputs.truth.string());
+  const Trajectory estimate = read("estimate", options.estimate);
   const std::optional<CornerScene> known_scene = read_scene(inputs, options);
   const CornerScene* scene = known_scene ? &*known_scene : nullptr;
   const TrajectoryKind kind = options.mode == "joint" ? TrajectoryKind::kJoint : TrajectoryKind::kEgo;
@@ -229,6 +237,7 @@ void add_evaluate_command(CLI::App& app) {
       ->required();
   command.add_option("--estimate", options->estimate, "Trajectory that is scored, of any of these formats")
       ->required();
+  add_pose_choice_options(command, options->pose_choices);
   command.add_option("--mode", options->mode, "ego: poses are T_world_camera; joint: T_camera_body")
       ->check(CLI::IsMember({"ego", "joint"}))
       ->capture_default_str();

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 
 #include "config_file.h"
 #include "option_checks.h"
@@ -35,7 +36,8 @@ void add_config_option(CLI::App& command, std::string& config) {
 
 void set_shutter(SourceOptions& options, const Camera& camera) {
   options.exposure_s = camera.exposure_s;
-  options.readout_s = std::max(0, camera.height - 1) * camera.line_delay_s;
+  // A sensor that is read upwards begins with the last row, and that is when its driver stamps the start.
+  options.readout_s = std::max(0, camera.height - 1) * std::abs(camera.line_delay_s);
 }
 
 }  // namespace apriltrack::app

@@ -34,7 +34,9 @@ Camera camera_to_render(const SimulateOptions& options) {
 }
 
 SampledPath read_path(const SimulateOptions& options) {
-  const Trajectory trajectory = read_trajectory_input(options.trajectory, {}, options.console).trajectory;
+  const Trajectory trajectory =
+      read_trajectory_input(options.trajectory, {.bag = options.poses, .read = {}}, options.console)
+          .trajectory;
   if (trajectory.size() < 2)
     throw invalid_input(options.trajectory,
                         fmt::format("a path needs two poses or more (has {})", trajectory.size()));

@@ -11,6 +11,7 @@
 #include "apriltrack/sim/stress.h"
 #include "choice_option.h"
 #include "option_checks.h"
+#include "pose_choice.h"
 #include "simulate_map.h"
 
 namespace apriltrack::app {
@@ -67,6 +68,8 @@ void check_what_is_filmed(const SimulateOptions& options) {
   if (!has_own && options.map_input.is_given())
     throw invalid_input("--map",
                         "is missing: --tag-size, --tag-sizes, --family and --bundle are of its layout");
+  if (!has_own && !(options.poses.topic + options.poses.transform).empty())
+    throw invalid_input("--trajectory", "is missing: --topic and --transform say which poses of its bag");
   if (options.scene.empty() && !has_own)
     throw invalid_input("--scene", "is missing: name a scene, or give --map, --camera and --trajectory");
   if (!has_own) return;
@@ -126,6 +129,7 @@ void add_simulate_options(CLI::App& command, SimulateOptions& options) {
       "Of --map: trajectory (TUM, EuRoC's csv, KITTI, a bag) of T_world_camera, or of T_camera_body "
       "with --mode joint; a smooth "
       "curve leads through its poses");
+  add_pose_choice_options(command, options.poses);
   add_choice<TruthKind>(
       command, "--mode", options.mode, {{"ego", TruthKind::kEgo}, {"joint", TruthKind::kJoint}},
       "Of --map: ego, a camera moves through a world of tags; joint, a body of tags moves before it");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apriltrack/sim/scene.h"
+#include "apriltrack/source/bag_poses.h"
 #include "console.h"
 #include "map_input.h"
 
@@ -19,6 +20,7 @@ struct SimulateOptions {
   std::string camera;
   std::string camera_name;
   std::string trajectory;
+  BagPoseChoice poses;  ///< Of the trajectory.
   TruthKind mode = TruthKind::kEgo;
   std::string output;
   std::optional<long long> frames;

@@ -27,8 +27,6 @@ foreach(pair IN ITEMS tools=apriltrack development=libapriltrack-dev)
   set(doc ${CMAKE_INSTALL_DATADIR}/doc/${package})
   install(FILES ${package_folder}/copyright DESTINATION ${doc} COMPONENT ${component})
   install(FILES ${package_folder}/changelog DESTINATION ${doc} COMPONENT ${component})
-  install(FILES packaging/debian/${package}.lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
-    RENAME ${package} COMPONENT ${component} OPTIONAL)
 endforeach()
 
 set(CPACK_GENERATOR DEB)

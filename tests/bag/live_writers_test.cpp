@@ -3,19 +3,15 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 
 #include "recording.h"
+#include "support/judges.h"
 #include "support/shared_data.h"
 
 namespace apriltrack::test {
 namespace {
 namespace fs = std::filesystem;
-
-bool runs(const std::string& command) {
-  return std::system((command + " >/dev/null 2>&1").c_str()) == 0;
-}
 
 void expect_the_recording(const fs::path& bag) {
   SCOPED_TRACE(bag);
@@ -28,25 +24,22 @@ void expect_the_recording(const fs::path& bag) {
 }
 
 TEST(LiveWriters, OfRos1AreRead) {
-  // Debian's own Python sees Debian's packages.
-  if (!runs("/usr/bin/python3 -c 'import rosbag, sensor_msgs.msg, geometry_msgs.msg'"))
-    GTEST_SKIP() << "python3-rosbag and python3-sensor-msgs are not installed";
+  const std::string modules = "rosbag, sensor_msgs.msg, geometry_msgs.msg";
+  APRILTRACK_NEED_JUDGE(python_judge(modules, "python3-rosbag, python3-sensor-msgs, python3-geometry-msgs"));
   const fs::path folder = temporary_folder();
   const std::string script = source_path("tests/bag/make_fixtures.py").string();
-  ASSERT_TRUE(runs("/usr/bin/python3 -B '" + script + "' --ros1 '" + folder.string() + "'"));
+  ASSERT_TRUE(succeeds(python_with(modules) + " -B '" + script + "' --ros1 '" + folder.string() + "'"));
   for (const char* name : {"plain.bag", "bz2.bag", "lz4.bag"}) expect_the_recording(folder / name);
 }
 
 TEST(LiveWriters, OfMcapAreRead) {
-  const char* const modules = std::getenv("APRILTRACK_NODE_MODULES");
-  if (!modules || !fs::exists(fs::path(modules) / "node_modules/@mcap/core") ||
-      !runs("node --version && zstd -V && lz4 -V"))
-    GTEST_SKIP() << "@mcap/core is not installed (APRILTRACK_NODE_MODULES names a folder whose node_modules "
-                    "has it), or "
-                    "node, zstd or lz4 is not";
+  APRILTRACK_NEED_JUDGE(node_judges({"@mcap/core", "@foxglove/rosmsg", "@foxglove/rosmsg-msgs-common",
+                                     "@foxglove/rosmsg-serialization", "@foxglove/rosmsg2-serialization"}));
+  APRILTRACK_NEED_JUDGE(program_judge("zstd", "zstd"));
+  APRILTRACK_NEED_JUDGE(program_judge("lz4", "lz4"));
   const fs::path folder = temporary_folder();
   const std::string script = source_path("tests/bag/make_fixtures.mjs").string();
-  ASSERT_TRUE(runs("node '" + script + "' '" + folder.string() + "'"));
+  ASSERT_TRUE(succeeds(node() + " '" + script + "' '" + folder.string() + "'"));
   for (const char* name :
        {"plain.mcap", "lz4.mcap", "zstd.mcap", "ros1_zstd.mcap", "without_chunks.mcap", "without_index.mcap"})
     expect_the_recording(folder / name);

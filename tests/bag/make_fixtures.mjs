@@ -1,8 +1,10 @@
 // Writes the MCAP files of tests/bag/data, and the CDR messages that make_fixtures.py puts into SQLite files; and where
 // the chunks of these files are, and with which messages, into chunks_of_mcap.csv, as another reader sees it.
 //
-//   node make_fixtures.mjs FOLDER          (needs @mcap/core, @foxglove/rosmsg2-serialization and
-//                                           @foxglove/rosmsg-serialization in NODE_PATH or node_modules)
+//   node make_fixtures.mjs FOLDER
+//
+// Needs @mcap/core, @foxglove/rosmsg2-serialization and @foxglove/rosmsg-serialization: `scripts/setup --judges`, and
+// NODE_PATH=build/judges/node_modules.
 //
 // The recording that all fixtures hold is described in recording.h.
 import { execFileSync } from "node:child_process";
@@ -11,7 +13,7 @@ import { createRequire } from "node:module";
 import path from "node:path";
 
 const [folder] = process.argv.slice(2);
-const modules = createRequire(path.join(process.env.APRILTRACK_NODE_MODULES ?? process.cwd(), "any.js"));
+const modules = createRequire(import.meta.url);
 const { McapStreamReader, McapWriter, TempBuffer } = modules("@mcap/core");
 const { MessageWriter: Ros2Writer } = modules("@foxglove/rosmsg2-serialization");
 const { MessageWriter: Ros1Writer } = modules("@foxglove/rosmsg-serialization");

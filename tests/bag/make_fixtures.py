@@ -5,8 +5,8 @@
   make_fixtures.py --ros1 FOLDER     ROS 1 bags only, which need no node
 
 ROS 1 bags: python3-rosbag and python3-sensor-msgs (Debian). MCAP files, and the CDR messages of SQLite files:
-make_fixtures.mjs beside this file, by @mcap/core and @foxglove/rosmsg2-serialization, which are looked for in the folder
-$APRILTRACK_NODE_MODULES (one that has node_modules). The recording that all of them hold is described in recording.h.
+make_fixtures.mjs beside this file, by @mcap/core and @foxglove/rosmsg2-serialization, which node finds by $NODE_PATH
+(build/judges/node_modules after `scripts/setup --judges`). The recording that all of them hold is described in recording.h.
 """
 import base64
 import json

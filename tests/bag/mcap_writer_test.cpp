@@ -18,6 +18,7 @@
 #include "recording.h"
 #include "support/error_message.h"
 #include "support/judge_output.h"
+#include "support/judges.h"
 #include "support/shared_data.h"
 
 namespace apriltrack::test {
@@ -202,14 +203,12 @@ std::string base64_of(const std::string& bytes) {
 }
 
 TEST(McapWriter, IsReadByMcapsOwnReaders) {
-  const char* const modules = std::getenv("APRILTRACK_NODE_MODULES");
-  if (!modules || !fs::exists(fs::path(modules) / "node_modules/@mcap/core") ||
-      std::system("(node --version && zstd -V && lz4 -V) >/dev/null 2>&1") != 0)
-    GTEST_SKIP() << "@mcap/core is not installed (APRILTRACK_NODE_MODULES names a folder whose node_modules "
-                    "has it), or node, zstd or lz4 is not";
+  APRILTRACK_NEED_JUDGE(node_judges({"@mcap/core"}));
+  APRILTRACK_NEED_JUDGE(program_judge("zstd", "zstd"));
+  APRILTRACK_NEED_JUDGE(program_judge("lz4", "lz4"));
   const auto read = [](const fs::path& path) {
     return lines_of_judge(
-        fmt::format("node '{}' '{}'", source_path("tests/bag/read_mcap.mjs").string(), path.string()));
+        fmt::format("{} '{}' '{}'", node(), source_path("tests/bag/read_mcap.mjs").string(), path.string()));
   };
   for (const ChunkPacking packing : {ChunkPacking::kNone, ChunkPacking::kLz4, ChunkPacking::kZstd}) {
     const std::vector<std::string> lines = read(written(messages(), packing));

@@ -12,11 +12,10 @@
 import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import path from "node:path";
 import { isDeepStrictEqual } from "node:util";
 
 const [file, wants] = process.argv.slice(2);
-const modules = createRequire(path.join(process.env.APRILTRACK_NODE_MODULES ?? process.cwd(), "any.js"));
+const modules = createRequire(import.meta.url);
 const { McapStreamReader, McapIndexedReader } = modules("@mcap/core");
 
 const unpack = (program) => (buffer, size) => {

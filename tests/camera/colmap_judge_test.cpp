@@ -85,8 +85,8 @@ void expect_that_colmap_agrees(const ColmapPictures& model) {
   EXPECT_LE(initial_cost_px(report), test::kMaxJudgedError_px) << report;
 }
 
-bool has_colmap() {
-  return test::output_of("QT_QPA_PLATFORM=offscreen colmap help 2> /dev/null").has_value();
+test::Judge colmap() {
+  return test::program_judge("colmap", "colmap");
 }
 
 std::string text_of(const fs::path& path) {
@@ -96,7 +96,7 @@ std::string text_of(const fs::path& path) {
 }
 
 TEST(ColmapJudges, FilesThatItReadsAndWrites) {
-  if (!has_colmap()) GTEST_SKIP() << "colmap is not installed";
+  APRILTRACK_NEED_JUDGE(colmap());
   for (const Camera& camera : test::format_cameras()) {
     const fs::path path = test::temporary_folder() / "cameras.txt";
     write_cameras_as(path, {{camera}}, CameraFormat::kColmap);
@@ -114,7 +114,7 @@ TEST(ColmapJudges, FilesThatItReadsAndWrites) {
 }
 
 TEST(ColmapJudges, ModelsThatAreOnlyRead) {
-  if (!has_colmap()) GTEST_SKIP() << "colmap is not installed";
+  APRILTRACK_NEED_JUDGE(colmap());
   for (const std::string line :
        {"SIMPLE_PINHOLE 640 480 600.5 320.25 241.75", "SIMPLE_RADIAL 640 480 600.5 320.25 241.75 -0.1",
         "RADIAL 640 480 600.5 320.25 241.75 -0.1 0.07",

@@ -147,8 +147,8 @@ MrcalAnswer mrcal_projects(const fs::path& model, const std::vector<Eigen::Vecto
     for (const Eigen::Vector3d& p : points)
       out << format_exact(p.x()) << ' ' << format_exact(p.y()) << ' ' << format_exact(p.z()) << '\n';
   }
-  const auto output =
-      test::output_of(test::script("judge_mrcal.py") + "project " + model.string() + " < " + list.string());
+  const auto output = test::output_of(test::script("judge_mrcal.py", "mrcal") + "project " + model.string() +
+                                      " < " + list.string());
   EXPECT_TRUE(output);
   if (!output) return {};
   MrcalAnswer answer{{}, test::numbers_of(test::line_of(*output, "place")), test::line_of(*output, "size")};
@@ -160,7 +160,7 @@ MrcalAnswer mrcal_projects(const fs::path& model, const std::vector<Eigen::Vecto
 }
 
 TEST(MrcalJudges, FilesThatItReadsAndWrites) {
-  if (!test::has_python_module("mrcal")) GTEST_SKIP() << "python3-mrcal is not installed";
+  APRILTRACK_NEED_JUDGE(test::python_judge("mrcal", "python3-mrcal"));
   for (const Camera& camera : test::format_cameras()) {
     if (test::is_fisheye(camera)) continue;
     const fs::path path = test::temporary_folder() / "camera.cameramodel";
@@ -171,15 +171,15 @@ TEST(MrcalJudges, FilesThatItReadsAndWrites) {
     EXPECT_THAT(answer.size, ElementsAre("1283", "967"));
 
     const fs::path copy = path.parent_path() / "copy.cameramodel";
-    ASSERT_TRUE(
-        test::output_of(test::script("judge_mrcal.py") + "rewrite " + path.string() + " " + copy.string()));
+    ASSERT_TRUE(test::output_of(test::script("judge_mrcal.py", "mrcal") + "rewrite " + path.string() + " " +
+                                copy.string()));
     const Camera read = read_camera_file(copy).rig.cameras.front();
     test::expect_near(test::projected(read, points), mrcal_projects(copy, points).pixels);
   }
 }
 
 TEST(MrcalJudges, ThePlaceOfASecondCameraIsThatOfTheReferenceInIt) {
-  if (!test::has_python_module("mrcal")) GTEST_SKIP() << "python3-mrcal is not installed";
+  APRILTRACK_NEED_JUDGE(test::python_judge("mrcal", "python3-mrcal"));
   CameraRig rig{{test::format_cameras()[1], test::format_cameras()[1]}};
   rig.cameras[1].name = "cam1";
   // A quarter turn about z, then 1, 2, 3 m: the reference's x is the camera's y.
@@ -196,13 +196,14 @@ TEST(MrcalJudges, ThePlaceOfASecondCameraIsThatOfTheReferenceInIt) {
 // ROS ----------------------------------------------------------------------------------------------------
 
 TEST(RosJudges, FilesThatItReads) {
-  if (!test::has_python_module("camera_calibration_parsers"))
-    GTEST_SKIP() << "python3-camera-calibration-parsers is not installed";
+  APRILTRACK_NEED_JUDGE(
+      test::python_judge("camera_calibration_parsers", "python3-camera-calibration-parsers"));
   for (Camera camera : test::format_cameras()) {
     camera.name = "front_left";
     const fs::path path = test::temporary_folder() / "camera.yaml";
     write_cameras_as(path, {{camera}}, CameraFormat::kRosCameraInfo);
-    const auto output = test::output_of(test::script("judge_ros.py") + path.string());
+    const auto output =
+        test::output_of(test::script("judge_ros.py", "camera_calibration_parsers") + path.string());
     ASSERT_TRUE(output);
     EXPECT_THAT(test::line_of(*output, "name"), ElementsAre("front_left"));
     EXPECT_THAT(test::line_of(*output, "size"), ElementsAre("1283", "967"));

@@ -13,6 +13,7 @@
 
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/io/numbers.h"
+#include "support/judges.h"
 #include "support/shared_data.h"
 
 namespace apriltrack::test {
@@ -28,16 +29,11 @@ inline std::optional<std::string> output_of(const std::string& command) {
   return ::pclose(pipe) == 0 ? std::optional(output) : std::nullopt;
 }
 
-/// Whether Debian's python, which alone sees the packages of Debian, has a module.
-inline bool has_python_module(const std::string& name) {
-  return output_of("/usr/bin/python3 -c 'import " + name + "' 2> /dev/null").has_value();
-}
-
 inline constexpr double kMaxJudgedError_px = 1e-6;
 
-/// Runs one of the scripts beside this file.
-inline std::string script(const std::string& name) {
-  return "/usr/bin/python3 " + source_path("tests/camera/" + name).string() + " ";
+/// Runs one of the scripts beside this file, which needs these modules.
+inline std::string script(const std::string& name, const std::string& modules) {
+  return python_with(modules) + " " + source_path("tests/camera/" + name).string() + " ";
 }
 
 /// Words of the line that begins with `key`.

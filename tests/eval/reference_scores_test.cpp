@@ -15,6 +15,7 @@
 #include "apriltrack/eval/evaluate_trajectory.h"
 #include "apriltrack/eval/statistics.h"
 #include "eval/synthetic.h"
+#include "support/judges.h"
 #include "support/shared_data.h"
 
 namespace apriltrack {
@@ -40,13 +41,7 @@ CommandResult run(const std::string& command) {
   return result;
 }
 
-/// A Python that has what the scorers need; empty when there is none.
-std::string find_python() {
-  for (const std::string python : {"python3", "/usr/bin/python3"}) {
-    if (run(python + " -c 'import numpy, yaml' 2>/dev/null").status == 0) return python;
-  }
-  return {};
-}
+const std::string kModules = "numpy, yaml";  // of the scorers
 
 json run_scorer(const std::string& command) {
   const CommandResult result = run(command);
@@ -161,8 +156,8 @@ class ReferenceScores : public ::testing::TestWithParam<Recording> {};
 TEST_P(ReferenceScores, TrajectoriesAndLogsGiveTheSameDigits) {
   APRILTRACK_SHARED_OR_SKIP(scorer, "tools/score_track.py");
   APRILTRACK_SHARED_OR_SKIP(sequence, "data/" + GetParam().name);
-  const std::string python = find_python();
-  if (python.empty()) GTEST_SKIP() << "no python3 with numpy and yaml: the independent scorer was not run";
+  APRILTRACK_NEED_JUDGE(test::python_judge(kModules, "python3-numpy, python3-yaml"));
+  const std::string python = test::python_with(kModules);
   const Trajectory truth = read_tum(sequence / "truth.tum");
   const CornerScene scene{read_cameras(sequence / "camera.yaml").cameras.front(),
                           read_tag_map(sequence / "map.yaml")};
@@ -210,8 +205,8 @@ TagMap disturb(const TagMap& truth, double sigma, bool has_covariances) {
 TEST_P(ReferenceScores, MapsGiveTheSameDigits) {
   APRILTRACK_SHARED_OR_SKIP(scorer, "tools/score_map.py");
   APRILTRACK_SHARED_OR_SKIP(truth_file, "data/" + GetParam().name + "/map.yaml");
-  const std::string python = find_python();
-  if (python.empty()) GTEST_SKIP() << "no python3 with numpy and yaml: the independent scorer was not run";
+  APRILTRACK_NEED_JUDGE(test::python_judge(kModules, "python3-numpy, python3-yaml"));
+  const std::string python = test::python_with(kModules);
   const TagMap truth = read_tag_map(truth_file);
   const fs::path file = test::temporary_folder() / "m.yaml";
   DigitComparison digits;

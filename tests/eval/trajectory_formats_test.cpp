@@ -14,6 +14,7 @@
 #include "apriltrack/io/atomic_file.h"
 #include "support/error_message.h"
 #include "support/judge_output.h"
+#include "support/judges.h"
 #include "support/pose_matchers.h"
 #include "support/shared_data.h"
 
@@ -162,16 +163,10 @@ struct JudgedPose {
   Eigen::Matrix<double, 3, 4> rows;
 };
 
-/// One with numpy: another python3 than Debian's may stand first on the path.
-std::string python_with_numpy() {
-  for (const std::string python : {"python3", "/usr/bin/python3"})
-    if (std::system((python + " -c 'import numpy' 2>/dev/null").c_str()) == 0) return python;
-  return "";
-}
-
-std::vector<JudgedPose> judged(const std::string& python, const std::string& arguments) {
-  const std::string command = fmt::format(
-      "{} '{}' {}", python, test::source_path("tests/eval/judge_trajectories.py").string(), arguments);
+std::vector<JudgedPose> judged(const std::string& arguments) {
+  const std::string command =
+      fmt::format("{} '{}' {}", test::python_with("numpy"),
+                  test::source_path("tests/eval/judge_trajectories.py").string(), arguments);
   std::istringstream lines(test::judge_output(command));
   std::vector<JudgedPose> poses;
   for (JudgedPose pose; lines >> pose.time_ns; poses.push_back(pose))
@@ -181,15 +176,14 @@ std::vector<JudgedPose> judged(const std::string& python, const std::string& arg
 }
 
 TEST(TrajectoryFormats, AreReadAsEvoReadsThem) {
-  const std::string python = python_with_numpy();
-  if (python.empty()) GTEST_SKIP() << "no python3 with numpy: the independent reader was not run";
+  APRILTRACK_NEED_JUDGE(test::python_judge("numpy", "python3-numpy"));
   const fs::path folder = test::temporary_folder();
   for (const Trajectory& trajectory : {by_hand(), of_many_digits()}) {
     for (const TrajectoryFormatInfo& info : trajectory_formats()) {
       const fs::path path = folder / fmt::format("t{}", info.ending);
       write_trajectory_as(path, trajectory, info.format);
-      const auto poses = judged(
-          python, fmt::format("{} '{}' '{}'", info.name, path.string(), kitti_times_file(path).string()));
+      const auto poses =
+          judged(fmt::format("{} '{}' '{}'", info.name, path.string(), kitti_times_file(path).string()));
       ASSERT_EQ(poses.size(), trajectory.size()) << info.name;
       for (std::size_t i = 0; i < poses.size(); ++i) {
         EXPECT_EQ(poses[i].time_ns, trajectory[i].timestamp.ns) << info.name;

@@ -135,7 +135,7 @@ TEST(UrdfExport, NamesOfItsLinksAreDistinctAndAChangedFrameIsTold) {
 }
 
 TEST(UrdfExport, CheckUrdfAccepts) {
-  if (!succeeds("command -v check_urdf")) GTEST_SKIP() << "check_urdf (liburdfdom-tools) is not installed";
+  APRILTRACK_NEED_JUDGE(program_judge("check_urdf", "liburdfdom-tools"));
   const auto path = written(placed_map(), ExportFormat::kUrdf, "map.urdf");
   const JudgeRun run = ask_judge("check_urdf '" + path.string() + "'", path.parent_path());
   EXPECT_TRUE(run.is_content) << run.talk;
@@ -202,10 +202,18 @@ TEST(SdfExport, LinksAreOurTagFramesAndBoxesTheirCells) {
   EXPECT_GT(black, 100);
 }
 
+/// libsdformat's own, by the name that it has here: ign of Ignition, gz of the later Gazebo; empty: none.
+std::string sdf_program() {
+  for (const std::string program : {"gz sdf", "ign sdf"})
+    if (succeeds(program + " --help")) return program;
+  return "";
+}
+
 TEST(SdfExport, SdformatAccepts) {
-  if (!succeeds("ign sdf --help")) GTEST_SKIP() << "ign sdf (ignition-tools, libsdformat) is not installed";
+  const std::string program = sdf_program();
+  APRILTRACK_NEED_JUDGE(Judge{"gz sdf", "ignition-tools, libsdformat-dev", !program.empty()});
   const auto path = written(placed_map(), ExportFormat::kSdf, "map.sdf");
-  const JudgeRun run = ask_judge("ign sdf -k '" + path.string() + "'", path.parent_path());
+  const JudgeRun run = ask_judge(program + " -k '" + path.string() + "'", path.parent_path());
   EXPECT_TRUE(run.is_content) << run.talk;
   EXPECT_NE(run.talk.find("Valid"), std::string::npos) << run.talk;
 }
@@ -228,7 +236,7 @@ TEST(ColmapExport, CornersArePoints) {
 }
 
 TEST(ColmapExport, ModelAnalyzerAccepts) {
-  if (!succeeds("command -v colmap")) GTEST_SKIP() << "colmap is not installed";
+  APRILTRACK_NEED_JUDGE(program_judge("colmap", "colmap"));
   const auto folder = written(placed_map(), ExportFormat::kColmap, "sparse");
   const JudgeRun run =
       ask_judge("QT_QPA_PLATFORM=offscreen colmap model_analyzer --path '" + folder.string() + "'",

@@ -146,15 +146,15 @@ TEST_P(GltfExport, TrianglesFaceOutwards) {
 }
 
 TEST_P(GltfExport, KhronosValidatorAccepts) {
-  if (!succeeds("node -e \"require('gltf-validator')\""))
-    GTEST_SKIP() << "gltf-validator (npm; NODE_PATH) is not installed";
+  APRILTRACK_NEED_JUDGE(node_judges({"gltf-validator"}));
   const auto path = written(placed_map(), GetParam(), "scene");
   const std::string script =
       "const v=require('gltf-validator'),fs=require('fs');v.validateBytes(new "
       "Uint8Array(fs.readFileSync(process.argv[1])))"
       ".then(r=>{console.log(JSON.stringify(r.issues));process.exit(r.issues.numErrors+r.issues.numWarnings)}"
       ")";
-  const JudgeRun run = ask_judge("node -e \"" + script + "\" '" + path.string() + "'", path.parent_path());
+  const JudgeRun run =
+      ask_judge(node() + " -e \"" + script + "\" '" + path.string() + "'", path.parent_path());
   EXPECT_TRUE(run.is_content) << run.talk;
   EXPECT_NE(run.talk.find("\"numErrors\":0"), std::string::npos) << run.talk;
 }

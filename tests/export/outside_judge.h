@@ -8,12 +8,9 @@
 #include <sstream>
 #include <string>
 
-namespace apriltrack::test {
+#include "support/judges.h"
 
-/// Whether a shell command ends with 0, its talk thrown away.
-inline bool succeeds(const std::string& command) {
-  return std::system(("(" + command + ") >/dev/null 2>&1").c_str()) == 0;
-}
+namespace apriltrack::test {
 
 struct JudgeRun {
   bool is_content = false;

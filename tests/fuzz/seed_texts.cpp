@@ -140,6 +140,96 @@ cam1:
   resolution: [752, 480]
 )";
 
+constexpr const char* kBasalt = R"({"value0": {
+  "T_imu_cam": [
+    {"px": 1, "py": 2, "pz": 3, "qx": 0, "qy": 0, "qz": 0.7071067811865476, "qw": 0.7071067811865476},
+    {"px": 5, "py": 7, "pz": 11, "qx": 0, "qy": 0, "qz": 0, "qw": 1}],
+  "intrinsics": [
+    {"camera_type": "kb4", "intrinsics": {"fx": 380.5, "fy": 381.25, "cx": 321.5, "cy": 241.75,
+      "k1": 0.01, "k2": -0.02, "k3": 0.003, "k4": -0.0004}},
+    {"camera_type": "pinhole-radtan8", "intrinsics": {"fx": 269.5, "fy": 270.25, "cx": 322.5, "cy": 228.75,
+      "k1": 0.3, "k2": -0.021, "p1": -0.00025, "p2": 0.000061, "k3": 0.0158, "k4": 0.575, "k5": -0.063,
+      "k6": 0.034, "rpmax": 2.7276}}],
+  "resolution": [[640, 480], [648, 488]],
+  "vignette": [], "imu_update_rate": 200.0, "cam_time_offset_ns": 0}})";
+
+constexpr const char* kVinsPinhole = R"(%YAML:1.0
+---
+model_type: PINHOLE
+camera_name: camera
+image_width: 752
+image_height: 480
+distortion_parameters:
+   k1: -0.29
+   k2: 0.09
+   p1: 0.00012
+   p2: -0.00003
+projection_parameters:
+   fx: 461.5
+   fy: 460.25
+   cx: 363.5
+   cy: 248.125
+)";
+
+constexpr const char* kVinsFisheye = R"(%YAML:1.0
+---
+model_type: KANNALA_BRANDT
+image_width: 512
+image_height: 510
+projection_parameters:
+   k2: -0.01
+   k3: 0.03
+   k4: -0.04
+   k5: 0.016
+   mu: 190.5
+   mv: 191.25
+   u0: 254.5
+   v0: 256.75
+)";
+
+constexpr const char* kOrbSlam = R"(%YAML:1.0
+File.version: "1.0"
+Camera.type: "KannalaBrandt8"
+Camera1.fx: 458.5
+Camera1.fy: 457.25
+Camera1.cx: 367.125
+Camera1.cy: 248.5
+Camera1.k1: 0.003
+Camera1.k2: 0.0007
+Camera1.k3: -0.002
+Camera1.k4: 0.0002
+Camera2.fx: 459.5
+Camera2.fy: 457.25
+Camera2.cx: 367.125
+Camera2.cy: 248.5
+Camera2.k1: 0.1
+Camera2.k2: 0.2
+Camera2.k3: 0.3
+Camera2.k4: 0.4
+Camera.width: 752
+Camera.height: 480
+Camera.fps: 20
+Stereo.T_c1_c2: !!opencv-matrix
+   rows: 4
+   cols: 4
+   dt: f
+   data: [1, 0, 0, 0.11, 0, 1, 0, 0.001, 0, 0, 1, 0.002, 0, 0, 0, 1]
+)";
+
+constexpr const char* kOrbSlam2 = R"(%YAML:1.0
+Camera.fx: 458.5
+Camera.fy: 457.25
+Camera.cx: 367.125
+Camera.cy: 248.5
+Camera.k1: -0.28
+Camera.k2: 0.07
+Camera.p1: 0.0002
+Camera.p2: 0.00002
+Camera.k3: 1.1
+Camera.width: 752
+Camera.height: 480
+)";
+
 std::string response_table() {
   std::string text = "# light\n";
   for (int i = 0; i < 256; ++i) text += std::to_string(i * i) + (i % 8 == 7 ? "\n" : " ");
@@ -166,6 +256,11 @@ std::vector<SeedText> seed_texts() {
       {"camera", kOpenCvXml},
       {"camera", kMrcal},
       {"camera", kKalibrRig},
+      {"camera", kBasalt},
+      {"camera", kVinsPinhole},
+      {"camera", kVinsFisheye},
+      {"camera", kOrbSlam},
+      {"camera", kOrbSlam2},
       {"response_table", response_table()},
       {"frames_csv", "timestamp_ns,exposure_s,gain\n0,0.016,1\n1000,,2.5\n2000,0.004,\n"},
       {"yaml", "a: [1, 2.5, .inf, 010]\nb: &x {c: \"d\\n\", e: 'f'}\ng: *x\nh: !!opencv-matrix\n  rows: 1\n"},

@@ -2,11 +2,11 @@
 // numbers them (schemas/proto/foxglove/RawImage.proto, CompressedImage.proto, CameraCalibration.proto).
 #include <fmt/format.h>
 
-#include <bit>
 #include <opencv2/imgcodecs.hpp>
 
 #include "apriltrack/source/bag_input.h"
 #include "apriltrack/source/image_file.h"
+#include "bag/protobuf_bytes.h"
 #include "bag_pictures.h"
 #include "source_support.h"
 #include "support/shared_data.h"
@@ -15,37 +15,6 @@ namespace apriltrack::test {
 namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-std::string varint(std::uint64_t value) {
-  std::string bytes;
-  for (; value >= 128; value >>= 7) bytes += static_cast<char>(value % 128 + 128);
-  return bytes + static_cast<char>(value);
-}
-std::string fixed(std::uint64_t value, int size) {
-  std::string bytes;
-  for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> (8 * i) & 255);
-  return bytes;
-}
-std::string varint_field(unsigned number, std::uint64_t value) {
-  return varint(8 * number) + varint(value);
-}
-std::string fixed32_field(unsigned number, std::uint32_t value) {
-  return varint(8 * number + 5) + fixed(value, 4);
-}
-std::string bytes_field(unsigned number, const std::string& bytes) {
-  return varint(8 * number + 2) + varint(bytes.size()) + bytes;
-}
-std::string doubles_field(unsigned number, const std::vector<double>& values, bool is_packed = true) {
-  std::string one_by_one, packed;
-  for (const double value : values) {
-    packed += fixed(std::bit_cast<std::uint64_t>(value), 8);
-    one_by_one += varint(8 * number + 1) + fixed(std::bit_cast<std::uint64_t>(value), 8);
-  }
-  return is_packed ? bytes_field(number, packed) : one_by_one;
-}
-std::string time_field(std::uint64_t seconds, std::uint64_t nanoseconds) {
-  return bytes_field(1, varint_field(1, seconds) + varint_field(2, nanoseconds));
-}
 
 /// A picture of 6 x 4 whose pixels all differ, with two bytes behind each row.
 constexpr int kStep = kWide + 2;
@@ -168,6 +137,8 @@ TEST(FoxglovePictures, ThatAreBrokenAreUnreadableFrames) {
       std::string(11, '\xff'),                         // a number without an end
       std::string(1, '\0'),                            // field 0
       varint_field(1, 1) + bytes_field(2, png()),      // a number in place of the time
+      bytes_field(1, varint_field(1, 2) + bytes_field(2, "5")) + bytes_field(2, png()) +
+          bytes_field(3, "png"),  // text in place of nanoseconds
       at(1) + bytes_field(2, png().substr(0, 40)) + bytes_field(3, "png")};
   for (std::size_t i = 0; i < broken.size(); ++i) {
     SCOPED_TRACE(i);

@@ -11,6 +11,7 @@
 #include "apriltrack/image/opencv_bridge.h"
 #include "apriltrack/io/atomic_file.h"
 #include "source_support.h"
+#include "support/judges.h"
 #include "support/shared_data.h"
 #include "video_files.h"
 
@@ -100,7 +101,8 @@ std::vector<SourceFrame> read_all_by_pipe(const fs::path& path) {
 
 // FFmpeg tells of such a stream no start, and later one that is the time of a later frame.
 TEST(Video, HasTheTimesOfItsFileByAPipe) {
-  if (!can_write_h264()) GTEST_SKIP() << "FFmpeg has no encoder of H.264 (libx264) here";
+  APRILTRACK_NEED_JUDGE(
+      Judge{"FFmpeg's encoder of H.264", "libx264, with an FFmpeg that has it", can_write_h264()});
   std::vector<std::int64_t> times_ticks;
   for (std::int64_t i = 0; i < 40; ++i) times_ticks.push_back(3000 * i);
   VideoPlan plan;

@@ -1,5 +1,7 @@
+
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <iterator>
 #include <map>
 #include <sstream>
@@ -113,6 +115,18 @@ TEST(CommandLine, WrongWordsEndWithStatus2AndAHint) {
   for (const std::string command : kCommands) {
     EXPECT_THAT(run_program({command, "--no-such-option"}), EndsWith(2, "--no-such-option")) << command;
   }
+}
+
+/// Its first step fails, for a file is in its way.
+TEST(CommandLine, OfTheDemosStepsIsPrintedAsAShellReadsIt) {
+  const std::string folder = temporary_folder() / "it's my demo";
+  std::filesystem::create_directory(folder);
+  write_text(folder + "/made_by_apriltrack_demo.txt", "");
+  write_text(folder + "/gentle", "");
+  const ProgramRun run = run_program({"demo", "--output", folder});
+  EXPECT_NE(run.status, 0);
+  const std::string parent = std::filesystem::path(folder).parent_path();
+  EXPECT_THAT(run.err, HasSubstr("--output '" + parent + "/it'\\''s my demo/gentle' --force"));
 }
 
 }  // namespace

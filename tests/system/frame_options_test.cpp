@@ -81,5 +81,27 @@ TEST_F(FrameOptions, AConfigFileSaysThemToEveryCommandAndTheCommandLineWins) {
               EndsWith(2, "'what' is no option of doctor"));
 }
 
+/// A driver stamps the start when the first row is exposed, be it the top or the bottom one. Half of 16 ms,
+/// and of 479 rows at 20 us.
+TEST_F(FrameOptions, StampsOfAStartLieBeforeTheMiddleWhicheverWayTheRowsAreRead) {
+  constexpr std::int64_t kToMiddle_ns = 8'000'000 + 479 * 10'000;
+  const auto times = [&](const std::string& line_delay, const std::string& stamp_is) {
+    const std::string camera = folder_ / "camera.yaml", corners = folder_ / "corners.csv";
+    write_text(camera, R"(cam0: {camera_model: pinhole, intrinsics: [525.0, 525.0, 319.5, 239.5],
+  distortion_model: none, distortion_coeffs: [], resolution: [640, 480],
+  exposure_time: 0.016, line_delay: )" +
+                           line_delay + "}\n");
+    EXPECT_EQ(run_program({"detect", recording(), "--camera", camera, "--stamp-is", stamp_is, "--max-frames",
+                           "1", "--output", corners})
+                  .status,
+              0);
+    return std::stoll(times_in(corners, ',').at(0));
+  };
+  const std::int64_t recorded_ns = times("0", "middle");
+  EXPECT_EQ(times("20.0e-6", "start") - recorded_ns, kToMiddle_ns);
+  EXPECT_EQ(times("-20.0e-6", "start") - recorded_ns, kToMiddle_ns);
+  EXPECT_EQ(times("-20.0e-6", "end") - recorded_ns, -kToMiddle_ns);
+}
+
 }  // namespace
 }  // namespace apriltrack::test

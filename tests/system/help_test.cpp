@@ -6,6 +6,7 @@
 #include <string>
 
 #include "program.h"
+#include "support/judges.h"
 #include "support/shared_data.h"
 
 namespace apriltrack::test {
@@ -62,7 +63,7 @@ TEST(ManualPages, AreThereForEveryCommandAndSetWithoutAWarning) {
   EXPECT_THAT(names_in(folder / "man"),
               IsSupersetOf({"apriltrack.1", "apriltrack-track.1", "apriltrack-map-convert.1"}));
   EXPECT_EQ(read_text(folder / "man" / "apriltrack-track.1"), run_program({"help", "track", "--man"}).out);
-  if (std::system("groff -v >/dev/null 2>&1") != 0) GTEST_SKIP() << "groff is not installed";
+  APRILTRACK_NEED_JUDGE(program_judge("groff", "groff"));
   for (const std::string& page : names_in(folder / "man")) {
     const std::string command = "cd '" + (folder / "man").string() +
                                 "' && groff -man -Tutf8 -P-cbou -ww -rLL=100n '" + page + "' > '" +

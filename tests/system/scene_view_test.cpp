@@ -15,6 +15,7 @@
 #include "apriltrack/detect/detector.h"
 #include "apriltrack/source/image_file.h"
 #include "program.h"
+#include "support/judges.h"
 #include "support/shared_data.h"
 
 namespace apriltrack::test {
@@ -30,8 +31,8 @@ class BrowserTest : public ::testing::Test {
  protected:
   void SetUp() override {
     for (const char* name : {"chromium", "chromium-browser", "google-chrome"})
-      if (std::system(fmt::format("command -v {} > /dev/null 2>&1", name).c_str()) == 0) browser_ = name;
-    if (browser_.empty()) GTEST_SKIP() << "chromium is not installed";
+      if (program_judge(name, name).is_there) browser_ = name;
+    APRILTRACK_NEED_JUDGE(Judge{"chromium", "chromium", !browser_.empty()});
   }
 
   std::string browse(const std::string& page, const std::string& options) const {

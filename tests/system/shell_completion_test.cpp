@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "program.h"
+#include "support/judges.h"
 #include "support/shared_data.h"
 
 // The shells themselves are asked what they would offer.
@@ -27,10 +28,6 @@ std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(line.substr(0, line.find('\t')));
   return lines;
-}
-
-bool has_shell(const std::string& shell) {
-  return std::system((shell + " -c true >/dev/null 2>&1").c_str()) == 0;
 }
 
 class Shell : public ::testing::Test {
@@ -91,7 +88,7 @@ TEST_F(Bash, OffersCommandsOptionsChoicesAndFiles) {
 class Fish : public Shell {
  protected:
   void SetUp() override {
-    if (!has_shell("fish")) GTEST_SKIP() << "fish is not installed";
+    APRILTRACK_NEED_JUDGE(program_judge("fish", "fish"));
     Shell::SetUp();
     complete_by("fish", "completion");
   }
@@ -112,7 +109,7 @@ TEST_F(Fish, OffersCommandsOptionsChoicesAndFiles) {
 class Zsh : public Shell {
  protected:
   void SetUp() override {
-    if (!has_shell("zsh")) GTEST_SKIP() << "zsh is not installed";
+    APRILTRACK_NEED_JUDGE(program_judge("zsh", "zsh"));
     Shell::SetUp();
     std::filesystem::create_directory(folder_ / "functions");
     complete_by("zsh", "functions/_apriltrack");

@@ -20,6 +20,7 @@
 #include "program.h"
 #include "support/base64.h"
 #include "support/judge_output.h"
+#include "support/judges.h"
 #include "support/shared_data.h"
 
 namespace apriltrack::test {
@@ -189,25 +190,22 @@ TEST_F(TrackMcapTest, PicturesAreThoseOfTheFilm) {
 /// A line of read_mcap.mjs each.
 std::vector<json> judged(const std::string& file, const std::string& what = "") {
   const std::string command =
-      fmt::format("node '{}' '{}' {}", source_path("tests/bag/read_mcap.mjs").string(), file, what);
+      fmt::format("{} '{}' '{}' {}", node(), source_path("tests/bag/read_mcap.mjs").string(), file, what);
   std::istringstream stream(judge_output(command));
   std::vector<json> lines;
   for (std::string line; std::getline(stream, line);) lines.push_back(json::parse(line));
   return lines;
 }
 
-std::string missing_judge() {
-  const char* const modules = std::getenv("APRILTRACK_NODE_MODULES");
-  for (const std::string name :
-       {"@mcap/core", "@foxglove/schemas", "@foxglove/rosmsg", "@foxglove/rosmsg2-serialization", "ajv"})
-    if (!modules || !fs::exists(fs::path(modules) / "node_modules" / name))
-      return name + " is not installed (APRILTRACK_NODE_MODULES names a folder whose node_modules has it)";
-  return std::system("(node --version && zstd -V) >/dev/null 2>&1") == 0 ? ""
-                                                                         : "node or zstd is not installed";
+std::vector<Judge> mcap_judges() {
+  std::vector<Judge> judges = node_judges(
+      {"@mcap/core", "@foxglove/schemas", "@foxglove/rosmsg", "@foxglove/rosmsg2-serialization", "ajv"});
+  judges.push_back(program_judge("zstd", "zstd"));
+  return judges;
 }
 
 TEST_F(TrackMcapTest, FoxglovesOwnSchemasHoldOfEveryMessage) {
-  if (const std::string missing = missing_judge(); !missing.empty()) GTEST_SKIP() << missing;
+  APRILTRACK_NEED_JUDGE(mcap_judges());
   const std::vector<json> lines = judged(run_->mcap);  // the judge fails where one does not hold
   std::map<std::string, int> counts;
   std::size_t num_ros = 0;
@@ -255,7 +253,7 @@ TEST_F(TrackMcapTest, SaysWhyThereIsNoPose) {
   EXPECT_THAT(messages["/log"][0].parsed["message"].get<std::string>(), ::testing::StartsWith("lost: "));
   EXPECT_EQ(messages["/tf"].size(), summary["with_pose"].get<std::size_t>());
   EXPECT_EQ(messages["/status"].size(), summary["frames"].get<std::size_t>());
-  if (const std::string missing = missing_judge(); !missing.empty()) GTEST_SKIP() << missing;
+  APRILTRACK_NEED_JUDGE(mcap_judges());
   const std::vector<json> schemas = judged(out, "schemas");
   EXPECT_EQ(schemas.size(), 6u);  // all but the picture's
   for (const json& schema : schemas) EXPECT_TRUE(schema["same"].get<bool>()) << schema["schema"];

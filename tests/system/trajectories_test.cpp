@@ -267,5 +267,98 @@ TEST_F(Trajectories, WarnOfATruthThatHasNoPoseAtTheTimesOfFrames) {
               AllOf(HasSubstr("6 of the 10 poses of"), HasSubstr("the truth's 31 poses")));
 }
 
+// Poses of bags where other commands read them.
+
+/// /head in the first three tenths of a second, /hand a second later.
+void write_head_and_hand(const std::string& bag) {
+  std::vector<TestMessage> messages;
+  for (int k = 0; k < 3; ++k) {
+    messages.push_back(pose_message(Wire::kCdr, "/head", "nav_msgs/Odometry", k));
+    messages.push_back(pose_message(Wire::kCdr, "/hand", "geometry_msgs/PoseStamped", 10 + k));
+  }
+  write_mcap(bag, Wire::kCdr, messages);
+}
+
+/// The same poses, those of /head moved by 2 m, those of /hand by 5 m.
+std::string moved_by_2_and_5_m() {
+  std::string text;
+  for (const int k : {0, 1, 2, 10, 11, 12}) {
+    const int tenths_s = 2 + k;
+    text += fmt::format("{}.{}5 1 -2 {} 0 0 0.7071067811865476 0.7071067811865476\n",
+                        1'700'000'000 + tenths_s / 10, tenths_s % 10, 3 + k + (k < 10 ? 2 : 5));
+  }
+  return text;
+}
+
+TEST_F(Trajectories, OfBagsAreScoredByTheNameOfTheirTopic) {
+  write_head_and_hand(of("two.mcap"));
+  const std::string truth = file("truth.tum", moved_by_2_and_5_m());
+  const auto words = [&](const std::string& truth_file, const std::string& estimate,
+                         std::vector<std::string> options) {
+    options.insert(options.begin(), {"evaluate", "--truth", truth_file, "--estimate", estimate});
+    return options;
+  };
+  const auto rmse_m = [&](const std::string& truth_file, const std::string& estimate,
+                          const std::vector<std::string>& options) {
+    return run_for_json(words(truth_file, estimate, options))["position_rmse_m"].get<double>();
+  };
+  const std::string bag = of("two.mcap");
+  EXPECT_NEAR(rmse_m(truth, bag, {"--topic", "/head"}), 2.0, 1e-12);
+  EXPECT_NEAR(rmse_m(truth, bag, {"--topic", "estimate=/hand"}), 5.0, 1e-12);
+  EXPECT_NEAR(rmse_m(bag, truth, {"--topic", "truth=/hand"}), 5.0, 1e-12);
+  EXPECT_NEAR(rmse_m(bag, bag, {"--topic", "/hand"}), 0.0, 1e-12);
+  EXPECT_NEAR(rmse_m(bag, bag, {"--topic", "/hand", "--topic", "truth=/head", "--topic", "estimate=/head"}),
+              0.0, 1e-12);
+
+  const auto refusal = [&](const std::string& truth_file, const std::string& estimate,
+                           const std::vector<std::string>& options) {
+    return run_program(words(truth_file, estimate, options));
+  };
+  EXPECT_THAT(refusal(truth, bag, {}), EndsWith(2, "--topic names one of them"));
+  EXPECT_THAT(refusal(truth, bag, {"--topic", "hand=/hand"}), EndsWith(2, "must be NAME, truth=NAME or"));
+  EXPECT_THAT(refusal(truth, bag, {"--topic", "/hand", "--topic", "/head"}), EndsWith(2, "is given twice"));
+  EXPECT_THAT(refusal(truth, bag, {"--topic", "/head", "--topic", "truth=/head"}),
+              EndsWith(2, "truth.tum' is none: leave it out"));
+  EXPECT_THAT(refusal(truth, truth, {"--transform", "a:b"}), EndsWith(2, "neither --truth nor --estimate"));
+}
+
+TEST_F(Trajectories, OfTransformsOfABagAreScoredByTheirFrames) {
+  std::vector<TestMessage> messages;
+  for (int k = 0; k < 3; ++k) {
+    const TestMessage pose = pose_message(Wire::kRos1, "/p", "geometry_msgs/TransformStamped", k);
+    MessageBytes count(Wire::kRos1);
+    count.u32(1);
+    messages.push_back({"/tf", "tf2_msgs/TFMessage", pose.log_time_ns, count.done() + pose.bytes});
+  }
+  messages.push_back({"/p", "geometry_msgs/PoseStamped", 0,
+                      pose_message(Wire::kRos1, "/p", "geometry_msgs/PoseStamped", 0).bytes});
+  write_ros1_bag(of("tf.bag"), messages);
+  const auto summary = run_for_json({"evaluate", "--truth", file("truth.tum", moved_by_2_and_5_m()),
+                                     "--estimate", of("tf.bag"), "--transform", "camera:head"});
+  EXPECT_NEAR(summary["position_rmse_m"].get<double>(), 2.0, 1e-12);
+}
+
+TEST_F(Trajectories, OfABagAreFilmedByTheNameOfTheirTopic) {
+  write_head_and_hand(of("two.mcap"));
+  const std::string camera =
+      file("camera.yaml", R"(cam0: {camera_model: pinhole, intrinsics: [60, 60, 32, 24],
+  distortion_model: none, distortion_coeffs: [], resolution: [64, 48], exposure_time: 0.001}
+)");
+  const auto film = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"simulate", "--output", of("film"), "--frames", "2"});
+    return run_program(options);
+  };
+  const std::vector<std::string> own = {
+      "--map", source_path("maps/cube_6.yaml").string(), "--camera", camera, "--trajectory", of("two.mcap")};
+  std::vector<std::string> named = own;
+  named.insert(named.end(), {"--topic", "/head"});
+  EXPECT_THAT(film(own), EndsWith(2, "--topic names one of them"));
+  EXPECT_THAT(film({"--scene", "room", "--topic", "/head"}), EndsWith(2, "--trajectory: is missing"));
+  EXPECT_EQ(film(named).status, 0);
+  const Trajectory truth = read_tum(of("film/truth.tum"));
+  ASSERT_EQ(truth.size(), 2u);
+  EXPECT_LT((truth[0].pose.translation() - Eigen::Vector3d(1, -2, 3)).norm(), 0.3);  // mid-exposure
+}
+
 }  // namespace
 }  // namespace apriltrack::test

@@ -50,23 +50,24 @@ std::uint32_t read_count(const YamlNode& node) {
 
 // Protobuf. proto3 leaves out what is zero or empty.
 
+void check_kind(const ProtobufField& field, ProtobufField::Kind kind) {
+  if (field.kind != kind) throw BadMessage(fmt::format("field {}: is of another type", field.number));
+}
+
 /// google.protobuf.Timestamp
 Timestamp time_of(std::string_view message) {
   std::int64_t seconds = 0, nanoseconds = 0;
   ProtobufFields fields(message);
   while (const auto field = fields.next()) {
-    if (field->number == 1) seconds = static_cast<std::int64_t>(field->value);
-    if (field->number == 2) nanoseconds = static_cast<std::int64_t>(field->value);
+    if (field->number != 1 && field->number != 2) continue;
+    check_kind(*field, ProtobufField::Kind::kVarint);
+    (field->number == 1 ? seconds : nanoseconds) = static_cast<std::int64_t>(field->value);
   }
   constexpr std::int64_t kMostSeconds = std::numeric_limits<std::int64_t>::max() / kNsPerSecond - 1;
   if (seconds < -kMostSeconds || seconds > kMostSeconds || nanoseconds < 0 || nanoseconds >= kNsPerSecond)
     throw BadMessage(
         fmt::format("timestamp: {} s and {} ns are no time in 64 bits of ns", seconds, nanoseconds));
   return {kNsPerSecond * seconds + nanoseconds};
-}
-
-void check_kind(const ProtobufField& field, ProtobufField::Kind kind) {
-  if (field.kind != kind) throw BadMessage(fmt::format("field {}: is of another type", field.number));
 }
 
 /// Of a list of doubles: packed, as proto3 writes it, or one by one.

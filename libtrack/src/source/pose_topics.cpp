@@ -68,10 +68,8 @@ std::map<PoseKind, std::set<std::size_t>> topics_by_kind(const BagReader& bag, c
 
 [[noreturn]] void refuse_several(const BagReader& bag, const std::string& name,
                                  const std::set<std::size_t>& topics) {
-  throw invalid_input(name,
-                      fmt::format("has several topics with poses: {}; `trajectory convert --topic` takes "
-                                  "one of them out",
-                                  list_of(bag, topics)));
+  throw invalid_input(name, fmt::format("has several topics with poses: {}; --topic names one of them",
+                                        list_of(bag, topics)));
 }
 
 }  // namespace

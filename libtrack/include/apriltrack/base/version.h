@@ -1,6 +1,6 @@
 #pragma once
 
-// The version of these headers. CMakeLists.txt reads it here, so that it stands in one place.
+// The version of these headers; CMakeLists.txt reads it here. A test holds those of recipes against it.
 
 #if !defined(_MSVC_LANG) && __cplusplus < 202002L
 #error \

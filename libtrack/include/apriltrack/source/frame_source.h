@@ -46,10 +46,10 @@ struct SourceOptions {
   std::string topic = {};
   /// Frames' times are moved to the middle of the exposure of the middle row: by half the frame's own
   /// exposure where it is told, else by half of exposure_s, which is required then; and by what a rolling
-  /// shutter needs from the first row to the middle, or from there to the last.
+  /// shutter needs from the row that is exposed first to the middle, or from there to the last.
   StampIs stamp_is = StampIs::kMiddle;
   std::optional<double> exposure_s = std::nullopt;  ///< Of the camera's file. For stamp_is alone.
-  double readout_s = 0.0;  ///< From the first row of a rolling shutter to the last; for stamp_is alone.
+  double readout_s = 0.0;  ///< From the row that a rolling shutter exposes first to the last: >= 0.
   /// Hears of a recording that is not as its own files say: frames that its frames.csv does not know, a video
   /// that ends before its header's count, a bag that is damaged.
   LogSink log = silent_log();
