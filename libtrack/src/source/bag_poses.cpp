@@ -125,7 +125,7 @@ std::vector<BagPose> choose_pair(TransformsByPair by_pair, const std::string& wa
   if (wanted.empty())
     throw invalid_input(input,
                         fmt::format("has transforms between {} pairs of frames, PARENT:CHILD: {}; "
-                                    "`trajectory convert --transform PARENT:CHILD` takes one of them out",
+                                    "--transform PARENT:CHILD names one",
                                     by_pair.size(), list_of(by_pair)));
   const auto found = by_pair.find(wanted);
   if (found == by_pair.end())
