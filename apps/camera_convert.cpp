@@ -11,6 +11,7 @@
 #include "apriltrack/camera/camera_formats.h"
 #include "apriltrack/camera/response_tables.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/io/staged_files.h"
 #include "camera_command.h"
 #include "choice_option.h"
 #include "command_help.h"
@@ -110,13 +111,25 @@ std::string summary_of(const std::vector<ConversionLoss>& read, const std::vecto
   return num_unread > 0 ? "not for every reader: see the warnings" : "nothing was lost";
 }
 
+/// OUT, and the response tables that are written beside it; none of them is a file that IN is made of.
+void check_files(const ConvertOptions& options, const CameraRig& rig, CameraFormat to) {
+  std::vector<std::string> inputs = {options.input};
+  for (const auto& table : response_tables(options.input)) inputs.push_back(table.string());
+  check_output(options.output, "OUT", inputs);
+  if (to != CameraFormat::kKalibr || is_written_directly(options.output)) return;
+  CameraRig written = rig;
+  std::erase_if(written.cameras, [&](const Camera& camera) {
+    return !options.camera_name.empty() && camera.name != options.camera_name;
+  });
+  for (const auto& table : response_tables_to_write(options.output, written))
+    check_output(table.string(), "response table beside OUT", inputs);
+}
+
 void run_convert(const ConvertOptions& options) {
   CameraFile file = read_camera_file(options.input, options.console.log(),
                                      options.may_fit ? BeyondOurLenses::kFit : BeyondOurLenses::kRefuse);
   const CameraFormat to = format_to_write(options);
-  std::vector<std::string> inputs = {options.input};
-  for (const auto& table : response_tables(options.input)) inputs.push_back(table.string());
-  check_output(options.output, "OUT", inputs);
+  check_files(options, file.rig, to);
   check_ending(options.output, info_of(to).name, camera_endings(), "--to", options.console);
   if (!options.camera_name.empty()) camera_named(file.rig, options.camera_name, options.input);
   if (!options.resolution.empty()) give_resolution(file.rig, options.resolution);
