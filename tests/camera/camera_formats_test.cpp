@@ -76,7 +76,7 @@ TEST_F(ForeignCameraFile, EchoOfRos2) {
               ElementsAre(606.5, 608.75, 317.25, 255.5, 0.1, -0.2, 0.003, -0.004, 0.05, 641, 481));
   EXPECT_EQ(file_.format, CameraFormat::kRosCameraInfo);
   EXPECT_EQ(file_.rig.cameras[0].response_origin, ResponseOrigin::kAssumed);
-  EXPECT_THAT(file_.lost, IsEmpty());
+  EXPECT_THAT(lost(), ElementsAre("names of optical: cam0"));
 }
 
 TEST_F(ForeignCameraFile, EchoesOfSeveralMessagesAreRefusedWithTheWayOut) {
@@ -100,6 +100,61 @@ P: [1.0, 0.0, 2.0, 0.0, 0.0, 3.0, 4.0, 0.0, 0.0, 0.0, 1.0, 0.0]
   EXPECT_THAT(numbers_of("echo.yaml", text),
               ElementsAre(606.9, 608.7, 317.1, 255.8, 0.1, 0.2, -0.3, 0.4, 640, 480));
   EXPECT_EQ(file_.rig.cameras[0].model.distortion_name(), "equidistant");
+  EXPECT_THAT(lost(), ElementsAre("names of camera: cam0", "rectification of cam0: P"));
+}
+
+// The right camera of a pair that is 0.125 m wide: P(0, 3) = -fx' B = -512 * 0.125.
+constexpr const char* kRightOfAPair = R"(image_width: 640
+image_height: 480
+camera_name: narrow_stereo/right
+camera_matrix: {rows: 3, cols: 3, data: [500.5, 0, 320.25, 0, 501.75, 240.5, 0, 0, 1]}
+distortion_model: plumb_bob
+distortion_coefficients: {rows: 1, cols: 5, data: [0.1, -0.2, 0.003, -0.004, 0]}
+rectification_matrix: {rows: 3, cols: 3, data: [0.8, -0.6, 0, 0.6, 0.8, 0, 0, 0, 1]}
+projection_matrix: {rows: 3, cols: 4, data: [512, 0, 310, -64, 0, 512, 230, 0, 0, 0, 1, 0]}
+)";
+
+TEST_F(ForeignCameraFile, NameAndRectificationAndBaselineOfRosAreToldToBeLost) {
+  read_here("right.yaml", kRightOfAPair);
+  EXPECT_THAT(
+      lost(),
+      ElementsAre("names of narrow_stereo/right: cam0", "rectification of cam0: rectification_matrix",
+                  "rectification of cam0: projection_matrix", "extrinsics of cam0: projection_matrix"));
+  EXPECT_THAT(file_.lost.back().numbers, ElementsAre(0.125, 0.0));
+  EXPECT_THAT(warnings_, IsEmpty()) << "of no concern but to a conversion";
+  std::string above = kRightOfAPair;
+  above.replace(above.find("310, -64, 0, 512, 230, 0,"), 25, "310, 0, 0, 256, 230, 32, ");
+  read_here("below.yaml", above);
+  EXPECT_THAT(file_.lost.back().numbers, ElementsAre(0.0, -0.125));
+  // What the camera's own matrix says already is not lost.
+  std::string alone = kRightOfAPair;
+  alone.replace(alone.find("512, 0, 310, -64, 0, 512, 230"), 29, "500.5, 0, 320.25, 0, 0, 501.75, 240.5");
+  alone.replace(alone.find("0.8, -0.6, 0, 0.6, 0.8, 0,"), 26, "1, 0, 0, 0, 1, 0,");
+  alone.replace(alone.find("narrow_stereo/right"), 19, "cam0");
+  read_here("alone.yaml", alone);
+  EXPECT_THAT(lost(), IsEmpty());
+  EXPECT_THAT(test::message_of([&] {
+                std::string wrong = kRightOfAPair;
+                wrong.replace(wrong.find("[0.8, -0.6"), 10, "[0.8");
+                read("wrong.yaml", wrong);
+              }),
+              HasSubstr("wrong.yaml:7: rectification_matrix"));
+}
+
+TEST_F(ForeignCameraFile, PlaceOfEurocIsToldToBeLost) {
+  read_here("sensor.yaml", R"(sensor_type: camera
+T_BS:
+  cols: 4
+  rows: 4
+  data: [0, -1, 0, 0.1, 1, 0, 0, 0.2, 0, 0, 1, 0.3, 0, 0, 0, 1]
+rate_hz: 20
+resolution: [752, 480]
+camera_model: pinhole
+intrinsics: [458.5, 457.25, 367.125, 248.5]
+distortion_model: radial-tangential
+distortion_coefficients: [-0.28, 0.07, 0.0002, 0.00002]
+)");
+  EXPECT_THAT(lost(), ElementsAre("extrinsics of cam0: T_BS"));
 }
 
 TEST_F(ForeignCameraFile, KalibrWithKeysOfTagSlamAndOpenVins) {
@@ -120,10 +175,8 @@ TEST_F(ForeignCameraFile, KalibrWithKeysOfTagSlamAndOpenVins) {
   EXPECT_THAT(numbers_of("cameras.yaml", text),
               ElementsAre(1404.5, 1403.5, 962.25, 605.75, -0.16, 0.09, -3e-5, -3e-4, 0.0, 1920, 1200));
   EXPECT_EQ(file_.format, CameraFormat::kKalibr);
-  ASSERT_EQ(file_.lost.size(), 1U);
-  EXPECT_EQ(file_.lost[0].kind, LossKind::kExtrinsics);
-  EXPECT_THAT(file_.lost[0].which, ElementsAre("cam0"));
-  EXPECT_EQ(file_.lost[0].value, "T_imu_cam");
+  EXPECT_THAT(lost(),
+              ElementsAre("extrinsics of cam0: T_imu_cam", "camera_keys of cam0: tagtopic, rig_body"));
   EXPECT_THAT(warnings_, IsEmpty()) << "of no concern but to a conversion";
 }
 
@@ -146,8 +199,7 @@ TEST_F(ForeignCameraFile, SmallSkewOfRosIsReadWithAWarningOfHowFarItMovesPoints)
                   HasSubstr("skew.yaml:4: camera_matrix: a skew of -0.75 pixels is passed over; points move "
                             "by up to 0.83 px"),
                   HasSubstr("cameracalibrator --fisheye-fix-skew"))));
-  ASSERT_EQ(file_.lost.size(), 1U);
-  EXPECT_EQ(file_.lost[0].kind, LossKind::kSkew);
+  EXPECT_EQ(file_.lost.at(0).kind, LossKind::kSkew);
   EXPECT_NO_THROW(read("skew.yaml", ros_fisheye("0.905")));  // 0.996 px
   EXPECT_THROW(read("skew.yaml", ros_fisheye("0.91")), Error) << "moves by 1.002 px";
 }
@@ -187,6 +239,12 @@ TEST_F(ForeignCameraFile, RosIni) {
   EXPECT_THAT(numbers_of("cal.ini", kIni),
               ElementsAre(369.25, 367.5, 320.75, 203.125, -0.19, 0.018, -0.0006, 0.0005, 0.02, 640, 480));
   EXPECT_EQ(file_.format, CameraFormat::kRosIni);
+  EXPECT_THAT(lost(), ElementsAre("names of narrow_stereo/left: cam0", "rectification of cam0: projection"));
+  std::string right = kIni;
+  right.replace(right.find("320.9 0.00000"), 13, "320.9 -26.29");
+  read_here("right.ini", right);
+  EXPECT_EQ(lost().back(), "extrinsics of cam0: projection");
+  EXPECT_NEAR(file_.lost.back().numbers[0], 0.1, 1e-15);
 }
 
 TEST_F(ForeignCameraFile, RosIniWithEightCoefficients) {
@@ -259,7 +317,9 @@ TEST(CameraFormats, AreFoundByNameAndByEnding) {
   EXPECT_EQ(camera_format_of_ending("a/b.cameramodel"), CameraFormat::kMrcal);
   EXPECT_EQ(camera_format_of_ending("cameras.txt"), CameraFormat::kColmap);
   EXPECT_EQ(camera_format_of_ending("camera.yaml"), CameraFormat::kKalibr);
+  EXPECT_EQ(camera_format_of_ending("a.yaml/camera.yml"), CameraFormat::kKalibr);
   EXPECT_EQ(camera_format_of_ending("camera.json"), std::nullopt);
+  EXPECT_EQ(camera_format_of_ending("camera"), std::nullopt);
 }
 
 }  // namespace

@@ -79,6 +79,18 @@ std::string read_name(const std::string& key, const YamlNode& node, const Camera
   for (const Camera& other : rig.cameras) {
     if (other.name == name) (label ? *label : node).fail(fmt::format("two cameras are called '{}'", name));
   }
+/// Keys of other programs, and of the file's owner.
+void note_foreign_keys(const std::string& name, const YamlNode& node, std::vector<ConversionLoss>& lost) {
+  std::string keys;
+  for (const auto& entry : node.entries()) {
+    const std::string& key = entry.first;
+    if (key.starts_with("x_") || key == "rostopic" || key == "cam_overlaps" || key == "tagtopic" ||
+        key == "rig_body")
+      keys += (keys.empty() ? "" : ", ") + key;
+  }
+  if (!keys.empty()) lost.push_back({.kind = LossKind::kCameraKeys, .which = {name}, .value = keys});
+}
+
   return name;
 }
 
@@ -130,6 +142,7 @@ CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path
           "expected '{}' here: a camera file lists cam0, cam1, ... in this order, and x_... for your "
           "own",
           expected));
+    note_foreign_keys(rig.cameras.back().name, node, lost);
     }
     rig.cameras.push_back(read_camera(read_name(key, node, rig), node, folder, to_estimate));
     note_place_at_imu(rig.cameras.back().name, node, lost);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -36,6 +37,8 @@ struct CameraFormatInfo {
   std::string_view name;   ///< On the command line: "ros".
   std::string_view title;  ///< In sentences: "ROS camera_info YAML".
   bool is_written;
+  /// Of names of files to write: without another word, this format is meant.
+  std::array<std::string_view, 2> endings = {};
 };
 
 /// All formats; every one is read.
@@ -43,8 +46,7 @@ std::span<const CameraFormatInfo> camera_formats();
 const CameraFormatInfo& info_of(CameraFormat format);
 /// The format of a name, if it is one.
 std::optional<CameraFormat> camera_format_named(std::string_view name);
-/// What a file to write is by the ending of its name: .yaml and .yml are Kalibr's, .cameramodel mrcal's, .txt
-/// COLMAP's; nullopt where the ending does not tell (.json).
+/// What a file to write is by the ending of its name; nullopt where that does not tell (.json).
 std::optional<CameraFormat> camera_format_of_ending(const std::filesystem::path& path);
 
 /// A camera file as it was read.

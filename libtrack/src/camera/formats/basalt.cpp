@@ -60,13 +60,13 @@ std::vector<Pose> read_places_of_basalt(const YamlNode& root, std::size_t count)
 
 }  // namespace
 
-bool is_basalt(const YamlNode& root) {
-  const auto value = root.find("value0");
+bool is_basalt(const CameraText& file) {
+  const auto value = file.root->find("value0");
   return value && value->is_map() && value->find("intrinsics");
 }
 
-CameraRig read_basalt(const YamlNode& root, std::vector<ConversionLoss>& lost) {
-  const YamlNode value = root.at("value0");
+CameraRig read_basalt(const CameraText& file, CameraReading& reading) {
+  const YamlNode value = file.root->at("value0");
   const std::vector<YamlNode> cameras = value.at("intrinsics").items();
   const std::vector<YamlNode> sizes = value.at("resolution").items();
   if (cameras.empty()) value.at("intrinsics").fail("has no camera");
@@ -86,8 +86,10 @@ CameraRig read_basalt(const YamlNode& root, std::vector<ConversionLoss>& lost) {
     if (i > 0) camera.T_this_previous = T_imu_cam[i].inverse() * T_imu_cam[i - 1];
     rig.cameras.push_back(camera);
   }
-  if (!T_imu_cam.empty())
-    lost.push_back({.kind = LossKind::kExtrinsics, .which = {"cam0"}, .value = "T_imu_cam"});
+  const std::string& first = rig.cameras.front().name;
+  if (!T_imu_cam.empty()) note_place(value, "T_imu_cam", first, reading.lost);
+  if (const auto offset = value.find("cam_time_offset_ns"); offset && offset->as_double() != 0.0)
+    note_place(value, "cam_time_offset_ns", first, reading.lost);
   return rig;
 }
 
