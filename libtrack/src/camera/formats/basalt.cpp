@@ -4,9 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "../camera_fields.h"
+#include "apriltrack/geometry/rounded_rotation.h"
 #include "formats.h"
 
 namespace apriltrack {
@@ -42,7 +41,7 @@ Pose read_pose_of_basalt(const YamlNode& node) {
   const std::vector<double> p = values_of_basalt(node, {"px", "py", "pz"}),
                             q = values_of_basalt(node, {"qw", "qx", "qy", "qz"});
   const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
-  if (!(std::abs(rotation.norm() - 1.0) <= kMostLengthError))
+  if (!is_rounded_rotation(rotation, kMostLengthError))
     node.fail(fmt::format("length of the quaternion must be 1 (is {:.4g})", rotation.norm()));
   return {rotation.normalized(), Eigen::Vector3d(p[0], p[1], p[2])};
 }
