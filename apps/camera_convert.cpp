@@ -16,6 +16,7 @@
 #include "choice_option.h"
 #include "command_help.h"
 #include "console.h"
+#include "format_choice.h"
 #include "format_endings.h"
 #include "inputs.h"
 #include "loss_words.h"
@@ -33,35 +34,6 @@ struct ConvertOptions {
   bool may_fit = false;
   Console console;
 };
-
-std::string names_of_written_formats() {
-  std::string names;
-  for (const CameraFormatInfo& info : camera_formats()) {
-    if (info.is_written) names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", info.name, info.title);
-  }
-  return names;
-}
-
-std::vector<std::string> words_of_written_formats() {
-  std::vector<std::string> words;
-  for (const CameraFormatInfo& info : camera_formats())
-    if (info.is_written) words.emplace_back(info.name);
-  return words;
-}
-
-CameraFormat format_to_write(const ConvertOptions& options) {
-  if (options.to.empty()) {
-    if (const auto format = camera_format_of_ending(options.output)) return *format;
-    throw invalid_input("--to",
-                        fmt::format("is required: the ending of '{}' does not say which format; there are {}",
-                                    options.output, names_of_written_formats()));
-  }
-  const auto format = camera_format_named(options.to);
-  if (format && info_of(*format).is_written) return *format;
-  throw invalid_input("--to", fmt::format("'{}' is {}; there are {}", options.to,
-                                          format ? "a format that is read, not written" : "no known format",
-                                          names_of_written_formats()));
-}
 
 struct Size {
   int width = 0;
@@ -128,7 +100,8 @@ void check_files(const ConvertOptions& options, const CameraRig& rig, CameraForm
 void run_convert(const ConvertOptions& options) {
   CameraFile file = read_camera_file(options.input, options.console.log(),
                                      options.may_fit ? BeyondOurLenses::kFit : BeyondOurLenses::kRefuse);
-  const CameraFormat to = format_to_write(options);
+  const CameraFormat to = format_to_write(options.to, options.output, camera_format_named,
+                                          camera_format_of_ending, list_of_formats(camera_formats()));
   check_files(options, file.rig, to);
   check_ending(options.output, info_of(to).name, camera_endings(), "--to", options.console);
   if (!options.camera_name.empty()) camera_named(file.rig, options.camera_name, options.input);
@@ -160,7 +133,7 @@ void add_camera_convert(CLI::App& camera_command) {
        "apriltrack camera convert photonvision.json cameras.txt --resolution 1280x720",
        "IN is of any known format, recognised by its content (docs/file_formats.md). Formats that "
        "are written, for --to: " +
-           names_of_written_formats() + "."});
+           list_of_formats(camera_formats()) + "."});
   auto options = std::make_shared<ConvertOptions>();
   verb.add_option("IN", options->input, "Camera file to read")->required();
   verb.add_option("OUT", options->output, "Camera file to write")->required();
@@ -168,7 +141,7 @@ void add_camera_convert(CLI::App& camera_command) {
       *verb.add_option(
           "--to", options->to,
           "Format of OUT; by default by its ending: .yaml and .yml kalibr, .cameramodel mrcal, .txt colmap"),
-      "FORMAT", words_of_written_formats());
+      "FORMAT", names_of_formats(camera_formats()));
   verb.add_option(
       "--camera-name", options->camera_name,
       "Camera of a rig to write alone; by default all, or the first where the format is of one camera");

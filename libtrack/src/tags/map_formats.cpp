@@ -59,6 +59,14 @@ std::optional<MapFormat> map_format_named(std::string_view name) {
   return found == map_formats().end() ? std::nullopt : std::optional(found->format);
 }
 
+std::optional<MapFormat> map_format_of_ending(const std::filesystem::path& path) {
+  const std::string ending = path.extension().string();
+  for (const MapFormatInfo& info : map_formats()) {
+    if (!ending.empty() && std::ranges::find(info.endings, ending) != info.endings.end()) return info.format;
+  }
+  return std::nullopt;
+}
+
 namespace {
 
 /// Who chooses a bundle means it.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -33,12 +34,16 @@ struct MapFormatInfo {
   std::string_view name;    ///< As `--to` takes it: "wpilib".
   std::string_view title;   ///< In a sentence: "WPILib field layout (JSON)".
   std::string_view marker;  ///< By what it is recognised, for people.
+  /// Of names of files to write: without another word, this format is meant.
+  std::array<std::string_view, 2> endings = {};
 };
 
 std::span<const MapFormatInfo> map_formats();
 const MapFormatInfo& info_of(MapFormat format);
 /// nullopt where there is none of that name.
 std::optional<MapFormat> map_format_named(std::string_view name);
+/// What a file to write is by the ending of its name; nullopt where that does not tell (.json, .csv).
+std::optional<MapFormat> map_format_of_ending(const std::filesystem::path& path);
 
 /// Of a sports field, along x and along y.
 struct FieldSize {

@@ -80,7 +80,7 @@ std::optional<YamlNode> root_of(const std::string& text, const std::string& file
 const std::vector<MapFormatCode>& map_format_codes() {
   using enum MapFormat;
   static const std::vector<MapFormatCode> codes = {
-      {{kAprilTrack, "apriltrack", "map of AprilTrack", "begins with 'apriltrack_map: 1'"},
+      {{kAprilTrack, "apriltrack", "map of AprilTrack", "begins with 'apriltrack_map: 1'", {".yaml", ".yml"}},
        is_own_map,
        read_own_map,
        write_own_map},
@@ -92,7 +92,7 @@ const std::vector<MapFormatCode>& map_format_codes() {
        is_wpilib_csv,
        read_wpilib_csv,
        write_wpilib_csv},
-      {{kLimelight, "limelight", "field map of Limelight (.fmap)", "fiducials with transform"},
+      {{kLimelight, "limelight", "field map of Limelight (.fmap)", "fiducials with transform", {".fmap"}},
        is_fmap,
        read_fmap,
        write_fmap},
@@ -118,8 +118,11 @@ const std::vector<MapFormatCode>& map_format_codes() {
        read_kalibr_grid,
        write_kalibr_grid},
       // The last: its lines of numbers have no mark of their own.
-      {{kRtabmap, "rtabmap", "list of marker priors of RTAB-Map",
-        "Marker/Priors, or lines of id x y z roll pitch yaw"},
+      {{kRtabmap,
+        "rtabmap",
+        "list of marker priors of RTAB-Map",
+        "Marker/Priors, or lines of id x y z roll pitch yaw",
+        {".ini"}},
        is_rtabmap,
        read_rtabmap,
        write_rtabmap},
