@@ -79,7 +79,7 @@ std::string read_name(const std::string& key, const YamlNode& node, const Camera
   return name;
 }
 
-/// Keys of other programs, and of the file's owner.
+/// Keys of other programs, and of the file's owner: of a camera, or, of the whole file, told of the first one.
 void note_foreign_keys(const std::string& name, const YamlNode& node, std::vector<ConversionLoss>& lost) {
   std::string keys;
   for (const auto& entry : node.entries()) {
@@ -147,6 +147,7 @@ CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path
       node.at("T_cn_cnm1").fail("the first camera has none before it; remove this key");
     }
   }
+  if (!rig.cameras.empty()) note_foreign_keys(rig.cameras.front().name, root, lost);
   return rig;
 }
 
