@@ -17,7 +17,6 @@
 #include "command_help.h"
 #include "console.h"
 #include "format_choice.h"
-#include "format_endings.h"
 #include "inputs.h"
 #include "loss_words.h"
 #include "outputs.h"
@@ -101,9 +100,9 @@ void run_convert(const ConvertOptions& options) {
   CameraFile file = read_camera_file(options.input, options.console.log(),
                                      options.may_fit ? BeyondOurLenses::kFit : BeyondOurLenses::kRefuse);
   const CameraFormat to = format_to_write(options.to, options.output, camera_format_named,
-                                          camera_format_of_ending, list_of_formats(camera_formats()));
+                                          camera_format_of_ending, offered_formats(camera_formats()));
   check_files(options, file.rig, to);
-  check_ending(options.output, info_of(to).name, camera_endings(), "--to", options.console);
+  check_ending(options.output, info_of(to).name, offered_formats(camera_formats()), "--to", options.console);
   if (!options.camera_name.empty()) camera_named(file.rig, options.camera_name, options.input);
   if (!options.resolution.empty()) give_resolution(file.rig, options.resolution);
   const std::vector<ConversionLoss> losses =
@@ -133,7 +132,7 @@ void add_camera_convert(CLI::App& camera_command) {
        "apriltrack camera convert photonvision.json cameras.txt --resolution 1280x720",
        "IN is of any known format, recognised by its content (docs/file_formats.md). Formats that "
        "are written, for --to: " +
-           list_of_formats(camera_formats()) + "."});
+           list_of(offered_formats(camera_formats())) + "."});
   auto options = std::make_shared<ConvertOptions>();
   verb.add_option("IN", options->input, "Camera file to read")->required();
   verb.add_option("OUT", options->output, "Camera file to write")->required();
@@ -141,7 +140,7 @@ void add_camera_convert(CLI::App& camera_command) {
       *verb.add_option(
           "--to", options->to,
           "Format of OUT; by default by its ending: .yaml and .yml kalibr, .cameramodel mrcal, .txt colmap"),
-      "FORMAT", names_of_formats(camera_formats()));
+      "FORMAT", names_of(offered_formats(camera_formats())));
   verb.add_option(
       "--camera-name", options->camera_name,
       "Camera of a rig to write alone; by default all, or the first where the format is of one camera");

@@ -1,66 +1,64 @@
 #pragma once
 
-#include <fmt/format.h>
-
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/name_ending.h"
+#include "console.h"
 
 namespace apriltrack::app {
 
+/// A format that a command writes.
+struct OfferedFormat {
+  std::string_view name;   ///< As `--to` takes it.
+  std::string_view title;  ///< In a sentence.
+  std::span<const NameEnding> endings;
+};
+
 /// Whether a format of this kind is written; those of a table that does not say are.
-template <class Info>
-bool is_written(const Info& info) {
-  if constexpr (requires { info.is_written; }) return info.is_written;
-  return true;
-}
-
 template <class Format>
-bool can_be_written(const Format& format) {
-  if constexpr (requires { info_of(format); }) return is_written(info_of(format));
+bool is_written(const Format& format) {
+  if constexpr (requires { info_of(format).is_written; }) return info_of(format).is_written;
   return true;
 }
 
-/// What --to may be, of one table of formats or of several.
+/// Those of one table, or of several, that are written.
 template <class... Tables>
-std::vector<std::string> names_of_formats(const Tables&... tables) {
-  std::vector<std::string> names;
+std::vector<OfferedFormat> offered_formats(const Tables&... tables) {
+  std::vector<OfferedFormat> offered;
   const auto add = [&](const auto& table) {
     for (const auto& info : table)
-      if (is_written(info)) names.emplace_back(info.name);
+      if (is_written(info.format)) offered.push_back({info.name, info.title, info.endings});
   };
   (add(tables), ...);
-  return names;
+  return offered;
 }
 
+std::vector<std::string> names_of(const std::vector<OfferedFormat>& formats);
 /// "ros (ROS camera_info YAML), ...".
-template <class... Tables>
-std::string list_of_formats(const Tables&... tables) {
-  std::string list;
-  const auto add = [&](const auto& table) {
-    for (const auto& info : table)
-      if (is_written(info)) list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", info.name, info.title);
-  };
-  (add(tables), ...);
-  return list;
-}
+std::string list_of(const std::vector<OfferedFormat>& formats);
+
+/// Where neither --to nor the ending of OUT tells a format that is written.
+[[noreturn]] void fail_without_format(const std::string& to, const std::string& output, bool is_known,
+                                      const std::vector<OfferedFormat>& formats);
 
 /// The format of an output: the one that --to names, else the one that the ending of OUT tells. named,
-/// of_ending: a std::optional of a format for a name. known: list_of_formats(). Throws Error(kInvalidInput).
+/// of_ending: a std::optional of a format for a name. Throws Error(kInvalidInput).
 template <class Named, class OfEnding>
 auto format_to_write(const std::string& to, const std::string& output, const Named& named,
-                     const OfEnding& of_ending, std::string_view known) {
+                     const OfEnding& of_ending, const std::vector<OfferedFormat>& formats) {
   const auto format = to.empty() ? of_ending(output) : named(to);
-  if (format && (to.empty() || can_be_written(*format))) return *format;
-  if (to.empty())
-    throw invalid_input(
-        "--to", fmt::format("is required: the ending of '{}' does not say which format; there are {}", output,
-                            known));
-  throw invalid_input("--to",
-                      fmt::format("'{}' is {}; there are {}", to,
-                                  format ? "a format that is read, not written" : "no known format", known));
+  if (!format || !is_written(*format)) fail_without_format(to, output, format.has_value(), formats);
+  return *format;
 }
+
+/// Holds the name of an output against the format that an option asks for. An ending that is another format's
+/// alone would mislead every reader: Error(kInvalidInput). One that several formats share, none of them this,
+/// is warned of. format: its name.  option: "--to".
+void check_ending(const std::string& output, std::string_view format,
+                  const std::vector<OfferedFormat>& formats, std::string_view option, const Console& console);
 
 }  // namespace apriltrack::app

@@ -9,7 +9,6 @@
 #include "apriltrack/tags/map_formats.h"
 #include "choice_option.h"
 #include "format_choice.h"
-#include "format_endings.h"
 #include "loss_words.h"
 #include "map_command.h"
 #include "map_oddity_words.h"
@@ -30,12 +29,14 @@ std::optional<OutputFormat> format_called(std::string_view name) {
   return std::nullopt;
 }
 
-std::optional<OutputFormat> format_of_ending(const fs::path& path) {
+std::optional<OutputFormat> output_of_ending(const fs::path& path) {
   if (const auto format = map_format_of_ending(path)) return OutputFormat(*format);
-  for (const ExportFormatInfo& info : export_formats()) {
-    if (!info.ending.empty() && path.extension() == info.ending) return OutputFormat(info.format);
-  }
+  if (const auto format = format_of_ending(export_formats(), path)) return OutputFormat(*format);
   return std::nullopt;
+}
+
+std::vector<OfferedFormat> offered() {
+  return offered_formats(map_formats(), export_formats());
 }
 
 std::string_view name_of(const OutputFormat& output) {
@@ -79,14 +80,13 @@ std::size_t num_written(const TagMap& map, const std::vector<ConversionLoss>& lo
 }
 
 void run_convert(const MapOptions& options) {
-  const OutputFormat output = format_to_write(options.to, options.second, format_called, format_of_ending,
-                                              list_of_formats(map_formats(), export_formats()));
+  const OutputFormat output =
+      format_to_write(options.to, options.second, format_called, output_of_ending, offered());
   if (is_folder(output))
     check_output_folder(options.second);
   else
     check_output(options.second, "OUT", {options.first, options.input.tag_sizes}, kind_of(output));
-  if (!is_folder(output))
-    check_ending(options.second, name_of(output), map_endings(), "--to", options.console);
+  if (!is_folder(output)) check_ending(options.second, name_of(output), offered(), "--to", options.console);
   MapReadOptions read_options = options.input.read_options();
   read_options.field = field_of(options);
   const MapReading reading = read_tag_map(options.first, read_options);
@@ -135,7 +135,7 @@ void add_map_convert(CLI::App& map_command) {
                    run_convert);
   verb->add_option("IN", options->first, "Tag map, or layout of tags of another project")->required();
   verb->add_option("OUT", options->second, "File to write; of --to colmap a folder")->required();
-  const std::vector<std::string> names = names_of_formats(map_formats(), export_formats());
+  const std::vector<std::string> names = names_of(offered());
   offer_words(
       *verb->add_option("--to", options->to, fmt::format("Format to write: {}", fmt::join(names, ", "))),
       "FORMAT", names);

@@ -14,7 +14,6 @@
 #include "command_help.h"
 #include "console.h"
 #include "format_choice.h"
-#include "format_endings.h"
 #include "loss_words.h"
 #include "option_checks.h"
 #include "outputs.h"
@@ -39,13 +38,14 @@ void check_arguments(const ConvertOptions& options, TrajectoryFormat to) {
   std::vector<OutputFile> outputs = {{options.output, "OUT"}};
   if (to == TrajectoryFormat::kKitti) outputs.push_back({kitti_times_of(options.output, "OUT"), "OUT"});
   check_outputs(outputs, {options.input, options.times});
-  check_ending(options.output, info_of(to).name, trajectory_endings(), "--to", options.console);
+  check_ending(options.output, info_of(to).name, offered_formats(trajectory_formats()), "--to",
+               options.console);
 }
 
 void run_convert(const ConvertOptions& options) {
   const TrajectoryFormat to =
       format_to_write(options.to, options.output, trajectory_format_named, trajectory_format_of_ending,
-                      list_of_formats(trajectory_formats()));
+                      offered_formats(trajectory_formats()));
   check_arguments(options, to);
   TrajectoryInputOptions of_input = options.of_input;
   of_input.read.times = options.times;
@@ -79,7 +79,7 @@ void add_trajectory_convert(CLI::App& trajectory_command) {
        "apriltrack trajectory convert robot.bag robot.tum --topic /tf --transform odom:base_link",
        "IN is of any known format, recognised by its content (docs/file_formats.md). Formats, for "
        "--to: " +
-           list_of_formats(trajectory_formats()) + "."});
+           list_of(offered_formats(trajectory_formats())) + "."});
   auto options = std::make_shared<ConvertOptions>();
   verb.add_option("IN", options->input, "Trajectory to read, or a bag with poses")->required();
   verb.add_option(
@@ -90,7 +90,7 @@ void add_trajectory_convert(CLI::App& trajectory_command) {
       *verb.add_option(
           "--to", options->to,
           "Format of OUT; by default by its ending: .tum tum, .csv euroc, .kitti and kitti.txt kitti"),
-      "FORMAT", names_of_formats(trajectory_formats()));
+      "FORMAT", names_of(offered_formats(trajectory_formats())));
   verb.add_option("--topic", options->of_input.bag.topic,
                   "Of a bag: the topic with poses, where there are several");
   verb.add_option("--transform", options->of_input.bag.transform,

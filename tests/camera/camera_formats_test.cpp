@@ -122,8 +122,7 @@ x_lab: second floor
   EXPECT_THAT(numbers_of("cameras.yaml", text),
               ElementsAre(1404.5, 1403.5, 962.25, 605.75, -0.16, 0.09, -3e-5, -3e-4, 0.0, 1920, 1200));
   EXPECT_EQ(file_.format, CameraFormat::kKalibr);
-  EXPECT_THAT(lost(),
-              ElementsAre("extrinsics of cam0: T_imu_cam", "camera_keys of cam0: tagtopic, rig_body",
+  EXPECT_THAT(lost(), ElementsAre("extrinsics of cam0: T_imu_cam", "camera_keys of cam0: tagtopic, rig_body",
                                   "camera_keys of cam0: x_lab"));
   EXPECT_THAT(warnings_, IsEmpty()) << "of no concern but to a conversion";
 }

@@ -20,15 +20,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr NameEnding kGltf[] = {{".gltf", true}};
+constexpr NameEnding kGlb[] = {{".glb", true}};
+constexpr NameEnding kUrdf[] = {{".urdf", true}};
+constexpr NameEnding kSdf[] = {{".sdf", true}};
+constexpr NameEnding kG2o[] = {{".g2o", true}};
+constexpr NameEnding kCsv[] = {{".csv"}};
+constexpr NameEnding kJson[] = {{".json"}};
+
 constexpr std::array<ExportFormatInfo, 8> kExportFormats = {
-    {{ExportFormat::kGltf, "gltf", "glTF scene", ".gltf"},
-     {ExportFormat::kGlb, "glb", "binary glTF scene", ".glb"},
-     {ExportFormat::kUrdf, "urdf", "URDF robot", ".urdf"},
-     {ExportFormat::kSdf, "sdf", "SDFormat model", ".sdf"},
-     {ExportFormat::kColmap, "colmap", "COLMAP text model", "", true},
-     {ExportFormat::kG2o, "g2o", "g2o graph", ".g2o"},
-     {ExportFormat::kCornersCsv, "corners-csv", "table of corners (CSV)", ""},
-     {ExportFormat::kCornersJson, "corners-json", "table of corners (JSON)", ""}}};
+    {{ExportFormat::kGltf, "gltf", "glTF scene", kGltf},
+     {ExportFormat::kGlb, "glb", "binary glTF scene", kGlb},
+     {ExportFormat::kUrdf, "urdf", "URDF robot", kUrdf},
+     {ExportFormat::kSdf, "sdf", "SDFormat model", kSdf},
+     {ExportFormat::kColmap, "colmap", "COLMAP text model", {}, true},
+     {ExportFormat::kG2o, "g2o", "g2o graph", kG2o},
+     {ExportFormat::kCornersCsv, "corners-csv", "table of corners (CSV)", kCsv},
+     {ExportFormat::kCornersJson, "corners-json", "table of corners (JSON)", kJson}}};
 
 /// Where a covariance has no inverse, g2o's information cannot tell it.
 std::string g2o_text_of(const TagMap& map, std::vector<ConversionLoss>& losses) {

@@ -60,11 +60,7 @@ std::optional<MapFormat> map_format_named(std::string_view name) {
 }
 
 std::optional<MapFormat> map_format_of_ending(const std::filesystem::path& path) {
-  const std::string ending = path.extension().string();
-  for (const MapFormatInfo& info : map_formats()) {
-    if (!ending.empty() && std::ranges::find(info.endings, ending) != info.endings.end()) return info.format;
-  }
-  return std::nullopt;
+  return format_of_ending(map_formats(), path);
 }
 
 namespace {

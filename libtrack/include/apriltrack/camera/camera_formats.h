@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -11,6 +10,7 @@
 #include "apriltrack/base/log.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/io/conversion_loss.h"
+#include "apriltrack/io/name_ending.h"
 
 namespace apriltrack {
 
@@ -37,8 +37,7 @@ struct CameraFormatInfo {
   std::string_view name;   ///< On the command line: "ros".
   std::string_view title;  ///< In sentences: "ROS camera_info YAML".
   bool is_written;
-  /// Of names of files to write: without another word, this format is meant.
-  std::array<std::string_view, 2> endings = {};
+  std::span<const NameEnding> endings = {};
 };
 
 /// All formats; every one is read.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "apriltrack/io/conversion_loss.h"
+#include "apriltrack/io/name_ending.h"
 #include "apriltrack/tags/tag_map.h"
 #include "apriltrack/tags/tag_sizes.h"
 
@@ -34,8 +34,7 @@ struct MapFormatInfo {
   std::string_view name;    ///< As `--to` takes it: "wpilib".
   std::string_view title;   ///< In a sentence: "WPILib field layout (JSON)".
   std::string_view marker;  ///< By what it is recognised, for people.
-  /// Of names of files to write: without another word, this format is meant.
-  std::array<std::string_view, 2> endings = {};
+  std::span<const NameEnding> endings = {};
 };
 
 std::span<const MapFormatInfo> map_formats();

@@ -12,33 +12,35 @@ CameraRig read_kalibr(const CameraText& file, CameraReading& reading) {
   return read_kalibr_camchain(*file.root, reading.folder, reading.to_estimate, reading.lost);
 }
 
+constexpr NameEnding kOwnYaml[] = {{".yaml", true}, {".yml", true}};
+constexpr NameEnding kYaml[] = {{".yaml"}, {".yml"}};
+constexpr NameEnding kJson[] = {{".json"}};
+constexpr NameEnding kCameraModel[] = {{".cameramodel", true}};
+constexpr NameEnding kText[] = {{".txt", true, true}};
+
 // In the order in which they are told, and recognised.
 constexpr std::array<CameraFormatCode, 14> kFormats = {{
-    {{CameraFormat::kKalibr, "kalibr", "Kalibr camchain YAML", true, {".yaml", ".yml"}},
+    {{CameraFormat::kKalibr, "kalibr", "Kalibr camchain YAML", true, kOwnYaml},
      "'cam0' (Kalibr camchain)",
      is_kalibr_camchain,
      read_kalibr},
-    {{CameraFormat::kRosCameraInfo, "ros", "ROS camera_info YAML", true},
+    {{CameraFormat::kRosCameraInfo, "ros", "ROS camera_info YAML", true, kYaml},
      "'camera_matrix' or 'K' (OpenCV FileStorage, ROS camera_info, WPILib JSON)",
      is_ros_camera_info,
      read_matrix_camera},
     {{CameraFormat::kRosIni, "ros-ini", "ROS camera .ini", false}, "", is_ros_ini, read_ros_ini, true},
-    {{CameraFormat::kOpenCv, "opencv", "OpenCV FileStorage", true}, "", is_opencv, read_matrix_camera},
-    {{CameraFormat::kWpilib, "wpilib", "WPILib JSON", true}, "", is_wpilib, read_matrix_camera},
-    {{CameraFormat::kPhotonVision, "photonvision", "PhotonVision JSON", true},
+    {{CameraFormat::kOpenCv, "opencv", "OpenCV FileStorage", true, kYaml}, "", is_opencv, read_matrix_camera},
+    {{CameraFormat::kWpilib, "wpilib", "WPILib JSON", true, kJson}, "", is_wpilib, read_matrix_camera},
+    {{CameraFormat::kPhotonVision, "photonvision", "PhotonVision JSON", true, kJson},
      "'cameraIntrinsics' (PhotonVision JSON)",
      is_photonvision,
      read_matrix_camera},
-    {{CameraFormat::kMrcal, "mrcal", "mrcal .cameramodel", true, {".cameramodel"}},
+    {{CameraFormat::kMrcal, "mrcal", "mrcal .cameramodel", true, kCameraModel},
      "",
      is_mrcal,
      read_mrcal,
      true},
-    {{CameraFormat::kColmap, "colmap", "COLMAP cameras.txt", true, {".txt"}},
-     "",
-     is_colmap,
-     read_colmap,
-     true},
+    {{CameraFormat::kColmap, "colmap", "COLMAP cameras.txt", true, kText}, "", is_colmap, read_colmap, true},
     {{CameraFormat::kOpenImuCameraCalibrator, "openicc", "OpenImuCameraCalibrator JSON", false},
      "'intrinsic_type' (OpenImuCameraCalibrator)",
      is_openicc,
@@ -96,10 +98,7 @@ std::optional<CameraFormat> camera_format_named(std::string_view name) {
 }
 
 std::optional<CameraFormat> camera_format_of_ending(const std::filesystem::path& path) {
-  const std::string ending = path.extension().string();
-  return format_of(std::ranges::find_if(kInfos, [&](const CameraFormatInfo& info) {
-    return !ending.empty() && std::ranges::find(info.endings, ending) != info.endings.end();
-  }));
+  return format_of_ending(kInfos, path);
 }
 
 void note_name(const std::string& name, std::vector<ConversionLoss>& lost) {
