@@ -10,6 +10,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/version.h"
+#include "apriltrack/camera/response_tables.h"
 #include "apriltrack/detect/detections_csv.h"
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/io/staged_files.h"
@@ -109,7 +110,7 @@ void warn_of_older_failure(const CalibrateOptions& a) {
 std::optional<fs::path> write_camera(const CalibrateOptions& a, const CameraRig& rig, StagedFiles& outputs) {
   const std::optional<fs::path> file = refined_camera_file(a);
   if (file) {
-    outputs.write(*file, [&](const fs::path& path) { write_cameras(path, rig); });
+    write_cameras(outputs, *file, rig);
   } else {
     a.console.warning(
         fmt::format("the map goes with a camera that this run refined or estimated, which is not written: {} "

@@ -11,11 +11,12 @@
 #include "apriltrack/camera/camera_formats.h"
 #include "apriltrack/camera/response_tables.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/io/staged_files.h"
 #include "camera_command.h"
 #include "choice_option.h"
 #include "command_help.h"
 #include "console.h"
-#include "format_endings.h"
+#include "format_choice.h"
 #include "inputs.h"
 #include "loss_words.h"
 #include "outputs.h"
@@ -32,35 +33,6 @@ struct ConvertOptions {
   bool may_fit = false;
   Console console;
 };
-
-std::string names_of_written_formats() {
-  std::string names;
-  for (const CameraFormatInfo& info : camera_formats()) {
-    if (info.is_written) names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", info.name, info.title);
-  }
-  return names;
-}
-
-std::vector<std::string> words_of_written_formats() {
-  std::vector<std::string> words;
-  for (const CameraFormatInfo& info : camera_formats())
-    if (info.is_written) words.emplace_back(info.name);
-  return words;
-}
-
-CameraFormat format_to_write(const ConvertOptions& options) {
-  if (options.to.empty()) {
-    if (const auto format = camera_format_of_ending(options.output)) return *format;
-    throw invalid_input("--to",
-                        fmt::format("is required: the ending of '{}' does not say which format; there are {}",
-                                    options.output, names_of_written_formats()));
-  }
-  const auto format = camera_format_named(options.to);
-  if (format && info_of(*format).is_written) return *format;
-  throw invalid_input("--to", fmt::format("'{}' is {}; there are {}", options.to,
-                                          format ? "a format that is read, not written" : "no known format",
-                                          names_of_written_formats()));
-}
 
 struct Size {
   int width = 0;
@@ -110,14 +82,27 @@ std::string summary_of(const std::vector<ConversionLoss>& read, const std::vecto
   return num_unread > 0 ? "not for every reader: see the warnings" : "nothing was lost";
 }
 
-void run_convert(const ConvertOptions& options) {
-  CameraFile file = read_camera_file(options.input, options.console.log(),
-                                     options.may_fit ? BeyondOurLenses::kFit : BeyondOurLenses::kRefuse);
-  const CameraFormat to = format_to_write(options);
+/// OUT, and the response tables that are written beside it; none of them is a file that IN is made of.
+void check_files(const ConvertOptions& options, const CameraRig& rig, CameraFormat to) {
   std::vector<std::string> inputs = {options.input};
   for (const auto& table : response_tables(options.input)) inputs.push_back(table.string());
   check_output(options.output, "OUT", inputs);
-  check_ending(options.output, info_of(to).name, camera_endings(), "--to", options.console);
+  if (to != CameraFormat::kKalibr || is_written_directly(options.output)) return;
+  CameraRig written = rig;
+  std::erase_if(written.cameras, [&](const Camera& camera) {
+    return !options.camera_name.empty() && camera.name != options.camera_name;
+  });
+  for (const auto& table : response_tables_to_write(options.output, written))
+    check_output(table.string(), "response table beside OUT", inputs);
+}
+
+void run_convert(const ConvertOptions& options) {
+  CameraFile file = read_camera_file(options.input, options.console.log(),
+                                     options.may_fit ? BeyondOurLenses::kFit : BeyondOurLenses::kRefuse);
+  const CameraFormat to = format_to_write(options.to, options.output, camera_format_named,
+                                          camera_format_of_ending, offered_formats(camera_formats()));
+  check_files(options, file.rig, to);
+  check_ending(options.output, info_of(to).name, offered_formats(camera_formats()), "--to", options.console);
   if (!options.camera_name.empty()) camera_named(file.rig, options.camera_name, options.input);
   if (!options.resolution.empty()) give_resolution(file.rig, options.resolution);
   const std::vector<ConversionLoss> losses =
@@ -147,7 +132,7 @@ void add_camera_convert(CLI::App& camera_command) {
        "apriltrack camera convert photonvision.json cameras.txt --resolution 1280x720",
        "IN is of any known format, recognised by its content (docs/file_formats.md). Formats that "
        "are written, for --to: " +
-           names_of_written_formats() + "."});
+           list_of(offered_formats(camera_formats())) + "."});
   auto options = std::make_shared<ConvertOptions>();
   verb.add_option("IN", options->input, "Camera file to read")->required();
   verb.add_option("OUT", options->output, "Camera file to write")->required();
@@ -155,7 +140,7 @@ void add_camera_convert(CLI::App& camera_command) {
       *verb.add_option(
           "--to", options->to,
           "Format of OUT; by default by its ending: .yaml and .yml kalibr, .cameramodel mrcal, .txt colmap"),
-      "FORMAT", words_of_written_formats());
+      "FORMAT", names_of(offered_formats(camera_formats())));
   verb.add_option(
       "--camera-name", options->camera_name,
       "Camera of a rig to write alone; by default all, or the first where the format is of one camera");

@@ -7,30 +7,22 @@
 namespace apriltrack::app {
 namespace {
 
-enum class Subject { kMap, kCamera, kTrajectory };
-
-/// LossKind lists them in this order.
-Subject subject_of(LossKind kind) {
-  if (kind >= LossKind::kTimes) return Subject::kTrajectory;
-  return kind >= LossKind::kResolution ? Subject::kCamera : Subject::kMap;
-}
-
 /// The result may differ from what its user expects. A camera's files are small, and each of its numbers
 /// counts.
 bool is_warning(const ConversionLoss& loss) {
   return loss.how == LossHow::kAssumed || loss.how == LossHow::kUnknown ||
-         subject_of(loss.kind) == Subject::kCamera;
+         subject_of(loss.kind) == LossSubject::kCamera;
 }
 
 }  // namespace
 
 std::string sentence_of(const ConversionLoss& loss, const ConversionStep& step) {
   switch (subject_of(loss.kind)) {
-    case Subject::kMap:
+    case LossSubject::kMap:
       return sentence_of_map_loss(loss, step);
-    case Subject::kCamera:
+    case LossSubject::kCamera:
       return sentence_of_camera_loss(loss, step);
-    case Subject::kTrajectory:
+    case LossSubject::kTrajectory:
       break;
   }
   return sentence_of_trajectory_loss(loss, step);

@@ -2,14 +2,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <variant>
 
 #include "apriltrack/export/export_map.h"
 #include "apriltrack/tags/map_formats.h"
 #include "choice_option.h"
-#include "format_endings.h"
+#include "format_choice.h"
 #include "loss_words.h"
 #include "map_command.h"
 #include "map_oddity_words.h"
@@ -24,48 +23,20 @@ namespace fs = std::filesystem;
 /// What can be written.
 using OutputFormat = std::variant<MapFormat, ExportFormat>;
 
-/// Endings that are one format's; .json and .csv are several's.
-constexpr std::array<std::pair<std::string_view, MapFormat>, 4> kMapEndings = {
-    {{".yaml", MapFormat::kAprilTrack},
-     {".yml", MapFormat::kAprilTrack},
-     {".fmap", MapFormat::kLimelight},
-     {".ini", MapFormat::kRtabmap}}};
-
-std::vector<std::string> output_names() {
-  std::vector<std::string> names;
-  for (const MapFormatInfo& info : map_formats()) names.emplace_back(info.name);
-  for (const ExportFormatInfo& info : export_formats()) names.emplace_back(info.name);
-  return names;
-}
-
 std::optional<OutputFormat> format_called(std::string_view name) {
   if (const auto format = map_format_named(name)) return OutputFormat(*format);
   if (const auto format = export_format_named(name)) return OutputFormat(*format);
   return std::nullopt;
 }
 
-std::optional<OutputFormat> format_of_ending(const fs::path& path) {
-  const std::string ending = path.extension().string();
-  for (const auto& [known, format] : kMapEndings) {
-    if (ending == known) return OutputFormat(format);
-  }
-  for (const ExportFormatInfo& info : export_formats()) {
-    if (!info.ending.empty() && ending == info.ending) return OutputFormat(info.format);
-  }
+std::optional<OutputFormat> output_of_ending(const fs::path& path) {
+  if (const auto format = map_format_of_ending(path)) return OutputFormat(*format);
+  if (const auto format = format_of_ending(export_formats(), path)) return OutputFormat(*format);
   return std::nullopt;
 }
 
-OutputFormat output_format(const MapOptions& options) {
-  const std::string list = fmt::format("{}", fmt::join(output_names(), ", "));
-  if (!options.to.empty()) {
-    if (const auto format = format_called(options.to)) return *format;
-    throw invalid_input("--to",
-                        fmt::format("'{}' is no format that is known; known are {}", options.to, list));
-  }
-  if (const auto format = format_of_ending(options.second)) return *format;
-  throw invalid_input("--to",
-                      fmt::format("is required, for the name '{}' leaves the format open; known are {}",
-                                  options.second, list));
+std::vector<OfferedFormat> offered() {
+  return offered_formats(map_formats(), export_formats());
 }
 
 std::string_view name_of(const OutputFormat& output) {
@@ -109,13 +80,13 @@ std::size_t num_written(const TagMap& map, const std::vector<ConversionLoss>& lo
 }
 
 void run_convert(const MapOptions& options) {
-  const OutputFormat output = output_format(options);
+  const OutputFormat output =
+      format_to_write(options.to, options.second, format_called, output_of_ending, offered());
   if (is_folder(output))
     check_output_folder(options.second);
   else
     check_output(options.second, "OUT", {options.first, options.input.tag_sizes}, kind_of(output));
-  if (!is_folder(output))
-    check_ending(options.second, name_of(output), map_endings(), "--to", options.console);
+  if (!is_folder(output)) check_ending(options.second, name_of(output), offered(), "--to", options.console);
   MapReadOptions read_options = options.input.read_options();
   read_options.field = field_of(options);
   const MapReading reading = read_tag_map(options.first, read_options);
@@ -164,9 +135,10 @@ void add_map_convert(CLI::App& map_command) {
                    run_convert);
   verb->add_option("IN", options->first, "Tag map, or layout of tags of another project")->required();
   verb->add_option("OUT", options->second, "File to write; of --to colmap a folder")->required();
-  offer_words(*verb->add_option("--to", options->to,
-                                fmt::format("Format to write: {}", fmt::join(output_names(), ", "))),
-              "FORMAT", output_names());
+  const std::vector<std::string> names = names_of(offered());
+  offer_words(
+      *verb->add_option("--to", options->to, fmt::format("Format to write: {}", fmt::join(names, ", "))),
+      "FORMAT", names);
   add_map_input_options(*verb, options->input);
   verb->add_option(
           "--field-length", options->field_length_m,

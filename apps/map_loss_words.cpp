@@ -62,6 +62,8 @@ std::string covariance_words(const ConversionLoss& loss, std::string_view title)
                        loss.value);
   if (loss.how == LossHow::kConverted)
     return fmt::format("covariances{} are written as {}", of_tags(loss.which), loss.value);
+  if (!loss.value.empty())
+    return fmt::format("covariances{} are left out: {}", of_tags(loss.which), loss.value);
   return fmt::format("covariances{} are left out: a {} holds none", of_tags(loss.which), title);
 }
 

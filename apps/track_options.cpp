@@ -11,7 +11,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/lower_case.h"
-#include "format_endings.h"
+#include "format_choice.h"
 #include "inputs.h"
 #include "option_checks.h"
 #include "outputs.h"
@@ -104,8 +104,8 @@ void check_track_arguments(const CLI::App& command, const TrackArguments& argume
                            arguments.map_input.tag_sizes, arguments.config});
   check_outputs(output_files(arguments), read);
   if (!arguments.output_format.empty())
-    check_ending(arguments.output, arguments.output_format, trajectory_endings(), "--output-format",
-                 arguments.console);
+    check_ending(arguments.output, arguments.output_format, offered_formats(trajectory_formats()),
+                 "--output-format", arguments.console);
   if (arguments.output_images && !arguments.writes_mcap())
     throw invalid_input(
         "--output-images",

@@ -13,7 +13,7 @@
 #include "choice_option.h"
 #include "command_help.h"
 #include "console.h"
-#include "format_endings.h"
+#include "format_choice.h"
 #include "loss_words.h"
 #include "option_checks.h"
 #include "outputs.h"
@@ -32,42 +32,20 @@ struct ConvertOptions {
   Console console;
 };
 
-std::string names_of_formats() {
-  std::string names;
-  for (const TrajectoryFormatInfo& info : trajectory_formats())
-    names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", info.name, info.title);
-  return names;
-}
-
-std::vector<std::string> words_of_formats() {
-  std::vector<std::string> words;
-  for (const TrajectoryFormatInfo& info : trajectory_formats()) words.emplace_back(info.name);
-  return words;
-}
-
-TrajectoryFormat format_to_write(const ConvertOptions& options) {
-  if (options.to.empty()) {
-    if (const auto format = trajectory_format_of_ending(options.output)) return *format;
-    throw invalid_input("--to",
-                        fmt::format("is required: the ending of '{}' does not say which format; there are {}",
-                                    options.output, names_of_formats()));
-  }
-  if (const auto format = trajectory_format_named(options.to)) return *format;
-  throw invalid_input("--to",
-                      fmt::format("'{}' is no known format; there are {}", options.to, names_of_formats()));
-}
-
 void check_arguments(const ConvertOptions& options, TrajectoryFormat to) {
   if (!options.times.empty() && options.of_input.read.rate_hz)
     throw invalid_input("--rate", "is in place of times: give it or --times");
   std::vector<OutputFile> outputs = {{options.output, "OUT"}};
   if (to == TrajectoryFormat::kKitti) outputs.push_back({kitti_times_of(options.output, "OUT"), "OUT"});
   check_outputs(outputs, {options.input, options.times});
-  check_ending(options.output, info_of(to).name, trajectory_endings(), "--to", options.console);
+  check_ending(options.output, info_of(to).name, offered_formats(trajectory_formats()), "--to",
+               options.console);
 }
 
 void run_convert(const ConvertOptions& options) {
-  const TrajectoryFormat to = format_to_write(options);
+  const TrajectoryFormat to =
+      format_to_write(options.to, options.output, trajectory_format_named, trajectory_format_of_ending,
+                      offered_formats(trajectory_formats()));
   check_arguments(options, to);
   TrajectoryInputOptions of_input = options.of_input;
   of_input.read.times = options.times;
@@ -101,7 +79,7 @@ void add_trajectory_convert(CLI::App& trajectory_command) {
        "apriltrack trajectory convert robot.bag robot.tum --topic /tf --transform odom:base_link",
        "IN is of any known format, recognised by its content (docs/file_formats.md). Formats, for "
        "--to: " +
-           names_of_formats() + "."});
+           list_of(offered_formats(trajectory_formats())) + "."});
   auto options = std::make_shared<ConvertOptions>();
   verb.add_option("IN", options->input, "Trajectory to read, or a bag with poses")->required();
   verb.add_option(
@@ -112,7 +90,7 @@ void add_trajectory_convert(CLI::App& trajectory_command) {
       *verb.add_option(
           "--to", options->to,
           "Format of OUT; by default by its ending: .tum tum, .csv euroc, .kitti and kitti.txt kitti"),
-      "FORMAT", words_of_formats());
+      "FORMAT", names_of(offered_formats(trajectory_formats())));
   verb.add_option("--topic", options->of_input.bag.topic,
                   "Of a bag: the topic with poses, where there are several");
   verb.add_option("--transform", options->of_input.bag.transform,

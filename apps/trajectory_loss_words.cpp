@@ -29,9 +29,16 @@ std::string words_of_biases(const ConversionLoss& loss, std::string_view title) 
 }  // namespace
 
 std::string sentence_of_trajectory_loss(const ConversionLoss& loss, const ConversionStep& step) {
-  if (loss.kind == LossKind::kTimes) return words_of_times(loss, step.title);
-  return loss.kind == LossKind::kVelocities ? words_of_velocities(loss, step.title)
-                                            : words_of_biases(loss, step.title);
+  switch (loss.kind) {
+    case LossKind::kTimes:
+      return words_of_times(loss, step.title);
+    case LossKind::kVelocities:
+      return words_of_velocities(loss, step.title);
+    case LossKind::kBiases:
+      return words_of_biases(loss, step.title);
+    default:
+      return "";
+  }
 }
 
 }  // namespace apriltrack::app

@@ -76,7 +76,7 @@ TEST_F(ForeignCameraFile, EchoOfRos2) {
               ElementsAre(606.5, 608.75, 317.25, 255.5, 0.1, -0.2, 0.003, -0.004, 0.05, 641, 481));
   EXPECT_EQ(file_.format, CameraFormat::kRosCameraInfo);
   EXPECT_EQ(file_.rig.cameras[0].response_origin, ResponseOrigin::kAssumed);
-  EXPECT_THAT(file_.lost, IsEmpty());
+  EXPECT_THAT(lost(), ElementsAre("names of optical: cam0"));
 }
 
 TEST_F(ForeignCameraFile, EchoesOfSeveralMessagesAreRefusedWithTheWayOut) {
@@ -100,6 +100,7 @@ P: [1.0, 0.0, 2.0, 0.0, 0.0, 3.0, 4.0, 0.0, 0.0, 0.0, 1.0, 0.0]
   EXPECT_THAT(numbers_of("echo.yaml", text),
               ElementsAre(606.9, 608.7, 317.1, 255.8, 0.1, 0.2, -0.3, 0.4, 640, 480));
   EXPECT_EQ(file_.rig.cameras[0].model.distortion_name(), "equidistant");
+  EXPECT_THAT(lost(), ElementsAre("names of camera: cam0", "rectification of cam0: P"));
 }
 
 TEST_F(ForeignCameraFile, KalibrWithKeysOfTagSlamAndOpenVins) {
@@ -116,14 +117,13 @@ TEST_F(ForeignCameraFile, KalibrWithKeysOfTagSlamAndOpenVins) {
   resolution: [1920, 1200]
   tagtopic: /detector/tags
   rig_body: rig
+x_lab: second floor
 )";
   EXPECT_THAT(numbers_of("cameras.yaml", text),
               ElementsAre(1404.5, 1403.5, 962.25, 605.75, -0.16, 0.09, -3e-5, -3e-4, 0.0, 1920, 1200));
   EXPECT_EQ(file_.format, CameraFormat::kKalibr);
-  ASSERT_EQ(file_.lost.size(), 1U);
-  EXPECT_EQ(file_.lost[0].kind, LossKind::kExtrinsics);
-  EXPECT_THAT(file_.lost[0].which, ElementsAre("cam0"));
-  EXPECT_EQ(file_.lost[0].value, "T_imu_cam");
+  EXPECT_THAT(lost(), ElementsAre("extrinsics of cam0: T_imu_cam", "camera_keys of cam0: tagtopic, rig_body",
+                                  "camera_keys of cam0: x_lab"));
   EXPECT_THAT(warnings_, IsEmpty()) << "of no concern but to a conversion";
 }
 
@@ -146,8 +146,7 @@ TEST_F(ForeignCameraFile, SmallSkewOfRosIsReadWithAWarningOfHowFarItMovesPoints)
                   HasSubstr("skew.yaml:4: camera_matrix: a skew of -0.75 pixels is passed over; points move "
                             "by up to 0.83 px"),
                   HasSubstr("cameracalibrator --fisheye-fix-skew"))));
-  ASSERT_EQ(file_.lost.size(), 1U);
-  EXPECT_EQ(file_.lost[0].kind, LossKind::kSkew);
+  EXPECT_EQ(file_.lost.at(0).kind, LossKind::kSkew);
   EXPECT_NO_THROW(read("skew.yaml", ros_fisheye("0.905")));  // 0.996 px
   EXPECT_THROW(read("skew.yaml", ros_fisheye("0.91")), Error) << "moves by 1.002 px";
 }
@@ -187,6 +186,12 @@ TEST_F(ForeignCameraFile, RosIni) {
   EXPECT_THAT(numbers_of("cal.ini", kIni),
               ElementsAre(369.25, 367.5, 320.75, 203.125, -0.19, 0.018, -0.0006, 0.0005, 0.02, 640, 480));
   EXPECT_EQ(file_.format, CameraFormat::kRosIni);
+  EXPECT_THAT(lost(), ElementsAre("names of narrow_stereo/left: cam0", "rectification of cam0: projection"));
+  std::string right = kIni;
+  right.replace(right.find("320.9 0.00000"), 13, "320.9 -26.29");
+  read_here("right.ini", right);
+  EXPECT_EQ(lost().back(), "extrinsics of cam0: projection");
+  EXPECT_NEAR(file_.lost.back().numbers[0], 0.1, 1e-15);
 }
 
 TEST_F(ForeignCameraFile, RosIniWithEightCoefficients) {
@@ -259,7 +264,9 @@ TEST(CameraFormats, AreFoundByNameAndByEnding) {
   EXPECT_EQ(camera_format_of_ending("a/b.cameramodel"), CameraFormat::kMrcal);
   EXPECT_EQ(camera_format_of_ending("cameras.txt"), CameraFormat::kColmap);
   EXPECT_EQ(camera_format_of_ending("camera.yaml"), CameraFormat::kKalibr);
+  EXPECT_EQ(camera_format_of_ending("a.yaml/camera.yml"), CameraFormat::kKalibr);
   EXPECT_EQ(camera_format_of_ending("camera.json"), std::nullopt);
+  EXPECT_EQ(camera_format_of_ending("camera"), std::nullopt);
 }
 
 }  // namespace

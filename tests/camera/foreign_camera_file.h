@@ -19,6 +19,7 @@ class ForeignCameraFile : public ::testing::Test {
     std::ofstream(path) << text;
     return read_camera_file(path, [&](LogLevel, std::string_view told) { warnings_.emplace_back(told); });
   }
+  void read_here(const std::string& name, const std::string& text) { file_ = read(name, text); }
   const Camera& camera_of(const std::string& name, const std::string& text) {
     file_ = read(name, text);
     return file_.rig.cameras.front();
@@ -36,6 +37,14 @@ class ForeignCameraFile : public ::testing::Test {
     all.push_back(camera.width);
     all.push_back(camera.height);
     return all;
+  }
+
+  /// "extrinsics of cam0: T_BS" of each loss.
+  std::vector<std::string> lost() const {
+    std::vector<std::string> words;
+    for (const ConversionLoss& loss : file_.lost)
+      words.push_back(std::string(to_string(loss.kind)) + " of " + loss.which.at(0) + ": " + loss.value);
+    return words;
   }
 
   CameraFile file_;

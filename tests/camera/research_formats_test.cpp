@@ -116,6 +116,12 @@ TEST_F(ForeignCameraFile, Nerfstudio) {
           R"("k2": -0.2, "k3": 0.03, "p1": 0.004, "p2": -0.005, "camera_model": "OPENCV", "frames": []})"),
       ElementsAre(606.5, 608.75, 317.0, 254.75, 0.1, -0.2, 0.004, -0.005, 0.03, 640, 480));
   EXPECT_EQ(file_.format, CameraFormat::kNerfstudio);
+  EXPECT_THAT(lost(), IsEmpty());
+  read_here("transforms.json",
+            R"({"w": 640, "h": 480, "fl_x": 606.5, "fl_y": 608.75, "cx": 317.5, "cy": 255.25,
+    "frames": [{"file_path": "a.png"},
+               {"file_path": "b.png", "transform_matrix": [[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]]}]})");
+  EXPECT_THAT(lost(), ElementsAre("extrinsics of cam0: transform_matrix"));
   EXPECT_THAT(
       numbers_of(
           "transforms.json",

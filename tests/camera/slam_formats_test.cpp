@@ -63,9 +63,11 @@ TEST_F(SlamCameraFile, BasaltIsARigWithPlaces) {
   ASSERT_TRUE(second.T_this_previous);
   EXPECT_LT((*second.T_this_previous * Eigen::Vector3d(10, 20, 30) - Eigen::Vector3d(-24, 5, 22)).norm(),
             1e-12);
-  ASSERT_EQ(file_.lost.size(), 1U);
-  EXPECT_EQ(file_.lost[0].kind, LossKind::kExtrinsics);
-  EXPECT_EQ(file_.lost[0].value, "T_imu_cam");
+  EXPECT_THAT(lost(), ElementsAre("extrinsics of cam0: T_imu_cam"));
+  std::string text = basalt();
+  text.replace(text.find("\"cam_time_offset_ns\": 0"), 23, "\"cam_time_offset_ns\": 52000");
+  read_here("calibration.json", text);
+  EXPECT_THAT(lost(), ElementsAre("extrinsics of cam0: T_imu_cam", "extrinsics of cam0: cam_time_offset_ns"));
 }
 
 TEST_F(SlamCameraFile, BasaltOfOnePinhole) {
@@ -110,6 +112,7 @@ projection_parameters:
 )"),
               ElementsAre(461.5, 460.25, 363.5, 248.125, -0.29, 0.09, 0.00012, -0.00003, 752, 480));
   EXPECT_EQ(file_.format, CameraFormat::kVins);
+  EXPECT_THAT(lost(), ElementsAre("names of camera: cam0"));
   EXPECT_EQ(file_.rig.cameras[0].model.distortion_name(), "radtan");
 }
 
@@ -183,6 +186,17 @@ TEST_F(SlamCameraFile, OrbSlamOfTwoCameras) {
   EXPECT_THAT(numbers(rig.cameras[1]),
               ElementsAre(459.5, 457.25, 367.125, 248.5, 0.1, 0.2, 0.3, 0.4, 752, 480));
   EXPECT_FALSE(rig.cameras[1].T_this_previous);
+}
+
+TEST_F(SlamCameraFile, PlacesOfOrbSlamAreToldToBeLost) {
+  const std::string lens = "k1: -0.28\nk2: 0.07\np1: 0.0002\np2: 0.00002\n";
+  const std::string two = orbslam_camera("Camera1.", lens) + orbslam_camera("Camera2.", lens);
+  read_here("stereo.yaml",
+            kOrbSlamHead + two + kOrbSlamSize + "Stereo.T_c1_c2: !!opencv-matrix\n   rows: 1\n");
+  EXPECT_THAT(lost(), ElementsAre("extrinsics of cam1: Stereo.T_c1_c2", "extrinsics of cam0: IMU.T_b_c1"));
+  read_here("old.yaml", orbslam_camera("Camera.", lens) + "Camera.width: 7\nCamera.height: 4\n" +
+                            "Camera.bf: 47.9\nTbc: !!opencv-matrix\n   rows: 1\n");
+  EXPECT_THAT(lost(), ElementsAre("extrinsics of cam0: Camera.bf", "extrinsics of cam0: Tbc"));
 }
 
 TEST_F(SlamCameraFile, OrbSlamThatWouldMisleadIsRefused) {

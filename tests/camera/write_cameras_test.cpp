@@ -5,6 +5,8 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/camera.h"
+#include "apriltrack/camera/response_tables.h"
+#include "apriltrack/io/staged_files.h"
 #include "lens_models.h"
 #include "support/error_message.h"
 #include "support/pose_matchers.h"
@@ -95,6 +97,61 @@ TEST(WriteCameras, KeepsAResponseTableBesideTheFile) {
   rig.cameras[0].response = ResponseCurve(table);
   write_cameras(path, rig);
   EXPECT_EQ(read_cameras(path).cameras[0].response.linear_light(), table);
+}
+
+/// A camera whose response is a table, all of it times `scale`.
+CameraRig with_table(float scale) {
+  std::array<float, 256> table{};
+  for (std::size_t i = 0; i < table.size(); ++i) table[i] = scale * static_cast<float>(i * i) / 65025.0F;
+  CameraRig rig{
+      {Camera{.model = CameraModel({500, 510, 320, 240}, NoDistortion()), .width = 640, .height = 480}}};
+  rig.cameras[0].response = ResponseCurve(table);
+  return rig;
+}
+
+std::vector<std::string> names_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.push_back(entry.path().filename().string());
+  return names;
+}
+
+TEST(WriteCameras, AResponseTableIsFoundAgainWhateverTheFileIsCalled) {
+  // To YAML, " #" begins a comment and ": " a value; to the reader, gamma: a curve.
+  for (const char* stem : {"lab #2", "a: b", "gamma:2", "it's \"here\"", "- x", "srgb", "é"}) {
+    const auto folder = test::temporary_folder() / "named";
+    std::filesystem::create_directory(folder);
+    const auto path = folder / (std::string(stem) + ".yaml");
+    const CameraRig rig = with_table(0.75F);
+    write_cameras(path, rig);
+    EXPECT_EQ(read_cameras(path).cameras[0].response.linear_light(), rig.cameras[0].response.linear_light())
+        << stem;
+    const auto table = folder / (std::string(stem) + "_cam0_response.txt");
+    EXPECT_THAT(response_tables_to_write(path, rig), ::testing::ElementsAre(table));
+    EXPECT_THAT(names_in(folder),
+                ::testing::UnorderedElementsAre(path.filename().string(), table.filename().string()));
+    std::filesystem::remove_all(folder);
+  }
+}
+
+TEST(WriteCameras, TablesAreReplacedWithTheCameraFileOrNotAtAll) {
+  const auto folder = test::temporary_folder();
+  const auto path = folder / "camera.yaml";
+  write_cameras(path, with_table(0.75F));
+  const auto now = [&] { return read_cameras(path).cameras[0].response.linear_light(); };
+  const auto before = now();
+  {
+    StagedFiles files;
+    write_cameras(files, path, with_table(0.5F));
+    EXPECT_EQ(now(), before);
+  }
+  EXPECT_EQ(now(), before) << "the run failed later";
+  EXPECT_THAT(names_in(folder), ::testing::UnorderedElementsAre("camera.yaml", "camera_cam0_response.txt"));
+  StagedFiles files;
+  write_cameras(files, path, with_table(0.5F));
+  files.commit();
+  EXPECT_NE(now(), before);
+  EXPECT_THAT(names_in(folder), ::testing::UnorderedElementsAre("camera.yaml", "camera_cam0_response.txt"));
 }
 
 TEST(WriteCameras, NothingGoesBesideADevice) {

@@ -54,6 +54,11 @@ TEST(Tum, ReadsSmallExponents) {
   EXPECT_EQ(t[1].timestamp.ns, 2000000000);
 }
 
+TEST(Tum, WhatIsNoNumberIsNoTimeWhateverItsExponent) {
+  for (const std::string time : {"e5", "-e5", ".e3", "1.2.3e4", "1e", "1e+", "1x2e3", "0x1e3", "1.5e3.0"})
+    expect_tum_error(time + " 0 0 0 0 0 0 1\n", "t.tum:1: timestamp: '" + time + "' is no time in seconds");
+}
+
 TEST(Tum, PassesOverCommentsBlanksAndCarriageReturns) {
   const Trajectory t = read_tum(write("# time x y z\r\n\r\n  1.0\t1 2 3  0 0 0.6 0.8 # good\r\n"));
   ASSERT_EQ(t.size(), 1u);

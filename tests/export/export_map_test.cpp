@@ -101,6 +101,21 @@ TEST(G2oExport, VerticesPriorsAndHalfAngles) {
   EXPECT_NEAR(vertex[6], 0.0, 1e-12);
 }
 
+// Known along five axes, and not at all free along the sixth: neither an edge nor a fixed vertex says that.
+TEST(G2oExport, CovariancesWithoutAnInverseAreToldToBeLeftOut) {
+  TagMap map = placed_map();
+  map.tags[0].covariance = Matrix6d::Zero();
+  map.tags[1].covariance = Matrix6d::Identity();
+  EXPECT_FALSE(loss_of(export_tag_map(map, ExportFormat::kG2o).losses, LossKind::kCovariance));
+  (*map.tags[1].covariance)(5, 5) = 0.0;
+  const MapExport exported = export_tag_map(map, ExportFormat::kG2o);
+  const ConversionLoss* loss = loss_of(exported.losses, LossKind::kCovariance);
+  ASSERT_TRUE(loss);
+  EXPECT_EQ(loss->how, LossHow::kLeftOut);
+  EXPECT_EQ(loss->which, std::vector<std::string>{to_string(map.tags[1].key)});
+  EXPECT_EQ(exported.files.front().contents.find("EDGE"), std::string::npos);
+}
+
 TEST(UrdfExport, LinksAreOurTagFrames) {
   const std::string text = read_file(written(placed_map(), ExportFormat::kUrdf, "map.urdf"));
   const std::regex joint(R"re(<child link="([^"]*)"/>\s*<origin xyz="([^"]*)" rpy="([^"]*)"/>)re");

@@ -14,11 +14,17 @@ TEST(ConversionLoss, HasTheWordsOfTheDocuments) {
                                                          {kForeignKeys, "foreign_keys"},
                                                          {kResolution, "resolution"},
                                                          {kLineDelay, "line_delay"},
+                                                         {kRectification, "rectification"},
                                                          {kFurtherCameras, "further_cameras"},
+                                                         {kCameraKeys, "camera_keys"},
                                                          {kUnreadLens, "unread_lens"},
                                                          {kTimes, "times"},
                                                          {kBiases, "biases"}};
   for (const auto& [kind, word] : words) EXPECT_EQ(to_string(kind), word);
+  EXPECT_EQ(subject_of(kForeignKeys), LossSubject::kMap);
+  EXPECT_EQ(subject_of(kResolution), LossSubject::kCamera);
+  EXPECT_EQ(subject_of(kCameraKeys), LossSubject::kCamera);
+  EXPECT_EQ(subject_of(kTimes), LossSubject::kTrajectory);
   EXPECT_EQ(to_string(LossHow::kLeftOut), "left_out");
   EXPECT_EQ(to_string(LossHow::kAssumed), "assumed");
   EXPECT_EQ(to_string(LossHow::kGiven), "given");

@@ -124,6 +124,58 @@ TEST_F(CameraConvert, OutIsNeverIn) {
   EXPECT_THAT(read_text(path("rig.yaml")), HasSubstr("label: front"));
 }
 
+/// Of 256 numbers, line by line.
+std::string table_text(double scale) {
+  std::string text;
+  for (int i = 0; i < 256; ++i) text += std::to_string(scale * i * i / 65025.0) + "\n";
+  return text;
+}
+
+TEST_F(CameraConvert, AResponseTableIsReplacedWithItsCameraOrNotAtAll) {
+  const auto tabled = [&](const std::string& name, const std::string& table) {
+    std::string text =
+        "cam0: {camera_model: pinhole, intrinsics: [5, 6, 3, 2], distortion_model: none, "
+        "resolution: [6, 4], response: " +
+        table + "}\n";
+    for (int i = 1; i < 30; ++i)  // so that the camera file is longer than the table
+      text += "cam" + std::to_string(i) +
+              ": {camera_model: pinhole, intrinsics: [5, 6, 3, 2], distortion_model: none, "
+              "resolution: [6, 4]}\n";
+    write_text(path(name), text);
+  };
+  write_text(path("old.txt"), table_text(0.5));
+  write_text(path("new.txt"), table_text(0.75));
+  tabled("old.yaml", "old.txt");
+  tabled("new.yaml", "new.txt");
+  ASSERT_EQ(convert("old.yaml", "lab #2.yaml").status, 0);
+  const std::string table = path("lab #2_cam0_response.txt");
+  const std::string camera_before = read_text(path("lab #2.yaml")), table_before = read_text(table);
+  ASSERT_GT(camera_before.size(), table_before.size() + 500);
+  EXPECT_THAT(run_program_on_full_disk({"camera", "convert", path("new.yaml"), path("lab #2.yaml")},
+                                       table_before.size() + 250),
+              EndsWith(3, path("lab #2.yaml") + ": cannot be written"));
+  EXPECT_EQ(read_text(path("lab #2.yaml")), camera_before);
+  EXPECT_EQ(read_text(table), table_before);
+  ASSERT_EQ(convert("new.yaml", "lab #2.yaml").status, 0);
+  EXPECT_NE(read_text(table), table_before);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 8) << "nothing else is left";
+}
+
+TEST_F(CameraConvert, AResponseTableIsNeverOneThatIsRead) {
+  write_text(path("c_cam0_response.txt"), table_text(0.75));
+  write_text(path("b.yaml"),
+             R"(cam0: {camera_model: pinhole, intrinsics: [5, 6, 3, 2], distortion_model: none,
+    resolution: [6, 4], response: c_cam0_response.txt})");
+  EXPECT_THAT(convert("b.yaml", "c.yaml"),
+              EndsWith(2, "response table beside OUT: '" + path("c_cam0_response.txt") +
+                              "' is an input of this run: name another file"));
+  EXPECT_FALSE(is_there("c.yaml"));
+  EXPECT_EQ(read_text(path("c_cam0_response.txt")), table_text(0.75));
+  std::filesystem::create_directory(path("d_cam0_response.txt"));
+  EXPECT_THAT(convert("b.yaml", "d.yaml"), EndsWith(3, "d_cam0_response.txt: is a folder"));
+  EXPECT_FALSE(is_there("d.yaml"));
+}
+
 TEST_F(CameraConvert, FilesThatCannotBeReadOrWrittenAre3) {
   EXPECT_THAT(convert("missing.yaml", "c.txt"), EndsWith(3, "missing.yaml"));
   EXPECT_THAT(convert("rig.yaml", "nowhere/c.txt"), EndsWith(3, "there is no folder"));

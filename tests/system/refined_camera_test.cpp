@@ -71,6 +71,31 @@ TEST_F(RefinedCamera, HasTheResolutionOfTheImagesWhereItsFileTellsNone) {
   EXPECT_NEAR(written.model.pinhole().fx / truth.model.pinhole().fx, 1.0, 0.01);  // it says 0.005 itself
 }
 
+TEST_F(RefinedCamera, HasItsResponseTableBesideItByTheNameOfTheMap) {
+  std::vector<std::string> all = of_detections({"--intrinsics", "refine"});
+  std::string table;
+  for (int i = 0; i < 256; ++i) table += std::to_string(i * i / 65025.0) + "\n";
+  write_text(path("light.txt"), table);
+  write_text(path("camera.yaml"), pinhole_entry("cam0", 520.0) + "  response: light.txt\n");
+  std::ranges::replace(all, path("camera.json"), path("camera.yaml"));
+  const auto names_of_tables = [&] {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      const std::string name = entry.path().filename().string();
+      if (name.find("response") != std::string::npos) names.push_back(name);
+    }
+    return names;
+  };
+  // The page is the first file that does not fit: the table is written before it.
+  all.insert(all.end(), {"--report", path("page.html")});
+  EXPECT_THAT(run_program_on_full_disk(all, 60'000), EndsWith(3, path("page.html")));
+  EXPECT_THAT(names_of_tables(), ::testing::IsEmpty());
+  ASSERT_EQ(run_program(all).status, 0);
+  EXPECT_THAT(names_of_tables(), ::testing::ElementsAre("map.camera_cam0_response.txt"));
+  EXPECT_EQ(read_cameras(path("map.camera.yaml")).cameras[0].response.linear_light(),
+            read_cameras(path("camera.yaml")).cameras[0].response.linear_light());
+}
+
 TEST_F(RefinedCamera, IsRefusedBeforeTheWorkWhereNothingTellsItsResolution) {
   EXPECT_THAT(run_program(of_detections({"--intrinsics", "refine"})),
               AllOf(EndsWith(2, path("camera.json") + ": 'resolution' of cam0 is missing"),

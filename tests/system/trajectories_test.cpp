@@ -228,6 +228,8 @@ TEST_F(Trajectories, OfTrackAreOfAllFormatsAndScoredAlike) {
   EXPECT_EQ(tracked("a.csv", {})["losses"].size(), 2u);
   EXPECT_EQ(tracked("a.kitti", {})["losses"].size(), 1u);
   EXPECT_TRUE(tracked("a.mcap", {})["losses"].empty());
+  tracked("B.CSV", {});
+  EXPECT_EQ(read_text(of("B.CSV")), read_text(of("a.csv")));
   tracked("plain", {});
   tracked("euroc.out", {"--output-format", "euroc"});
   EXPECT_EQ(read_text(of("plain")), read_text(of("a.tum")));

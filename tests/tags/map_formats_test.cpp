@@ -153,9 +153,15 @@ TEST(MapFormats, SizesThatDifferComeBack) {
 }
 
 TEST(MapFormats, NamesAreUniqueAndKnown) {
+  using enum MapFormat;
   for (const MapFormatInfo& info : map_formats()) EXPECT_EQ(map_format_named(info.name), info.format);
   EXPECT_EQ(map_formats().size(), 10u);
   EXPECT_EQ(map_format_named("dxf"), std::nullopt);
+  for (const char* name : {"o.yaml", "a.json/o.yml"}) EXPECT_EQ(map_format_of_ending(name), kAprilTrack);
+  EXPECT_EQ(map_format_of_ending("o.fmap"), kLimelight);
+  EXPECT_EQ(map_format_of_ending("o.ini"), kRtabmap);
+  for (const char* name : {"o.json", "o.csv", "o.txt", "o", "yaml"})
+    EXPECT_EQ(map_format_of_ending(name), std::nullopt) << name;
 }
 
 TEST(KalibrGrid, WritesTheFileItWasReadFrom) {

@@ -143,6 +143,26 @@ TEST(WpilibCsv, SixthColumnIsThePitchWhateverItsName) {
   }
 }
 
+TEST(WpilibCsv, TwoColumnsOfOneAngleAreRefusedAndOthersTold) {
+  for (const auto& [first, second] : {std::pair("Rotation", "Z-Rotation"), {"X-Rotation", "Y-Rotation"}}) {
+    const bool is_pitch = std::string(second) == "Y-Rotation";
+    const std::string message =
+        complaint_about_layout(fmt::format("ID,X,Y,Z,{}{},{}\n4,1,2,3,{}20,30\n", is_pitch ? "Rotation," : "",
+                                           first, second, is_pitch ? "10," : ""),
+                               with_size(0.1651));
+    EXPECT_NE(message.find(fmt::format("'{}' and '{}' are both columns of the tags' {}", first, second,
+                                       is_pitch ? "pitch" : "heading")),
+              std::string::npos)
+        << message;
+  }
+  const MapReading reading =
+      read_layout("ID,X,Y,Z,Rotation,Roll,Note\n4,1,2,3,90,5,speaker\n", with_size(0.1651));
+  ASSERT_TRUE(loss_of(reading.losses, LossKind::kForeignKeys));
+  EXPECT_EQ(loss_of(reading.losses, LossKind::kForeignKeys)->value, "Roll, Note");
+  EXPECT_FALSE(loss_of(read_layout("ID,X,Y,Z,Rotation\n4,1,2,3,90\n", with_size(0.1651)).losses,
+                       LossKind::kForeignKeys));
+}
+
 TEST(WpilibCsv, WritesHeadingAndPitch) {
   TagMap map;
   map.frame = "field";

@@ -14,17 +14,6 @@ double positive_focal_length(double focal, const char* name, const YamlNode& nod
   return focal;
 }
 
-/// Nine numbers in any of the shapes that a 3x3 matrix takes.
-std::vector<double> matrix_values(const YamlNode& node) {
-  const bool is_nested = node.is_list() && !node.items().empty() && node.items().front().is_list();
-  if (!is_nested) return read_matrix_data(node);
-  std::vector<double> values;
-  for (const YamlNode& row : node.items()) {
-    for (const double value : row.as_doubles(3)) values.push_back(value);
-  }
-  return values;
-}
-
 Distortion read_radtan(const YamlNode& node, std::string_view model) {
   const std::vector<double> values = without_zero_tail(read_matrix_data(node), node);
   if (values.size() != 4 && values.size() != 5 && values.size() != 8) {
@@ -62,8 +51,19 @@ Pinhole read_pinhole_list(const YamlNode& node) {
   return checked_pinhole(values[0], values[1], values[2], values[3], node);
 }
 
+std::vector<double> read_matrix_values(const YamlNode& node) {
+  const bool is_nested = node.is_list() && !node.items().empty() && node.items().front().is_list();
+  if (!is_nested) return read_matrix_data(node);
+  std::vector<double> values;
+  const std::size_t num_columns = node.items().front().items().size();
+  for (const YamlNode& row : node.items()) {
+    for (const double value : row.as_doubles(num_columns)) values.push_back(value);
+  }
+  return values;
+}
+
 SkewedPinhole read_pinhole_matrix(const YamlNode& node) {
-  const std::vector<double> k = matrix_values(node);
+  const std::vector<double> k = read_matrix_values(node);
   if (k.size() != 9) node.fail(fmt::format("must be a 3x3 matrix, 9 numbers (there are {})", k.size()));
   if (k[3] != 0.0 || k[6] != 0.0 || k[7] != 0.0 || k[8] != 1.0) {
     node.fail(fmt::format("must be fx 0 cx / 0 fy cy / 0 0 1, row by row (is {})", fmt::join(k, " ")));

@@ -27,6 +27,8 @@ Pinhole checked_pinhole(double fx, double fy, double cx, double cy, const YamlNo
 
 /// A list of numbers, or a mapping with rows, cols and data (OpenCV, ROS, PhotonVision).
 std::vector<double> read_matrix_data(const YamlNode& node);
+/// The same, or a list of rows of one length.
+std::vector<double> read_matrix_values(const YamlNode& node);
 
 /// OpenCV's list goes on after k6 with s1..s4 (thin prism) and tau_x, tau_y (tilted sensor), 12 or 14 in all:
 /// the first eight, where the others are zero; fails where they are not.

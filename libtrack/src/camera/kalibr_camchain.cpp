@@ -1,9 +1,8 @@
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 
-#include "apriltrack/geometry/rotation.h"
+#include "apriltrack/geometry/rounded_rotation.h"
 #include "apriltrack/image/exposure.h"
 #include "camera_fields.h"
 
@@ -35,16 +34,14 @@ Pose read_rigid_transform(const YamlNode& node) {
                           is_transposed ? "; the last column is: the matrix seems to be transposed" : ""));
   }
   const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
-  const double defect = (linear * linear.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (defect > kMaxRotationDefect) {
-    node.fail(fmt::format(
-        "its upper left 3x3 block must be a rotation: R R^T is off the identity by {:.3g}, allowed "
-        "is {}",
-        defect, kMaxRotationDefect));
-  }
-  if (linear.determinant() < 0.0)
+  if (const auto rotation = rounded_rotation(linear, kMaxRotationDefect))
+    return Pose(*rotation, matrix.topRightCorner<3, 1>());
+  const double defect = rotation_defect(linear);
+  if (defect <= kMaxRotationDefect)
     node.fail("its upper left 3x3 block is a reflection (determinant -1), no rotation");
-  return Pose(nearest_rotation(linear), matrix.topRightCorner<3, 1>());
+  node.fail(fmt::format(
+      "its upper left 3x3 block must be a rotation: R R^T is off the identity by {:.3g}, allowed is {}",
+      defect, kMaxRotationDefect));
 }
 
 void check_camera_model(const YamlNode& node) {
@@ -80,6 +77,18 @@ std::string read_name(const std::string& key, const YamlNode& node, const Camera
     if (other.name == name) (label ? *label : node).fail(fmt::format("two cameras are called '{}'", name));
   }
   return name;
+}
+
+/// Keys of other programs, and of the file's owner: of a camera, or, of the whole file, told of the first one.
+void note_foreign_keys(const std::string& name, const YamlNode& node, std::vector<ConversionLoss>& lost) {
+  std::string keys;
+  for (const auto& entry : node.entries()) {
+    const std::string& key = entry.first;
+    if (key.starts_with("x_") || key == "rostopic" || key == "cam_overlaps" || key == "tagtopic" ||
+        key == "rig_body")
+      keys += (keys.empty() ? "" : ", ") + key;
+  }
+  if (!keys.empty()) lost.push_back({.kind = LossKind::kCameraKeys, .which = {name}, .value = keys});
 }
 
 void note_place_at_imu(const std::string& name, const YamlNode& node, std::vector<ConversionLoss>& lost) {
@@ -133,10 +142,12 @@ CameraRig read_kalibr_camchain(const YamlNode& root, const std::filesystem::path
     }
     rig.cameras.push_back(read_camera(read_name(key, node, rig), node, folder, to_estimate));
     note_place_at_imu(rig.cameras.back().name, node, lost);
+    note_foreign_keys(rig.cameras.back().name, node, lost);
     if (rig.cameras.size() == 1 && rig.cameras[0].T_this_previous) {
       node.at("T_cn_cnm1").fail("the first camera has none before it; remove this key");
     }
   }
+  if (!rig.cameras.empty()) note_foreign_keys(rig.cameras.front().name, root, lost);
   return rig;
 }
 

@@ -35,38 +35,48 @@ YamlNode read_tree(const CameraText& file) {
   return is_json ? YamlNode::read_json_text(file.text, file.name) : YamlNode::read_text(file.text, file.name);
 }
 
-/// read_tree(), for a file that may be of another kind altogether: which are known is told then.
-YamlNode read_tree_of_unknown(const CameraText& file) {
-  try {
-    return read_tree(file);
-  } catch (const Error& error) {
-    throw Error(error.kind(), error.where(),
-                fmt::format("{}; camera files that are read: {}", error.cause(), titles_of_formats()));
-  }
-}
-
 /// "cam0", but not "camera_matrix".
 bool is_camera_name(std::string_view key) {
   return key.size() > 3 && key.starts_with("cam") && std::isdigit(static_cast<unsigned char>(key[3])) != 0;
 }
 
-bool is_kalibr_camchain(const YamlNode& root) {
-  return std::ranges::any_of(root.entries(), [](const auto& entry) { return is_camera_name(entry.first); });
-}
-
 [[noreturn]] void fail_unknown_kind(const YamlNode& root) {
-  std::string keys;
+  std::string keys, markers;
   if (root.is_map()) {
     for (const auto& entry : root.entries()) keys += (keys.empty() ? "" : ", ") + entry.first;
   }
-  root.fail(fmt::format(
-      "is no camera file of a known kind ({}); at the top level there must be one of: 'cam0' (Kalibr "
-      "camchain), "
-      "'camera_matrix' or 'K' (OpenCV FileStorage, ROS camera_info, WPILib JSON), 'cameraIntrinsics' "
-      "(PhotonVision JSON), 'intrinsics' with 'distortion_model' (EuRoC sensor.yaml), 'fl_x' (nerfstudio), "
-      "'intrinsic_type' (OpenImuCameraCalibrator), 'value0' (Basalt), 'model_type' (VINS-Fusion), "
-      "'Camera.fx' or 'Camera1.fx' (ORB-SLAM3); {}",
-      titles_of_formats(), keys.empty() ? "there are no keys at all" : "there are: " + keys.substr(0, 300)));
+  for (const CameraFormatCode& format : camera_format_codes()) {
+    if (!format.marker.empty()) markers += (markers.empty() ? "" : ", ") + std::string(format.marker);
+  }
+  root.fail(
+      fmt::format("is no camera file of a known kind ({}); at the top level there must be one of: {}; {}",
+                  titles_of_formats(), markers,
+                  keys.empty() ? "there are no keys at all" : "there are: " + keys.substr(0, 300)));
+}
+
+/// Whose file it is; its tree is read where it has one. nullptr where it is of no known format.
+const CameraFormatCode* recognise(CameraText& file) {
+  const auto find = [&](bool is_plain_text) -> const CameraFormatCode* {
+    const auto formats = camera_format_codes();
+    const auto found = std::ranges::find_if(formats, [&](const CameraFormatCode& format) {
+      return format.is_plain_text == is_plain_text && format.recognises(file);
+    });
+    return found == formats.end() ? nullptr : &*found;
+  };
+  if (const CameraFormatCode* format = find(true)) return format;
+  file.root = read_tree(file);
+  return file.root->is_map() ? find(false) : nullptr;
+}
+
+/// recognise(), for a file that may be of another kind altogether: which are known is told then.
+const CameraFormatCode& recognise_unknown(CameraText& file) {
+  try {
+    if (const CameraFormatCode* format = recognise(file)) return *format;
+  } catch (const Error& error) {
+    throw Error(error.kind(), error.where(),
+                fmt::format("{}; camera files that are read: {}", error.cause(), titles_of_formats()));
+  }
+  fail_unknown_kind(*file.root);
 }
 
 bool is_blank(std::string_view text) {
@@ -85,33 +95,13 @@ void refuse_binary(const CameraText& file) {
 
 CameraFile read_any(const std::filesystem::path& path, std::vector<std::string>* to_estimate,
                     BeyondOurLenses beyond = BeyondOurLenses::kRefuse) {
-  const CameraText file{path.string(), read_file(path)};
+  CameraText file{path.string(), read_file(path)};
   refuse_binary(file);
   if (is_blank(file.text)) throw invalid_input(file.name, "is empty: a camera file is expected");
-  CameraFile read;
-  const auto take = [&](CameraFormat format, CameraRig rig) {
-    read.format = format;
-    read.rig = std::move(rig);
-    return read;
-  };
-  if (is_ros_ini(file)) return take(CameraFormat::kRosIni, read_ros_ini(file, read.lost));
-  if (is_colmap(file)) return take(CameraFormat::kColmap, read_colmap(file));
-  if (is_mrcal(file)) return take(CameraFormat::kMrcal, read_mrcal(file, beyond, read.lost));
-  const YamlNode root = read_tree_of_unknown(file);
-  if (!root.is_map()) fail_unknown_kind(root);
-  if (is_kalibr_camchain(root)) {
-    return take(CameraFormat::kKalibr,
-                read_kalibr_camchain(root, path.parent_path(), to_estimate, read.lost));
-  }
-  if (has_camera_matrix(root))
-    return take(format_of_matrix_camera(root, file), read_matrix_camera(root, beyond, read.lost));
-  if (is_openicc(root)) return take(CameraFormat::kOpenImuCameraCalibrator, read_openicc(root, read.lost));
-  if (is_euroc_sensor(root)) return take(CameraFormat::kEuroc, read_euroc_sensor(root));
-  if (is_basalt(root)) return take(CameraFormat::kBasalt, read_basalt(root, read.lost));
-  if (is_vins(root)) return take(CameraFormat::kVins, read_vins(root));
-  if (is_orbslam(root)) return take(CameraFormat::kOrbSlam, read_orbslam(root, read.lost));
-  if (is_nerfstudio(root)) return take(CameraFormat::kNerfstudio, read_nerfstudio(root));
-  fail_unknown_kind(root);
+  const CameraFormatCode& format = recognise_unknown(file);
+  CameraReading reading{path.parent_path(), beyond, to_estimate};
+  CameraRig rig = format.read(file, reading);
+  return {format.info.format, std::move(rig), std::move(reading.lost)};
 }
 
 /// Numbers of a smaller picture beside the size of the whole one: the principal point lies off the middle by
@@ -180,18 +170,22 @@ void tell_oddities(const CameraFile& file, const std::string& where, const LogSi
   for (const Camera& camera : file.rig.cameras) warn_of_oddities(camera, where, log);
 }
 
-/// Of a file that is YAML or JSON: its mapping; nullopt of other kinds, which have neither responses nor
-/// topics, and of pipes, which give what they hold but once, to the reader of cameras.
-std::optional<YamlNode> mapping_in(const std::filesystem::path& camera_file) {
+/// Of a file of our own format: its mapping; nullopt of others, which have neither responses nor topics, and
+/// of pipes, which give what they hold but once, to the reader of cameras.
+std::optional<YamlNode> camchain_in(const std::filesystem::path& camera_file) {
   std::error_code ignored;
   if (std::filesystem::is_fifo(camera_file, ignored)) return std::nullopt;
-  const CameraText file{camera_file.string(), read_file(camera_file)};
-  if (is_ros_ini(file) || is_colmap(file) || is_mrcal(file)) return std::nullopt;
-  const YamlNode root = read_tree(file);
-  return root.is_map() ? std::optional(root) : std::nullopt;
+  CameraText file{camera_file.string(), read_file(camera_file)};
+  const CameraFormatCode* format = recognise(file);
+  return format && format->info.format == CameraFormat::kKalibr ? file.root : std::nullopt;
 }
 
 }  // namespace
+
+bool is_kalibr_camchain(const CameraText& file) {
+  return std::ranges::any_of(file.root->entries(),
+                             [](const auto& entry) { return is_camera_name(entry.first); });
+}
 
 CameraFile read_camera_file(const std::filesystem::path& path, const LogSink& log, BeyondOurLenses beyond) {
   std::vector<std::string> to_estimate;
@@ -217,9 +211,9 @@ UnestimatedRig read_cameras_to_estimate(const std::filesystem::path& path, const
 }
 
 std::map<std::string, std::string> ros_topics(const std::filesystem::path& camera_file) {
-  const auto root = mapping_in(camera_file);
+  const auto root = camchain_in(camera_file);
   std::map<std::string, std::string> topics;
-  if (!root || !is_kalibr_camchain(*root)) return topics;
+  if (!root) return topics;
   for (const auto& [key, camera] : root->entries()) {
     const auto topic = is_camera_name(key) && camera.is_map() ? camera.find("rostopic") : std::nullopt;
     if (!topic || !topic->is_scalar() || topic->is_null()) continue;
@@ -230,7 +224,7 @@ std::map<std::string, std::string> ros_topics(const std::filesystem::path& camer
 }
 
 std::vector<std::filesystem::path> response_tables(const std::filesystem::path& camera_file) {
-  const auto root = mapping_in(camera_file);
+  const auto root = camchain_in(camera_file);
   std::vector<std::filesystem::path> tables;
   if (!root) return tables;
   for (const auto& [key, camera] : root->entries()) {

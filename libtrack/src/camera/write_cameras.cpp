@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
-#include <system_error>
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/camera.h"
+#include "apriltrack/camera/response_tables.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/io/quoted_text.h"
+#include "apriltrack/io/staged_files.h"
 #include "camera_fields.h"
 
 namespace apriltrack {
@@ -19,20 +22,27 @@ std::string flow_list(const Numbers& numbers) {
   return "[" + text + "]";
 }
 
-/// A table goes beside the camera file: camera.yaml -> camera_cam0_response.txt.
-std::string write_response(const Camera& camera, const std::filesystem::path& path) {
-  if (camera.response.name() != "table") return camera.response.name();
-  std::error_code ignored;
-  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
-    throw invalid_input(
-        path.string(),
-        fmt::format("the response table of camera '{}' goes into a file beside the camera file, and "
-                    "nothing goes beside what is no regular file: name a file",
-                    camera.name));
-  }
-  const std::string name = fmt::format("{}_{}_response.txt", path.stem().string(), camera.name);
-  write_file_atomically(path.parent_path() / name, format_response_table(camera.response));
-  return name;
+bool has_table(const Camera& camera) {
+  return camera.response_origin != ResponseOrigin::kAssumed && camera.response.name() == "table";
+}
+
+/// camera.yaml -> camera_cam0_response.txt, by its last name, wherever the camera file is written first.
+std::string name_of_table(const std::filesystem::path& path, const Camera& camera) {
+  return fmt::format("{}_{}_response.txt", path.stem().string(), camera.name);
+}
+
+/// Quoted, since a name may hold what YAML takes for a comment; "./" lest one be read as gamma:G.
+std::string response_text(const Camera& camera, const std::filesystem::path& path) {
+  return has_table(camera) ? quoted_text("./" + name_of_table(path, camera)) : camera.response.name();
+}
+
+void refuse_table_beside_device(const std::filesystem::path& path, const CameraRig& rig) {
+  const auto camera = std::ranges::find_if(rig.cameras, has_table);
+  if (camera == rig.cameras.end() || !is_written_directly(path)) return;
+  throw invalid_input(
+      path.string(), fmt::format("the response table of camera '{}' goes into a file beside the camera file, "
+                                 "and nothing goes beside what is no regular file: name a file",
+                                 camera->name));
 }
 
 /// key: cam0, cam1, ..., whatever the camera is called.
@@ -53,7 +63,7 @@ std::string camera_text(const std::string& key, const Camera& camera, const std:
   text += fmt::format("  line_delay: {}\n", format_exact(camera.line_delay_s));
   if (camera.response_origin != ResponseOrigin::kAssumed)
     text += fmt::format(
-        "  response: {}{}\n", write_response(camera, path),
+        "  response: {}{}\n", response_text(camera, path),
         camera.response_origin == ResponseOrigin::kEstimated ? "  # estimated from pictures of tags" : "");
   if (camera.T_this_previous) {
     const Eigen::Matrix4d matrix = camera.T_this_previous->matrix();
@@ -63,9 +73,7 @@ std::string camera_text(const std::string& key, const Camera& camera, const std:
   return text;
 }
 
-}  // namespace
-
-void write_cameras(const std::filesystem::path& path, const CameraRig& rig) {
+void check_rig(const std::filesystem::path& path, const CameraRig& rig) {
   if (rig.cameras.empty()) throw invalid_input(path.string(), "there is no camera to write");
   std::set<std::string> names;
   for (const Camera& camera : rig.cameras) {
@@ -76,10 +84,38 @@ void write_cameras(const std::filesystem::path& path, const CameraRig& rig) {
       throw invalid_input(path.string(), fmt::format("two cameras are called '{}'", camera.name));
     require_resolution(camera, path);
   }
+  refuse_table_beside_device(path, rig);
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> response_tables_to_write(const std::filesystem::path& camera_file,
+                                                            const CameraRig& rig) {
+  std::vector<std::filesystem::path> tables;
+  for (const Camera& camera : rig.cameras) {
+    if (has_table(camera)) tables.push_back(camera_file.parent_path() / name_of_table(camera_file, camera));
+  }
+  return tables;
+}
+
+void write_cameras(StagedFiles& files, const std::filesystem::path& path, const CameraRig& rig) {
+  check_rig(path, rig);
   std::string text;
-  for (std::size_t i = 0; i < rig.cameras.size(); ++i)
-    text += camera_text(fmt::format("cam{}", i), rig.cameras[i], path);
-  write_file_atomically(path, text);
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    const Camera& camera = rig.cameras[i];
+    text += camera_text(fmt::format("cam{}", i), camera, path);
+    if (!has_table(camera)) continue;
+    files.write(path.parent_path() / name_of_table(path, camera), [&](const auto& place) {
+      write_file_atomically(place, format_response_table(camera.response));
+    });
+  }
+  files.write(path, [&](const auto& place) { write_file_atomically(place, text); });
+}
+
+void write_cameras(const std::filesystem::path& path, const CameraRig& rig) {
+  StagedFiles files;
+  write_cameras(files, path, rig);
+  files.commit();
 }
 
 }  // namespace apriltrack

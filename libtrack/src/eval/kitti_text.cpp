@@ -8,7 +8,7 @@
 #include <array>
 
 #include "apriltrack/base/error.h"
-#include "apriltrack/geometry/rotation.h"
+#include "apriltrack/geometry/rounded_rotation.h"
 #include "apriltrack/io/numbers.h"
 #include "trajectory_lines.h"
 #include "trajectory_texts.h"
@@ -27,13 +27,11 @@ std::string column_name(std::size_t i) {
 
 /// The nearest rotation, for the numbers are rounded.
 Eigen::Matrix3d rotation_of(const Eigen::Matrix3d& matrix, const std::string& where) {
-  const double error = (matrix.transpose() * matrix - Eigen::Matrix3d::Identity()).norm();
-  if (!(error <= kMostRotationError) || matrix.determinant() < 0.0)
-    throw invalid_input(
-        where, fmt::format("r11 to r33 are no rotation matrix, by rows (determinant {:.4g}, its transpose "
-                           "times itself is off the identity by {:.4g})",
-                           matrix.determinant(), error));
-  return nearest_rotation(matrix);
+  if (const auto rotation = rounded_rotation(matrix, kMostRotationError)) return *rotation;
+  throw invalid_input(where,
+                      fmt::format("r11 to r33 are no rotation matrix, by rows (determinant {:.4g}, R R^T "
+                                  "is off the identity by up to {:.4g})",
+                                  matrix.determinant(), rotation_defect(matrix)));
 }
 
 Pose kitti_pose_of(const ContentLine& line, const std::string& name) {

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "apriltrack/base/error.h"
+#include "apriltrack/geometry/rounded_rotation.h"
 
 namespace apriltrack {
 namespace {
@@ -17,7 +16,7 @@ constexpr double kMaxQuaternionLengthError = 0.05;
 Pose pose_of_columns(const std::array<double, kPoseColumns.size()>& values, const std::string& where) {
   const auto& [tx, ty, tz, qx, qy, qz, qw] = values;
   const Eigen::Quaterniond rotation(qw, qx, qy, qz);
-  if (!(std::abs(rotation.norm() - 1.0) <= kMaxQuaternionLengthError)) {
+  if (!is_rounded_rotation(rotation, kMaxQuaternionLengthError)) {
     throw invalid_input(
         where, fmt::format("qx qy qz qw: length of the quaternion must be 1 (is {:.4g})", rotation.norm()));
   }

@@ -7,7 +7,6 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/input_file.h"
-#include "apriltrack/io/lower_case.h"
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/io/staged_files.h"
 #include "trajectory_lines.h"
@@ -17,7 +16,10 @@ namespace apriltrack {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::string_view kKittiText = "kitti.txt";
+constexpr NameEnding kTum[] = {{".tum", true}};
+// Tables by commas are many programs', and so are texts.
+constexpr NameEnding kCsv[] = {{".csv", true, true}};
+constexpr NameEnding kKitti[] = {{".kitti", true}, {"kitti.txt", true, true}};
 
 TrajectoryFormat format_of(std::string_view text) {
   if (has_kitti_columns(text)) return TrajectoryFormat::kKitti;
@@ -93,9 +95,9 @@ Trajectory read_as(TrajectoryFormat format, const fs::path& path, std::string_vi
 
 const std::vector<TrajectoryFormatInfo>& trajectory_formats() {
   static const std::vector<TrajectoryFormatInfo> formats = {
-      {TrajectoryFormat::kTum, "tum", "TUM trajectory", ".tum"},
-      {TrajectoryFormat::kEuroc, "euroc", "EuRoC trajectory (.csv)", ".csv"},
-      {TrajectoryFormat::kKitti, "kitti", "file of KITTI's poses", ".kitti"}};
+      {TrajectoryFormat::kTum, "tum", "TUM trajectory", ".tum", kTum},
+      {TrajectoryFormat::kEuroc, "euroc", "EuRoC trajectory (.csv)", ".csv", kCsv},
+      {TrajectoryFormat::kKitti, "kitti", "file of KITTI's poses", ".kitti", kKitti}};
   return formats;
 }
 
@@ -110,10 +112,7 @@ std::optional<TrajectoryFormat> trajectory_format_named(std::string_view name) {
 }
 
 std::optional<TrajectoryFormat> trajectory_format_of_ending(const fs::path& path) {
-  if (lower_case(path.filename().string()).ends_with(kKittiText)) return TrajectoryFormat::kKitti;
-  for (const TrajectoryFormatInfo& info : trajectory_formats())
-    if (lower_case_ending(path) == info.ending) return info.format;
-  return std::nullopt;
+  return format_of_ending(trajectory_formats(), path);
 }
 
 TrajectoryReading read_trajectory_file(const fs::path& path, const TrajectoryReadOptions& options) {

@@ -49,7 +49,7 @@ std::vector<std::string_view> split_commas(std::string_view text) {
 
 std::string without_exponent(std::string_view number) {
   const std::size_t e = number.find_first_of("eE");
-  if (e == std::string_view::npos) return std::string(number);
+  if (e == std::string_view::npos || !parse_double(number)) return std::string(number);
   const auto exponent = parse_integer(number.substr(e + 1));
   if (!exponent || std::abs(*exponent) > 18) return std::string(number);
   std::string mantissa(number.substr(0, e));

@@ -23,8 +23,8 @@ std::vector<std::string_view> split_blanks(std::string_view text);
 /// Fields between commas, without blanks around them.
 std::vector<std::string_view> split_commas(std::string_view text);
 
-/// "1.4036365797e+09" as "1403636579.7": the point is moved in the text, so that no digit is lost. What has
-/// no exponent, or none that can be meant, stays as it is.
+/// "1.4036365797e+09" as "1403636579.7": the point is moved in the text, so that no digit is lost. What is
+/// no number, or has no exponent, or none that can be meant, stays as it is.
 std::string without_exponent(std::string_view number);
 
 /// Throws Error(kInvalidInput) that names the column unless the field is a finite number.

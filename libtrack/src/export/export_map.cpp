@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <system_error>
+#include <utility>
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
@@ -19,17 +20,36 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<ExportFormatInfo, 8> kExportFormats = {
-    {{ExportFormat::kGltf, "gltf", "glTF scene", ".gltf"},
-     {ExportFormat::kGlb, "glb", "binary glTF scene", ".glb"},
-     {ExportFormat::kUrdf, "urdf", "URDF robot", ".urdf"},
-     {ExportFormat::kSdf, "sdf", "SDFormat model", ".sdf"},
-     {ExportFormat::kColmap, "colmap", "COLMAP text model", "", true},
-     {ExportFormat::kG2o, "g2o", "g2o graph", ".g2o"},
-     {ExportFormat::kCornersCsv, "corners-csv", "table of corners (CSV)", ""},
-     {ExportFormat::kCornersJson, "corners-json", "table of corners (JSON)", ""}}};
+constexpr NameEnding kGltf[] = {{".gltf", true}};
+constexpr NameEnding kGlb[] = {{".glb", true}};
+constexpr NameEnding kUrdf[] = {{".urdf", true}};
+constexpr NameEnding kSdf[] = {{".sdf", true}};
+constexpr NameEnding kG2o[] = {{".g2o", true}};
+constexpr NameEnding kCsv[] = {{".csv"}};
+constexpr NameEnding kJson[] = {{".json"}};
 
-std::vector<ExportedFile> files_of(const TagMap& map, ExportFormat format) {
+constexpr std::array<ExportFormatInfo, 8> kExportFormats = {
+    {{ExportFormat::kGltf, "gltf", "glTF scene", kGltf},
+     {ExportFormat::kGlb, "glb", "binary glTF scene", kGlb},
+     {ExportFormat::kUrdf, "urdf", "URDF robot", kUrdf},
+     {ExportFormat::kSdf, "sdf", "SDFormat model", kSdf},
+     {ExportFormat::kColmap, "colmap", "COLMAP text model", {}, true},
+     {ExportFormat::kG2o, "g2o", "g2o graph", kG2o},
+     {ExportFormat::kCornersCsv, "corners-csv", "table of corners (CSV)", kCsv},
+     {ExportFormat::kCornersJson, "corners-json", "table of corners (JSON)", kJson}}};
+
+/// Where a covariance has no inverse, g2o's information cannot tell it.
+std::string g2o_text_of(const TagMap& map, std::vector<ConversionLoss>& losses) {
+  std::vector<std::string> left_out;
+  std::string text = g2o_text(map, left_out);
+  if (!left_out.empty())
+    losses.push_back(
+        {.kind = LossKind::kCovariance, .which = std::move(left_out), .value = "they have no inverse"});
+  return text;
+}
+
+std::vector<ExportedFile> files_of(const TagMap& map, ExportFormat format,
+                                   std::vector<ConversionLoss>& losses) {
   switch (format) {
     case ExportFormat::kGltf:
       return {{"", gltf_text(map)}};
@@ -42,7 +62,7 @@ std::vector<ExportedFile> files_of(const TagMap& map, ExportFormat format) {
     case ExportFormat::kColmap:
       return colmap_files(map);
     case ExportFormat::kG2o:
-      return {{"", g2o_text(map)}};
+      return {{"", g2o_text_of(map, losses)}};
     case ExportFormat::kCornersCsv:
       return {{"", corners_csv(map)}};
     case ExportFormat::kCornersJson:
@@ -77,7 +97,8 @@ std::optional<ExportFormat> export_format_named(std::string_view name) {
 }
 
 MapExport export_tag_map(const TagMap& map, ExportFormat format) {
-  MapExport result{files_of(map, format), {}};
+  MapExport result;
+  result.files = files_of(map, format, result.losses);
   add_left_out(map, holdings_of(format), result.losses);
   const bool has_plain_names = format == ExportFormat::kUrdf || format == ExportFormat::kSdf;
   if (const std::string name = plain_frame_name(map); has_plain_names && name != map.frame)

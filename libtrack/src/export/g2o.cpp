@@ -41,7 +41,7 @@ std::optional<std::string> g2o_information(const Matrix6d& covariance) {
 
 }  // namespace
 
-std::string g2o_text(const TagMap& map) {
+std::string g2o_text(const TagMap& map, std::vector<std::string>& left_out) {
   const std::vector<int> ids = vertex_ids(map);
   const int root = *std::ranges::max_element(ids) + 1;
   std::string vertices = fmt::format("VERTEX_SE3:QUAT {} 0 0 0 0 0 0 1\nFIX {}\n", root, root);
@@ -56,6 +56,8 @@ std::string g2o_text(const TagMap& map) {
           fmt::format("EDGE_SE3:QUAT {} {} {}{}\n", root, ids[i], exact_numbers(tag.T_map_tag), *information);
     else if (tag.covariance->isZero(0.0))
       vertices += fmt::format("FIX {}\n", ids[i]);
+    else
+      left_out.push_back(to_string(tag.key));
   }
   return fmt::format(
       "# Tags of frame {}, T_map_tag; {} is the map's frame. Edges: covariances, where they are "

@@ -59,6 +59,10 @@ std::optional<MapFormat> map_format_named(std::string_view name) {
   return found == map_formats().end() ? std::nullopt : std::optional(found->format);
 }
 
+std::optional<MapFormat> map_format_of_ending(const std::filesystem::path& path) {
+  return format_of_ending(map_formats(), path);
+}
+
 namespace {
 
 /// Who chooses a bundle means it.

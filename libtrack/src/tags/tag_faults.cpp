@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "apriltrack/geometry/rounded_rotation.h"
 #include "apriltrack/tags/tag_family.h"
 #include "apriltrack/tags/tag_key_fault.h"
 #include "family_source.h"
@@ -37,10 +38,9 @@ std::optional<std::string> fault_of_coordinate(double position_m) {
 }
 
 std::optional<std::string> fault_of_quaternion(const Eigen::Quaterniond& rotation) {
-  const double norm = rotation.coeffs().stableNorm();
-  if (std::abs(norm - 1.0) <= kMaxQuaternionNormError) return std::nullopt;  // false for NaN
+  if (is_rounded_rotation(rotation, kMaxQuaternionNormError)) return std::nullopt;
   return fmt::format("must be a quaternion of length 1, within {} (has length {:.6g})",
-                     kMaxQuaternionNormError, norm);
+                     kMaxQuaternionNormError, rotation.coeffs().stableNorm());
 }
 
 std::optional<std::string> fault_of_id(const TagKey& key) {

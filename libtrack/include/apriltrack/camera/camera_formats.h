@@ -10,6 +10,7 @@
 #include "apriltrack/base/log.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/io/conversion_loss.h"
+#include "apriltrack/io/name_ending.h"
 
 namespace apriltrack {
 
@@ -36,6 +37,7 @@ struct CameraFormatInfo {
   std::string_view name;   ///< On the command line: "ros".
   std::string_view title;  ///< In sentences: "ROS camera_info YAML".
   bool is_written;
+  std::span<const NameEnding> endings = {};
 };
 
 /// All formats; every one is read.
@@ -43,8 +45,7 @@ std::span<const CameraFormatInfo> camera_formats();
 const CameraFormatInfo& info_of(CameraFormat format);
 /// The format of a name, if it is one.
 std::optional<CameraFormat> camera_format_named(std::string_view name);
-/// What a file to write is by the ending of its name: .yaml and .yml are Kalibr's, .cameramodel mrcal's, .txt
-/// COLMAP's; nullopt where the ending does not tell (.json).
+/// What a file to write is by the ending of its name; nullopt where that does not tell (.json).
 std::optional<CameraFormat> camera_format_of_ending(const std::filesystem::path& path);
 
 /// A camera file as it was read.

@@ -2,12 +2,14 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "apriltrack/eval/trajectory.h"
 #include "apriltrack/io/conversion_loss.h"
+#include "apriltrack/io/name_ending.h"
 
 namespace apriltrack {
 
@@ -24,7 +26,8 @@ struct TrajectoryFormatInfo {
   TrajectoryFormat format = TrajectoryFormat::kTum;
   std::string_view name;    ///< "tum", "euroc", "kitti".
   std::string_view title;   ///< For messages: "EuRoC trajectory (.csv)".
-  std::string_view ending;  ///< ".tum"
+  std::string_view ending;  ///< ".tum": of a file that is given a name.
+  std::span<const NameEnding> endings = {};
 };
 
 /// All there are, in the order of the enum.

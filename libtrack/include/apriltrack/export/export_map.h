@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apriltrack/io/conversion_loss.h"
+#include "apriltrack/io/name_ending.h"
 #include "apriltrack/tags/tag_map.h"
 
 namespace apriltrack {
@@ -26,9 +27,9 @@ enum class ExportFormat {
 
 struct ExportFormatInfo {
   ExportFormat format;
-  std::string_view name;    ///< As `--to` takes it: "gltf".
-  std::string_view title;   ///< In a sentence: "glTF scene".
-  std::string_view ending;  ///< ".gltf"; empty where the name says nothing, or a folder is written.
+  std::string_view name;   ///< As `--to` takes it: "gltf".
+  std::string_view title;  ///< In a sentence: "glTF scene".
+  std::span<const NameEnding> endings = {};
   bool is_folder = false;
 };
 

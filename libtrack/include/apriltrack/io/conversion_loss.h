@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,13 +25,15 @@ enum class LossKind {
   kExtensions,   ///< `x_...` keys [value: their names].
   kForeignKeys,  ///< Keys of the other format that a map has no place for [value: their names].
   // of a camera
-  kResolution,      ///< [value: "640 x 480".]
-  kResponse,        ///< [value: its name; "auto" where it was to be estimated.]
-  kExposure,        ///< [numbers: seconds.]
-  kLineDelay,       ///< [numbers: seconds per row.]
-  kExtrinsics,      ///< The place of a camera on its rig, relative to the IMU or in a reference frame [value:
-                    ///< what states it].
-  kNames,           ///< What a camera is called [value: what it is called instead].
+  kResolution,     ///< [value: "640 x 480".]
+  kResponse,       ///< [value: its name; "auto" where it was to be estimated.]
+  kExposure,       ///< [numbers: seconds.]
+  kLineDelay,      ///< [numbers: seconds per row.]
+  kExtrinsics,     ///< The place of a camera on its rig, relative to the IMU or in a reference frame [value:
+                   ///< what states it; numbers: of a stereo pair's second camera, metres to the right of the
+                   ///< first, and below].
+  kRectification,  ///< How pictures are rectified: a rotation, or another projection [value: what states it].
+  kNames,          ///< What a camera is called [value: what it is called instead].
   kFurtherCameras,  ///< All but one camera of a rig.
   kSkew,        ///< Axes of the picture that are not at a right angle [value: where it stands; numbers: the
                 ///< skew in pixels, and how far it moves points at most].
@@ -38,11 +41,19 @@ enum class LossKind {
                 ///< numbers: of coefficients, largest and RMS error of the fit in pixels].
   kUnreadLens,  ///< Written, and read by us, but not by the program whose format it is [numbers: of
                 ///< coefficients, and what that program takes at most].
+  kCameraKeys,  ///< Keys of other programs, or of the file's owner, that are not for AprilTrack [value: their
+                ///< names].
   // of a trajectory
   kTimes,       ///< Of the poses [value: the file that has them, or the rate].
   kVelocities,  ///< Of the origin of the moving frame.
   kBiases,      ///< Of an IMU.
 };
+
+/// What a kind is about.
+enum class LossSubject { kMap, kCamera, kTrajectory };
+
+/// All kinds.
+std::span<const LossKind> loss_kinds();
 
 /// What became of it.
 enum class LossHow {
@@ -64,6 +75,7 @@ struct ConversionLoss {
 
 /// "sizes", "frame_name", "line_delay", ...: the word for machines.
 std::string_view to_string(LossKind kind);
+LossSubject subject_of(LossKind kind);
 /// "left_out", "assumed", "given", "converted", "unknown".
 std::string_view to_string(LossHow how);
 

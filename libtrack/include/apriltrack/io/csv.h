@@ -23,6 +23,8 @@ class CsvTable {
                             const std::vector<std::string>& required_columns);
 
   std::size_t num_rows() const { return lines_.size(); }
+  /// Names, in the file's order.
+  const std::vector<std::string>& columns() const { return header_; }
   bool has_column(std::string_view name) const { return column(name).has_value(); }
 
   /// The field as it stands, without blanks around it. Requires that the column exists.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apriltrack/io/conversion_loss.h"
+#include "apriltrack/io/name_ending.h"
 #include "apriltrack/tags/tag_map.h"
 #include "apriltrack/tags/tag_sizes.h"
 
@@ -33,12 +34,15 @@ struct MapFormatInfo {
   std::string_view name;    ///< As `--to` takes it: "wpilib".
   std::string_view title;   ///< In a sentence: "WPILib field layout (JSON)".
   std::string_view marker;  ///< By what it is recognised, for people.
+  std::span<const NameEnding> endings = {};
 };
 
 std::span<const MapFormatInfo> map_formats();
 const MapFormatInfo& info_of(MapFormat format);
 /// nullopt where there is none of that name.
 std::optional<MapFormat> map_format_named(std::string_view name);
+/// What a file to write is by the ending of its name; nullopt where that does not tell (.json, .csv).
+std::optional<MapFormat> map_format_of_ending(const std::filesystem::path& path);
 
 /// Of a sports field, along x and along y.
 struct FieldSize {

@@ -4,9 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "../camera_fields.h"
+#include "apriltrack/geometry/rounded_rotation.h"
 #include "formats.h"
 
 namespace apriltrack {
@@ -42,7 +41,7 @@ Pose read_pose_of_basalt(const YamlNode& node) {
   const std::vector<double> p = values_of_basalt(node, {"px", "py", "pz"}),
                             q = values_of_basalt(node, {"qw", "qx", "qy", "qz"});
   const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
-  if (!(std::abs(rotation.norm() - 1.0) <= kMostLengthError))
+  if (!is_rounded_rotation(rotation, kMostLengthError))
     node.fail(fmt::format("length of the quaternion must be 1 (is {:.4g})", rotation.norm()));
   return {rotation.normalized(), Eigen::Vector3d(p[0], p[1], p[2])};
 }
@@ -60,13 +59,13 @@ std::vector<Pose> read_places_of_basalt(const YamlNode& root, std::size_t count)
 
 }  // namespace
 
-bool is_basalt(const YamlNode& root) {
-  const auto value = root.find("value0");
+bool is_basalt(const CameraText& file) {
+  const auto value = file.root->find("value0");
   return value && value->is_map() && value->find("intrinsics");
 }
 
-CameraRig read_basalt(const YamlNode& root, std::vector<ConversionLoss>& lost) {
-  const YamlNode value = root.at("value0");
+CameraRig read_basalt(const CameraText& file, CameraReading& reading) {
+  const YamlNode value = file.root->at("value0");
   const std::vector<YamlNode> cameras = value.at("intrinsics").items();
   const std::vector<YamlNode> sizes = value.at("resolution").items();
   if (cameras.empty()) value.at("intrinsics").fail("has no camera");
@@ -86,8 +85,10 @@ CameraRig read_basalt(const YamlNode& root, std::vector<ConversionLoss>& lost) {
     if (i > 0) camera.T_this_previous = T_imu_cam[i].inverse() * T_imu_cam[i - 1];
     rig.cameras.push_back(camera);
   }
-  if (!T_imu_cam.empty())
-    lost.push_back({.kind = LossKind::kExtrinsics, .which = {"cam0"}, .value = "T_imu_cam"});
+  const std::string& first = rig.cameras.front().name;
+  if (!T_imu_cam.empty()) note_place(value, "T_imu_cam", first, reading.lost);
+  if (const auto offset = value.find("cam_time_offset_ns"); offset && offset->as_double() != 0.0)
+    note_place(value, "cam_time_offset_ns", first, reading.lost);
   return rig;
 }
 

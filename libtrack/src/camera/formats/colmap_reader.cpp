@@ -73,7 +73,7 @@ bool is_colmap(const CameraText& file) {
   return words.size() >= 3 && parse_integer(words[0]) && is_model_word(words[1]) && parse_integer(words[2]);
 }
 
-CameraRig read_colmap(const CameraText& file) {
+CameraRig read_colmap(const CameraText& file, CameraReading&) {
   CameraRig rig;
   for (const TextLine& line : content_lines(file.text, file.name)) {
     rig.cameras.push_back(read_camera_line(line));

@@ -7,6 +7,7 @@
 #include "../camera_fields.h"
 #include "apriltrack/camera/sensor_window.h"
 #include "formats.h"
+#include "rectification.h"
 
 namespace apriltrack {
 namespace {
@@ -25,6 +26,8 @@ constexpr std::string_view kCoefficientNames[] = {"distortion_coefficients",
 // PhotonVision/photonvision: photon-core CameraCalibrationCoefficients.java, where "cameraExtrinsics" is an
 // alias of distCoeffs: the key that its versions until 2023 wrote. In other files it would be a pose.
 constexpr std::string_view kPhotonVisionCoefficientNames[] = {"distCoeffs", "cameraExtrinsics"};
+constexpr std::string_view kRectificationNames[] = {"rectification_matrix", "R", "r"};
+constexpr std::string_view kProjectionNames[] = {"projection_matrix", "P", "p"};
 constexpr std::string_view kWidthNames[] = {"image_width", "image_Width", "width"};
 constexpr std::string_view kHeightNames[] = {"image_height", "image_Height", "height"};
 
@@ -117,9 +120,10 @@ bool has_any(const YamlNode& root, std::initializer_list<std::string_view> keys)
   return std::ranges::any_of(keys, [&](std::string_view key) { return root.find(key).has_value(); });
 }
 
-}  // namespace
-
-CameraFormat format_of_matrix_camera(const YamlNode& root, const CameraText& file) {
+/// Nullopt where there is no camera matrix.
+std::optional<CameraFormat> format_of_matrix_camera(const CameraText& file) {
+  const YamlNode& root = *file.root;
+  if (!find_any(root, kMatrixNames)) return std::nullopt;
   if (root.find("cameraIntrinsics")) return CameraFormat::kPhotonVision;
   if (has_any(root,
               {"rectification_matrix", "projection_matrix", "distortion_model", "binning_x", "header"}) &&
@@ -132,27 +136,52 @@ CameraFormat format_of_matrix_camera(const YamlNode& root, const CameraText& fil
   return is_json && !is_of_opencv ? CameraFormat::kWpilib : CameraFormat::kOpenCv;
 }
 
-bool has_camera_matrix(const YamlNode& root) {
-  return find_any(root, kMatrixNames).has_value();
+/// What ROS says beside the lens: the camera's name, or that of its frame, and how its pictures are
+/// rectified.
+void note_facts_of_ros(const YamlNode& root, const Pinhole& pinhole, std::vector<ConversionLoss>& lost) {
+  const auto header = root.find("header");
+  auto name = root.find("camera_name");
+  if (!name && header && header->is_map()) name = header->find("frame_id");
+  if (name && name->is_scalar() && !name->is_null()) note_name(name->as_string(), lost);
+  note_rectification(find_any(root, kRectificationNames), find_any(root, kProjectionNames), pinhole, lost);
 }
 
-CameraRig read_matrix_camera(const YamlNode& root, BeyondOurLenses beyond,
-                             std::vector<ConversionLoss>& lost) {
+}  // namespace
+
+bool is_ros_camera_info(const CameraText& file) {
+  return format_of_matrix_camera(file) == CameraFormat::kRosCameraInfo;
+}
+
+bool is_opencv(const CameraText& file) {
+  return format_of_matrix_camera(file) == CameraFormat::kOpenCv;
+}
+
+bool is_wpilib(const CameraText& file) {
+  return format_of_matrix_camera(file) == CameraFormat::kWpilib;
+}
+
+bool is_photonvision(const CameraText& file) {
+  return format_of_matrix_camera(file) == CameraFormat::kPhotonVision;
+}
+
+CameraRig read_matrix_camera(const CameraText& file, CameraReading& reading) {
+  const YamlNode& root = *file.root;
   check_lens_model(root);
   const YamlNode matrix = *find_any(root, kMatrixNames);
   const SkewedPinhole lens = read_pinhole_matrix(matrix);
   const auto node = find_coefficients(root);
   const std::vector<double> coefficients =
       node && !is_fisheye_file(root) ? read_matrix_data(*node) : std::vector<double>{};
-  Camera camera{
-      .model = has_further_terms(coefficients)
-                   ? lens_of_further_terms(lens.pinhole, coefficients, *node, read_size(root), beyond, lost)
-                   : CameraModel(lens.pinhole, read_lens(root)),
-      .response_origin = ResponseOrigin::kAssumed};
+  Camera camera{.model = has_further_terms(coefficients)
+                             ? lens_of_further_terms(lens.pinhole, coefficients, *node, read_size(root),
+                                                     reading.beyond, reading.lost)
+                             : CameraModel(lens.pinhole, read_lens(root)),
+                .response_origin = ResponseOrigin::kAssumed};
   const Resolution size = read_size(root);
   camera.width = size.width;
   camera.height = size.height;
-  pass_over_skew(lens.skew_px, camera, matrix, lost);
+  pass_over_skew(lens.skew_px, camera, matrix, reading.lost);
+  if (is_ros_camera_info(file)) note_facts_of_ros(root, lens.pinhole, reading.lost);
   return {{camera_of_window(camera, read_window(root))}};
 }
 

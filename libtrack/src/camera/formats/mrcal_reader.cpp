@@ -97,14 +97,14 @@ bool is_mrcal(const CameraText& file) {
   return has("imagersize") && (has("lensmodel") || has("distortion_model"));
 }
 
-CameraRig read_mrcal(const CameraText& file, BeyondOurLenses beyond, std::vector<ConversionLoss>& lost) {
+CameraRig read_mrcal(const CameraText& file, CameraReading& reading) {
   const YamlNode root = YamlNode::read_text(without_bytes(file.text), file.name);
   const Resolution size = read_resolution_list(root.at("imagersize"));
-  const Camera camera{.model = read_lens_of_mrcal(root, size, beyond, lost),
+  const Camera camera{.model = read_lens_of_mrcal(root, size, reading.beyond, reading.lost),
                       .width = size.width,
                       .height = size.height,
                       .response_origin = ResponseOrigin::kAssumed};
-  note_place_in_reference(root, lost);
+  note_place_in_reference(root, reading.lost);
   return {{camera}};
 }
 

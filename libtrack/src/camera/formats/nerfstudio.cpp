@@ -46,14 +46,26 @@ Distortion read_lens_of_nerfstudio(const YamlNode& root) {
   return RadtanDistortion({k("k1"), k("k2"), k("p1"), k("p2"), k("k3")});
 }
 
+/// Each frame has the camera's pose, which a camera file of ours has not.
+void note_frames(const YamlNode& root, std::vector<ConversionLoss>& lost) {
+  const auto frames = root.find("frames");
+  if (!frames || !frames->is_list()) return;
+  for (const YamlNode& frame : frames->items()) {
+    if (!frame.is_map() || !frame.find("transform_matrix")) continue;
+    return note_place(frame, "transform_matrix", "cam0", lost);
+  }
+}
+
 }  // namespace
 
-bool is_nerfstudio(const YamlNode& root) {
+bool is_nerfstudio(const CameraText& file) {
+  const YamlNode& root = *file.root;
   return root.find("fl_x") || root.find("camera_angle_x") ||
          (root.find("frames") && root.find("camera_model"));
 }
 
-CameraRig read_nerfstudio(const YamlNode& root) {
+CameraRig read_nerfstudio(const CameraText& file, CameraReading& reading) {
+  const YamlNode& root = *file.root;
   if (!root.find("fl_x"))
     root.fail(
         "'fl_x' is missing at the top level: a file whose frames have cameras of their own, or that tells a "
@@ -62,6 +74,7 @@ CameraRig read_nerfstudio(const YamlNode& root) {
                                           root.at("cx").as_double() - kColmapPixelOffset_px,
                                           root.at("cy").as_double() - kColmapPixelOffset_px, root);
   const Resolution size = read_resolution(root.at("w"), root.at("h"));
+  note_frames(root, reading.lost);
   return {{Camera{.model = CameraModel(pinhole, read_lens_of_nerfstudio(root)),
                   .width = size.width,
                   .height = size.height,

@@ -37,11 +37,12 @@ Distortion read_lens_of_theia(const YamlNode& type, const YamlNode& node) {
 
 }  // namespace
 
-bool is_openicc(const YamlNode& root) {
-  return root.find("intrinsic_type") && root.find("intrinsics");
+bool is_openicc(const CameraText& file) {
+  return file.root->find("intrinsic_type") && file.root->find("intrinsics");
 }
 
-CameraRig read_openicc(const YamlNode& root, std::vector<ConversionLoss>& lost) {
+CameraRig read_openicc(const CameraText& file, CameraReading& reading) {
+  const YamlNode& root = *file.root;
   const YamlNode node = root.at("intrinsics");
   const double focal_px = node.at("focal_length").as_double();
   const Pinhole pinhole =
@@ -52,7 +53,7 @@ CameraRig read_openicc(const YamlNode& root, std::vector<ConversionLoss>& lost) 
   const Resolution size = read_resolution(root.at("image_width"), root.at("image_height"));
   camera.width = size.width;
   camera.height = size.height;
-  if (const auto skew = node.find("skew")) pass_over_skew(skew->as_double(), camera, *skew, lost);
+  if (const auto skew = node.find("skew")) pass_over_skew(skew->as_double(), camera, *skew, reading.lost);
   return {{camera}};
 }
 

@@ -66,17 +66,23 @@ void refuse_rectified_by_orbslam(const YamlNode& root) {
 
 }  // namespace
 
-bool is_orbslam(const YamlNode& root) {
-  return root.find("Camera.fx") || root.find("Camera1.fx");
+bool is_orbslam(const CameraText& file) {
+  return file.root->find("Camera.fx") || file.root->find("Camera1.fx");
 }
 
-CameraRig read_orbslam(const YamlNode& root, std::vector<ConversionLoss>& lost) {
+CameraRig read_orbslam(const CameraText& file, CameraReading& reading) {
+  const YamlNode& root = *file.root;
   refuse_rectified_by_orbslam(root);
   CameraRig rig{{read_camera_of_orbslam(root, root.find("Camera1.fx") ? "Camera1." : "Camera.")}};
-  if (!root.find("Camera2.fx")) return rig;
-  rig.cameras.push_back(read_camera_of_orbslam(root, "Camera2."));
-  rig.cameras.back().name = "cam1";
-  lost.push_back({.kind = LossKind::kExtrinsics, .which = {"cam1"}, .value = "Stereo.T_c1_c2 or Tlr"});
+  if (root.find("Camera2.fx")) {
+    rig.cameras.push_back(read_camera_of_orbslam(root, "Camera2."));
+    rig.cameras.back().name = "cam1";
+  }
+  // Of both cameras: T_c1_c2, Tlr before File.version 1.0; baseline b in metres, bf times fx. Of the first
+  // and the IMU: T_b_c1, Tbc before.
+  for (const char* key : {"Stereo.T_c1_c2", "Tlr", "Stereo.b", "Camera.bf"})
+    note_place(root, key, rig.cameras.back().name, reading.lost);
+  for (const char* key : {"IMU.T_b_c1", "Tbc"}) note_place(root, key, rig.cameras.front().name, reading.lost);
   return rig;
 }
 

@@ -12,6 +12,7 @@
 #include "apriltrack/io/numbers.h"
 #include "formats.h"
 #include "lines.h"
+#include "rectification.h"
 
 namespace apriltrack {
 namespace {
@@ -90,6 +91,12 @@ Camera read_ini_camera(const IniFile& ini, const CameraText& file, const std::st
                 .height = read_side(ini, file, "height"),
                 .response_origin = ResponseOrigin::kAssumed};
   pass_over_skew(lens.skew_px, camera, matrix, lost);
+  note_name(section, lost);
+  const auto list_named = [&](const char* key) {
+    const auto found = ini.values.find({section, key});
+    return found == ini.values.end() ? std::nullopt : std::optional(list_of(found->second));
+  };
+  note_rectification(list_named("rectification"), list_named("projection"), lens.pinhole, lost);
   return camera;
 }
 
@@ -101,14 +108,14 @@ bool is_ros_ini(const CameraText& file) {
          file.text.find("camera matrix") != std::string::npos;
 }
 
-CameraRig read_ros_ini(const CameraText& file, std::vector<ConversionLoss>& lost) {
+CameraRig read_ros_ini(const CameraText& file, CameraReading& reading) {
   const IniFile ini = read_sections(file);
   if (ini.cameras.size() != 1) {
     throw invalid_input(
         file.name, fmt::format("must be of one camera, [image] and a section with its name (there are {})",
                                ini.cameras.size()));
   }
-  return {{read_ini_camera(ini, file, ini.cameras.front(), lost)}};
+  return {{read_ini_camera(ini, file, ini.cameras.front(), reading.lost)}};
 }
 
 }  // namespace apriltrack

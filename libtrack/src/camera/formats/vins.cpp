@@ -46,11 +46,13 @@ CameraModel read_model_of_vins(const YamlNode& root) {
 
 }  // namespace
 
-bool is_vins(const YamlNode& root) {
-  return root.find("model_type").has_value();
+bool is_vins(const CameraText& file) {
+  return file.root->find("model_type").has_value();
 }
 
-CameraRig read_vins(const YamlNode& root) {
+CameraRig read_vins(const CameraText& file, CameraReading& reading) {
+  const YamlNode& root = *file.root;
+  if (const auto name = root.find("camera_name")) note_name(name->as_string(), reading.lost);
   const Resolution size = read_resolution(root.at("image_width"), root.at("image_height"));
   return {{Camera{.model = read_model_of_vins(root),
                   .width = size.width,

@@ -10,7 +10,7 @@
 
 #include "../tag_faults.h"
 #include "apriltrack/base/error.h"
-#include "apriltrack/geometry/rotation.h"
+#include "apriltrack/geometry/rounded_rotation.h"
 #include "apriltrack/tags/tag_key_fault.h"
 
 namespace apriltrack {
@@ -163,13 +163,12 @@ Eigen::Quaterniond read_unit_quaternion(const YamlNode& node, double w, double x
 
 Eigen::Quaterniond checked_rotation(const Eigen::Matrix3d& matrix, const MapPlace& place) {
   constexpr double kRounding = 5e-3;
-  const double error = (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(error <= kRounding) || matrix.determinant() < 0.0)
-    place.fail(
-        fmt::format("its upper left 3x3 must be a rotation (determinant {:.4g}, columns off by up to "
-                    "{:.3g} from unit length and right angles)",
-                    matrix.determinant(), error));
-  return Eigen::Quaterniond(nearest_rotation(matrix)).normalized();
+  if (const auto rotation = rounded_rotation(matrix, kRounding))
+    return Eigen::Quaterniond(*rotation).normalized();
+  place.fail(
+      fmt::format("its upper left 3x3 must be a rotation (determinant {:.4g}, columns off by up to {:.3g} "
+                  "from unit length and right angles)",
+                  matrix.determinant(), rotation_defect(matrix)));
 }
 
 const Eigen::Quaterniond& rotation_ros_tag() {

@@ -75,51 +75,59 @@ std::optional<YamlNode> root_of(const std::string& text, const std::string& file
   }
 }
 
+constexpr NameEnding kOwnYaml[] = {{".yaml", true}, {".yml", true}};
+constexpr NameEnding kYaml[] = {{".yaml"}, {".yml"}};
+constexpr NameEnding kJson[] = {{".json"}};
+constexpr NameEnding kCsv[] = {{".csv"}};
+constexpr NameEnding kFmap[] = {{".fmap", true}};
+constexpr NameEnding kIni[] = {{".ini", true}};
+
 }  // namespace
 
 const std::vector<MapFormatCode>& map_format_codes() {
   using enum MapFormat;
   static const std::vector<MapFormatCode> codes = {
-      {{kAprilTrack, "apriltrack", "map of AprilTrack", "begins with 'apriltrack_map: 1'"},
+      {{kAprilTrack, "apriltrack", "map of AprilTrack", "begins with 'apriltrack_map: 1'", kOwnYaml},
        is_own_map,
        read_own_map,
        write_own_map},
-      {{kWpilibJson, "wpilib", "field layout of WPILib (JSON)", "tags with ID and pose, field"},
+      {{kWpilibJson, "wpilib", "field layout of WPILib (JSON)", "tags with ID and pose, field", kJson},
        is_wpilib_json,
        read_wpilib_json,
        write_wpilib_json},
-      {{kWpilibCsv, "wpilib-csv", "field layout of WPILib (CSV)", "header ID,X,Y,Z,Rotation"},
+      {{kWpilibCsv, "wpilib-csv", "field layout of WPILib (CSV)", "header ID,X,Y,Z,Rotation", kCsv},
        is_wpilib_csv,
        read_wpilib_csv,
        write_wpilib_csv},
-      {{kLimelight, "limelight", "field map of Limelight (.fmap)", "fiducials with transform"},
+      {{kLimelight, "limelight", "field map of Limelight (.fmap)", "fiducials with transform", kFmap},
        is_fmap,
        read_fmap,
        write_fmap},
-      {{kAprilTagRos, "apriltag_ros", "tags.yaml of apriltag_ros (ROS 1)", "tag_bundles, standalone_tags"},
+      {{kAprilTagRos, "apriltag_ros", "tags.yaml of apriltag_ros (ROS 1)", "tag_bundles, standalone_tags",
+        kYaml},
        is_apriltag_ros,
        read_apriltag_ros,
        write_apriltag_ros},
       {{kAprilTagRos2, "apriltag_ros2", "parameter file of apriltag_ros (ROS 2)",
-        "ros__parameters with tag_bundles"},
+        "ros__parameters with tag_bundles", kYaml},
        is_apriltag_ros2,
        read_apriltag_ros2,
        write_apriltag_ros2},
-      {{kTagSlam, "tagslam", "poses.yaml of TagSLAM", "bodies with tags"},
+      {{kTagSlam, "tagslam", "poses.yaml of TagSLAM", "bodies with tags", kYaml},
        is_tagslam,
        read_tagslam,
        write_tagslam},
-      {{kArucoMarkerMap, "aruco", "marker map of the aruco library", "aruco_bc_markers"},
+      {{kArucoMarkerMap, "aruco", "marker map of the aruco library", "aruco_bc_markers", kYaml},
        is_aruco_marker_map,
        read_aruco_marker_map,
        write_aruco_marker_map},
-      {{kKalibrAprilGrid, "kalibr", "target file of Kalibr", "target_type: aprilgrid"},
+      {{kKalibrAprilGrid, "kalibr", "target file of Kalibr", "target_type: aprilgrid", kYaml},
        is_kalibr_grid,
        read_kalibr_grid,
        write_kalibr_grid},
       // The last: its lines of numbers have no mark of their own.
       {{kRtabmap, "rtabmap", "list of marker priors of RTAB-Map",
-        "Marker/Priors, or lines of id x y z roll pitch yaw"},
+        "Marker/Priors, or lines of id x y z roll pitch yaw", kIni},
        is_rtabmap,
        read_rtabmap,
        write_rtabmap},

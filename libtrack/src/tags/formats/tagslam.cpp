@@ -1,14 +1,14 @@
 // TagSLAM's bodies with their tags: poses.yaml, which it writes, and tagslam.yaml, by which it is told
-// (body.cpp, tag.cpp and yaml_utils.cpp of berndpfrommer/tagslam). T_body_tag, rotations as rotation vectors;
-// tags with y up and z out of the face (tag.cpp: corners from bottom left, y up). `center` and `rotvec` are
-// what earlier versions called position and rotation, and then they stood in the tag itself.
+// (body.cpp, tag.cpp and yaml_utils.cpp of berndpfrommer/tagslam; boards: tagslam_board.cpp). T_body_tag,
+// rotations as rotation vectors; tags with y up and z out of the face (tag.cpp: corners from bottom left, y
+// up). `center` and `rotvec` are what earlier versions called position and rotation, and then they stood in
+// the tag itself.
 #include "tagslam.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 
 #include "../tag_fields.h"
 #include "apriltrack/base/error.h"
@@ -16,14 +16,13 @@
 #include "apriltrack/io/numbers.h"
 #include "bundles.h"
 #include "map_words.h"
+#include "tagslam_board.h"
+#include "tagslam_fields.h"
 #include "tagslam_noise.h"
 
 namespace apriltrack {
 namespace {
 
-/// TagSLAM's `bits`: data bits along an edge.
-constexpr std::array<std::pair<int, std::string_view>, 3> kBitsOfFamilies = {
-    {{6, "tag36h11"}, {5, "tag25h9"}, {4, "tag16h5"}}};
 /// TagSLAM wants a noise with each pose: of tags whose covariance is not known, m and rad.
 constexpr double kAssumedNoise = 1e-3;
 /// The least one, for TagSLAM divides by it, m and rad: of tags that are held.
@@ -36,36 +35,13 @@ struct TagSlamBody {
   std::optional<Matrix6d> covariance;  ///< Of T_world_body, along the body's axes.
 };
 
-Eigen::Vector3d tagslam_vector(const YamlNode& node) {
-  return {node.at("x").as_double(), node.at("y").as_double(), node.at("z").as_double()};
-}
-
-/// Of {position, rotation}, or {center, rotvec}; nullopt where it has neither.
-std::optional<Pose> tagslam_pose(const YamlNode& node) {
-  auto position = node.find("position");
-  auto rotation = node.find("rotation");
-  if (!position) position = node.find("center");
-  if (!rotation) rotation = node.find("rotvec");
-  if (!position && !rotation) return std::nullopt;
-  if (!position || !rotation) node.fail("must have both position and rotation");
-  for (const char* key : {"x", "y", "z"}) read_coordinate(position->at(key));
-  const Eigen::Vector3d rotation_vector = tagslam_vector(*rotation);
-  if (!(rotation_vector.norm() < 100.0)) rotation->fail("must be a rotation vector in radians");
-  return Pose(rotation_exp(rotation_vector), tagslam_vector(*position));
-}
-
-std::optional<std::string> tagslam_family(const YamlNode& tag) {
-  const auto bits = tag.find("bits");
-  if (!bits) return std::nullopt;
-  const int number = bits->as_int();
-  for (const auto& [known, family] : kBitsOfFamilies) {
-    if (known == number) return std::string(family);
-  }
-  bits->fail(fmt::format("must be 6 (tag36h11), 5 (tag25h9) or 4 (tag16h5) (is {})", number));
-}
-
 /// nullopt of a tag whose pose TagSLAM is yet to find.
-std::optional<ForeignTag> tagslam_tag(const YamlNode& node, const std::optional<double>& default_size_m) {
+std::optional<ForeignTag> tagslam_tag(const YamlNode& node, const std::optional<double>& default_size_m,
+                                      std::vector<std::string>& foreign) {
+  note_foreign_keys(node,
+                    {"id", "bits", "size", "pose", "position", "rotation", "center", "rotvec", "R",
+                     "position_noise", "rotation_noise"},
+                    foreign);
   const YamlNode pose = node.find("pose").value_or(node);
   const auto T_body_theirs = tagslam_pose(pose);
   if (!T_body_theirs) return std::nullopt;
@@ -73,7 +49,7 @@ std::optional<ForeignTag> tagslam_tag(const YamlNode& node, const std::optional<
   ForeignTag tag;
   tag.place = MapPlace::of(node);
   tag.id = node.at("id").as_int();
-  tag.family = tagslam_family(node);
+  if (const auto bits = node.find("bits")) tag.family = family_of_bits(*bits);
   tag.size_m = size ? std::optional(read_tag_size(*size)) : default_size_m;
   tag.T_map_tag = pose_from_frame(*T_body_theirs, rotation_ros_tag());
   if (const auto covariance = covariance_of_tagslam(pose))
@@ -81,9 +57,27 @@ std::optional<ForeignTag> tagslam_tag(const YamlNode& node, const std::optional<
   return tag;
 }
 
-TagSlamBody tagslam_body(const std::string& name, const YamlNode& node,
-                         std::vector<std::string>& without_pose) {
+/// What is passed over.
+struct TagSlamRest {
+  std::vector<std::string> without_pose;  ///< Tags.
+  std::vector<std::string> foreign;       ///< Keys.
+};
+
+/// Those of a grid, but for tags that `body` has already: their poses are what TagSLAM made of the grid's.
+void add_tags_of_board(const YamlNode& node, const std::string& type, TagBundle& body, TagSlamRest& rest) {
+  for (ForeignTag& tag : tags_of_tagslam_board(type, node.at(type), rest.foreign)) {
+    if (std::ranges::find(body.tags, tag.id, &ForeignTag::id) == body.tags.end())
+      body.tags.push_back(std::move(tag));
+  }
+}
+
+TagSlamBody tagslam_body(const std::string& name, const YamlNode& node, TagSlamRest& rest) {
   TagSlamBody body{{name, {}}, true, std::nullopt, std::nullopt};
+  const auto stated_type = node.find("type");
+  const std::string type = stated_type ? stated_type->as_string() : "simple";
+  const bool is_board = is_tagslam_board(type) && node.find(type);
+  note_foreign_keys(node, {"type", "is_static", "pose", "default_tag_size", "tags", is_board ? type : "tags"},
+                    rest.foreign);
   if (const auto is_static = node.find("is_static")) body.is_static = is_static->as_bool();
   if (const auto pose = node.find("pose"); pose && pose->is_map()) {
     body.T_world_body = tagslam_pose(*pose);
@@ -92,25 +86,26 @@ TagSlamBody tagslam_body(const std::string& name, const YamlNode& node,
   std::optional<double> default_size_m;
   if (const auto size = node.find("default_tag_size"); size && size->as_double() > 0.0)
     default_size_m = read_tag_size(*size);
-  const auto tags = node.find("tags");
-  if (!tags || tags->is_null()) return body;
-  for (const YamlNode& item : tags->items()) {
-    if (auto tag = tagslam_tag(item, default_size_m))
-      body.bundle.tags.push_back(*std::move(tag));
-    else
-      without_pose.push_back(item.at("id").as_string());
+  if (const auto tags = node.find("tags"); tags && !tags->is_null()) {
+    for (const YamlNode& item : tags->items()) {
+      if (auto tag = tagslam_tag(item, default_size_m, rest.foreign))
+        body.bundle.tags.push_back(*std::move(tag));
+      else
+        rest.without_pose.push_back(item.at("id").as_string());
+    }
   }
+  if (is_board) add_tags_of_board(node, type, body.bundle, rest);
   return body;
 }
 
 /// Bodies that have tags with poses.
-std::vector<TagSlamBody> tagslam_bodies(const YamlNode& root, std::vector<std::string>& without_pose) {
+std::vector<TagSlamBody> tagslam_bodies(const YamlNode& root, TagSlamRest& rest) {
   std::vector<TagSlamBody> bodies;
   const YamlNode list = root.find("bodies") ? root.at("bodies") : root.at("static_objects");
   for (const YamlNode& item : list.items()) {
     for (const auto& [name, node] : item.entries()) {
       if (!node.is_map()) continue;
-      TagSlamBody body = tagslam_body(name, node, without_pose);
+      TagSlamBody body = tagslam_body(name, node, rest);
       if (!body.bundle.tags.empty()) bodies.push_back(std::move(body));
     }
   }
@@ -148,13 +143,6 @@ std::string text_of_tagslam_pose(const Pose& pose, const std::string& indent) {
                      text_of_vector(rotation_log(pose.rotation())));
 }
 
-std::optional<int> bits_of(const std::string& family) {
-  for (const auto& [bits, known] : kBitsOfFamilies) {
-    if (known == family) return bits;
-  }
-  return std::nullopt;
-}
-
 /// The noise of a tag; notes in `assumed` tags whose covariance cannot be written as it is.
 std::string tagslam_noise_of(const MapTag& tag, const std::string& indent,
                              std::vector<std::string>& assumed) {
@@ -175,17 +163,17 @@ bool is_tagslam(const MapText& text) {
 }
 
 MapReading read_tagslam(const MapText& text, const MapReadOptions& options) {
-  std::vector<std::string> without_pose, foreign;
-  note_foreign_keys(*text.root, {"bodies", "static_objects"}, foreign);
-  const std::vector<TagSlamBody> bodies = tagslam_bodies(*text.root, without_pose);
+  TagSlamRest rest;
+  note_foreign_keys(*text.root, {"bodies", "static_objects"}, rest.foreign);
+  const std::vector<TagSlamBody> bodies = tagslam_bodies(*text.root, rest);
   if (bodies.empty())
     throw invalid_input(text.file,
                         "this file of TagSLAM has no body that has tags with poses: its poses.yaml has them");
   std::vector<ConversionLoss> losses;
-  if (!without_pose.empty())
+  if (!rest.without_pose.empty())
     losses.push_back({.kind = LossKind::kTags,
-                      .value = fmt::format("{}, which have no pose", fmt::join(without_pose, ", "))});
-  add_foreign_keys(foreign, losses);
+                      .value = fmt::format("{}, which have no pose", fmt::join(rest.without_pose, ", "))});
+  add_foreign_keys(rest.foreign, losses);
   if (options.bundle.empty() && stand_still(bodies)) {
     // Of one body that is at the origin the map is its own: how well the world knows it is no matter.
     const bool is_own = bodies.size() == 1 && bodies[0].T_world_body->log().isZero(0.0);
@@ -208,7 +196,7 @@ std::string write_tagslam(const TagMap& map, const MapWriteOptions&, const std::
   std::string tags;
   for (const MapTag& tag : map.tags) {
     tags += fmt::format("       - id: {}\n         size: {}\n", tag.key.id, yaml_double(tag.size_m));
-    if (const auto bits = bits_of(tag.key.family))
+    if (const auto bits = bits_of_family(tag.key.family))
       tags += fmt::format("         bits: {}\n", *bits);
     else
       without_family.push_back(to_string(tag.key));

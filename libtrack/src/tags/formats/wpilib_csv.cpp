@@ -5,7 +5,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
+#include <span>
+#include <utility>
 
 #include "../tag_faults.h"
 #include "apriltrack/base/degrees.h"
@@ -27,13 +30,28 @@ constexpr std::array<std::string_view, 5> kYawColumns = {"Rotation", "Z-Rotation
 constexpr std::array<std::string_view, 6> kPitchColumns = {"X-Rotation", "Y-Rotation", "X Rotation",
                                                            "Y Rotation", "X_Rotation", "Y_Rotation"};
 
-template <std::size_t N>
-std::optional<std::string> column_called(const CsvTable& table,
-                                         const std::array<std::string_view, N>& names) {
+/// The column that goes by any of the names; two of them would leave open which is meant.
+std::optional<std::string> column_called(const CsvTable& table, std::span<const std::string_view> names,
+                                         std::string_view what, const std::string& file) {
+  std::optional<std::string> found;
   for (const std::string_view name : names) {
-    if (table.has_column(name)) return std::string(name);
+    if (!table.has_column(name)) continue;
+    if (found)
+      throw invalid_input(
+          file, fmt::format("'{}' and '{}' are both columns of the tags' {}: keep one of them", *found, name,
+                            what));
+    found = std::string(name);
   }
-  return std::nullopt;
+  return found;
+}
+
+/// Columns that are passed over.
+std::vector<std::string> foreign_columns(const CsvTable& table, const std::vector<std::string>& read) {
+  std::vector<std::string> foreign;
+  for (const std::string& column : table.columns()) {
+    if (!column.empty() && std::ranges::find(read, column) == read.end()) foreign.push_back(column);
+  }
+  return foreign;
 }
 
 double table_coordinate(const CsvTable& table, std::size_t row, const std::string& column) {
@@ -74,8 +92,8 @@ bool is_wpilib_csv(const MapText& text) {
 
 MapReading read_wpilib_csv(const MapText& text, const MapReadOptions& options) {
   const CsvTable table = CsvTable::read_text(text.text, text.file, {"ID", "X", "Y", "Z"});
-  const auto yaw = column_called(table, kYawColumns);
-  const auto pitch = column_called(table, kPitchColumns);
+  const auto yaw = column_called(table, kYawColumns, "heading", text.file);
+  const auto pitch = column_called(table, kPitchColumns, "pitch", text.file);
   if (!yaw)
     throw invalid_input(text.file, fmt::format("no column tells the tags' heading; one of {} would",
                                                fmt::join(kYawColumns, ", ")));
@@ -89,7 +107,10 @@ MapReading read_wpilib_csv(const MapText& text, const MapReadOptions& options) {
                     .id = table_id(table, row),
                     .T_map_tag = pose_from_frame(T_field_theirs, rotation_wpilib_tag())});
   }
-  MapReading reading = map_of(MapFormat::kWpilibCsv, options, text.file, kFieldFrame, tags, {}, kFrcSizes);
+  std::vector<ConversionLoss> losses;
+  add_foreign_keys(foreign_columns(table, {"ID", "X", "Y", "Z", *yaw, pitch.value_or("")}), losses);
+  MapReading reading =
+      map_of(MapFormat::kWpilibCsv, options, text.file, kFieldFrame, tags, std::move(losses), kFrcSizes);
   set_field(reading.map, {options.field, ""});
   return reading;
 }
