@@ -11,8 +11,8 @@ namespace {
 
 /// The first of the format's endings that the name has; nullptr where it has none.
 const NameEnding* ending_of(const std::string& output, const OfferedFormat& format) {
-  const auto found = std::ranges::find_if(
-      format.endings, [&](const NameEnding& one) { return one.is_of(output); });
+  const auto found =
+      std::ranges::find_if(format.endings, [&](const NameEnding& one) { return one.is_of(output); });
   return found == format.endings.end() ? nullptr : &*found;
 }
 

@@ -79,7 +79,8 @@ std::string read_name(const std::string& key, const YamlNode& node, const Camera
   return name;
 }
 
-/// Keys of other programs, and of the file's owner: of a camera, or, of the whole file, told of the first one.
+/// Keys of other programs, and of the file's owner: of a camera, or, of the whole file, told of the first
+/// one.
 void note_foreign_keys(const std::string& name, const YamlNode& node, std::vector<ConversionLoss>& lost) {
   std::string keys;
   for (const auto& entry : node.entries()) {

@@ -123,10 +123,9 @@ std::vector<BagPose> choose_pair(TransformsByPair by_pair, const std::string& wa
                                  const std::string& input) {
   if (wanted.empty() && by_pair.size() == 1) return std::move(by_pair.begin()->second);
   if (wanted.empty())
-    throw invalid_input(input,
-                        fmt::format("has transforms between {} pairs of frames, PARENT:CHILD: {}; "
-                                    "--transform PARENT:CHILD names one",
-                                    by_pair.size(), list_of(by_pair)));
+    throw invalid_input(input, fmt::format("has transforms between {} pairs of frames, PARENT:CHILD: {}; "
+                                           "--transform PARENT:CHILD names one",
+                                           by_pair.size(), list_of(by_pair)));
   const auto found = by_pair.find(wanted);
   if (found == by_pair.end())
     throw invalid_input("--transform",
