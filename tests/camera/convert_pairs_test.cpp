@@ -6,6 +6,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/camera_formats.h"
+#include "apriltrack/io/input_file.h"
 #include "format_cameras.h"
 #include "support/error_message.h"
 #include "support/pose_matchers.h"
@@ -210,6 +211,19 @@ TEST(ConvertCameras, ALensThatKalibrItselfDoesNotReadIsTold) {
     EXPECT_THAT(lost[0].numbers, ElementsAre(static_cast<double>(more.size()), 4.0));
     EXPECT_TRUE(losses_of_writing(rig, CameraFormat::kRosCameraInfo).empty());
   }
+}
+
+/// As ROS's calibrator states it.
+TEST(ConvertCameras, AFifthCoefficientOfZeroIsNoneToKalibr) {
+  CameraRig rig;
+  rig.cameras.push_back(
+      {.model = CameraModel({500, 510, 320, 240}, RadtanDistortion({0.1, -0.2, 0.003, 0.004, 0.0})),
+       .width = 640,
+       .height = 480,
+       .response_origin = ResponseOrigin::kAssumed});
+  const auto path = test::temporary_folder() / "camera.yaml";
+  EXPECT_TRUE(write_cameras_as(path, rig, CameraFormat::kKalibr).empty());
+  EXPECT_THAT(read_file(path), HasSubstr("[0.1, -0.2, 0.003, 0.004]"));
 }
 
 TEST(ConvertCameras, ACameraThatIsNotThereIsRefused) {

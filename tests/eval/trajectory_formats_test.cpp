@@ -107,6 +107,18 @@ TEST(TrajectoryFormats, ReadEurocsShortRowsAndItsOtherHeader) {
   expect_by_hand(reading.trajectory);
 }
 
+TEST(TrajectoryFormats, ReadTimesBeforeTheClockBegan) {
+  const fs::path path =
+      file(test::temporary_folder(), "a.csv",
+           "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+           "q_RS_z []\n"
+           "-950000000,1,2,3,1,0,0,0\n-5e8,1,2,3,1,0,0,0\n0,1,2,3,1,0,0,0\n");
+  const Trajectory trajectory = read_trajectory_file(path).trajectory;
+  ASSERT_EQ(trajectory.size(), 3u);
+  EXPECT_EQ(trajectory[0].timestamp.ns, -950'000'000);
+  EXPECT_EQ(trajectory[1].timestamp.ns, -500'000'000);
+}
+
 TEST(TrajectoryFormats, WriteWhatWasWrittenByHand) {
   const fs::path folder = test::temporary_folder();
   write_trajectory_as(folder / "out.tum", by_hand(), TrajectoryFormat::kTum);

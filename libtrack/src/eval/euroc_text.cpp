@@ -66,7 +66,10 @@ Timestamp euroc_time_of(std::string_view field, const std::string& where) {
   const std::size_t point = digits.find('.');
   if (point != std::string::npos && digits.find_first_not_of('0', point + 1) == std::string::npos)
     digits.resize(point);
-  if (const auto time = parse_nanoseconds(digits)) return *time;
+  // A clock may begin in the middle of a recording.
+  const bool is_before = digits.starts_with('-');
+  if (const auto time = parse_nanoseconds(digits.substr(is_before ? 1 : 0)))
+    return is_before ? Timestamp{-time->ns} : *time;
   throw invalid_input(where, fmt::format("timestamp: '{}' is no time in whole nanoseconds", field));
 }
 

@@ -68,10 +68,21 @@ std::optional<Pose> T_camera_first(const CameraRig& rig, std::size_t index) {
   return T_camera_first;
 }
 
+/// ROS's calibrator states five coefficients, of which the last is often 0. Kalibr reads four: the lens is
+/// the same.
+Camera without_last_zero(Camera camera) {
+  std::vector<double> coefficients = coefficients_of(camera.model);
+  constexpr std::size_t kOfRos = 5;
+  if (coefficients.size() != kOfRos || coefficients.back() != 0.0) return camera;
+  coefficients.pop_back();
+  camera.model = CameraModel(camera.model.pinhole(), RadtanDistortion(coefficients));
+  return camera;
+}
+
 /// ethz-asl/kalibr: aslam_cv RadialTangentialDistortion has k1 k2 p1 p2 alone.
 void note_lens_beyond_kalibr(const Camera& camera, std::vector<ConversionLoss>& lost) {
   constexpr std::size_t kOfKalibr = 4;
-  const std::size_t count = coefficients_of(camera.model).size();
+  const std::size_t count = coefficients_of(without_last_zero(camera).model).size();
   if (count <= kOfKalibr) return;
   lost.push_back({.kind = LossKind::kUnreadLens,
                   .how = LossHow::kConverted,
@@ -142,7 +153,7 @@ void check_can_be_written(CameraFormat format, const std::filesystem::path& path
 void write_camchain(const std::filesystem::path& path, const CameraRig& rig,
                     const std::vector<std::size_t>& chosen) {
   CameraRig part;
-  for (const std::size_t index : chosen) part.cameras.push_back(rig.cameras[index]);
+  for (const std::size_t index : chosen) part.cameras.push_back(without_last_zero(rig.cameras[index]));
   part.cameras.front().T_this_previous.reset();
   write_cameras(path, part);
 }

@@ -175,7 +175,7 @@ MapReading read_tagslam(const MapText& text, const MapReadOptions& options) {
                       .value = fmt::format("{}, which have no pose", fmt::join(rest.without_pose, ", "))});
   add_foreign_keys(rest.foreign, losses);
   if (options.bundle.empty() && stand_still(bodies)) {
-    // Of one body that is at the origin the map is its own: how well the world knows it is no matter.
+    // A single body at the origin is its own frame: the noise of its pose in the world is irrelevant.
     const bool is_own = bodies.size() == 1 && bodies[0].T_world_body->log().isZero(0.0);
     return map_of(MapFormat::kTagSlam, options, text.file, is_own ? bodies[0].bundle.name : "world",
                   is_own ? bodies[0].bundle.tags : tags_in_world(bodies), std::move(losses));
