@@ -12,6 +12,7 @@
 #include "apriltrack/camera/response_tables.h"
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/io/staged_files.h"
+#include "apriltrack/source/bag_input.h"
 #include "camera_command.h"
 #include "choice_option.h"
 #include "command_help.h"
@@ -26,6 +27,7 @@ namespace {
 
 struct ConvertOptions {
   std::string input;
+  std::string topic;
   std::string output;
   std::string to;
   std::string camera_name;
@@ -85,7 +87,9 @@ std::string summary_of(const std::vector<ConversionLoss>& read, const std::vecto
 /// OUT, and the response tables that are written beside it; none of them is a file that IN is made of.
 void check_files(const ConvertOptions& options, const CameraRig& rig, CameraFormat to) {
   std::vector<std::string> inputs = {options.input};
-  for (const auto& table : response_tables(options.input)) inputs.push_back(table.string());
+  if (!is_bag_input(options.input)) {
+    for (const auto& table : response_tables(options.input)) inputs.push_back(table.string());
+  }
   check_output(options.output, "OUT", inputs);
   if (to != CameraFormat::kKalibr || is_written_directly(options.output)) return;
   CameraRig written = rig;
@@ -97,8 +101,8 @@ void check_files(const ConvertOptions& options, const CameraRig& rig, CameraForm
 }
 
 void run_convert(const ConvertOptions& options) {
-  CameraFile file = read_camera_file(options.input, options.console.log(),
-                                     options.may_fit ? BeyondOurLenses::kFit : BeyondOurLenses::kRefuse);
+  CameraFile file = read_camera_input(options.input, options.topic, options.console,
+                                      options.may_fit ? BeyondOurLenses::kFit : BeyondOurLenses::kRefuse);
   const CameraFormat to = format_to_write(options.to, options.output, camera_format_named,
                                           camera_format_of_ending, offered_formats(camera_formats()));
   check_files(options, file.rig, to);
@@ -124,17 +128,20 @@ void run_convert(const ConvertOptions& options) {
 }  // namespace
 
 void add_camera_convert(CLI::App& camera_command) {
-  CLI::App& verb = add_command(
-      camera_command, "convert",
-      {"Writes the cameras of a file in another format, and reports what that cannot hold.",
-       "apriltrack camera convert left.cameramodel camera.yaml\n"
-       "apriltrack camera convert camera.yaml camera_info.yaml --to ros\n"
-       "apriltrack camera convert photonvision.json cameras.txt --resolution 1280x720",
-       "IN is of any known format, recognised by its content (docs/file_formats.md). Formats that "
-       "are written, for --to: " +
-           list_of(offered_formats(camera_formats())) + "."});
+  CLI::App& verb =
+      add_command(camera_command, "convert",
+                  {"Writes the cameras of a file in another format, and reports what that cannot hold.",
+                   "apriltrack camera convert left.cameramodel camera.yaml\n"
+                   "apriltrack camera convert camera.yaml camera_info.yaml --to ros\n"
+                   "apriltrack camera convert recording.mcap camera.yaml --topic /left/image_raw\n"
+                   "apriltrack camera convert photonvision.json cameras.txt --resolution 1280x720",
+                   "IN is of any known format, recognised by its content (docs/file_formats.md), or a bag "
+                   "with CameraInfo. "
+                   "Formats that "
+                   "are written, for --to: " +
+                       list_of(offered_formats(camera_formats())) + "."});
   auto options = std::make_shared<ConvertOptions>();
-  verb.add_option("IN", options->input, "Camera file to read")->required();
+  verb.add_option("IN", options->input, "Camera file to read, or a bag with CameraInfo")->required();
   verb.add_option("OUT", options->output, "Camera file to write")->required();
   offer_words(
       *verb.add_option(
@@ -144,6 +151,7 @@ void add_camera_convert(CLI::App& camera_command) {
   verb.add_option(
       "--camera-name", options->camera_name,
       "Camera of a rig to write alone; by default all, or the first where the format is of one camera");
+  verb.add_option("--topic", options->topic, kTopicOfCamera);
   verb.add_option("--resolution", options->resolution, "WIDTHxHEIGHT in pixels, where IN does not state it");
   verb.add_flag("--fit", options->may_fit,
                 "Takes the nearest lens of 8 coefficients where IN has OpenCV's thin prism or tilted sensor, "

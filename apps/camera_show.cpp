@@ -15,6 +15,7 @@
 #include "camera_command.h"
 #include "command_help.h"
 #include "console.h"
+#include "inputs.h"
 
 namespace apriltrack::app {
 namespace {
@@ -23,6 +24,7 @@ using nlohmann::json;
 
 struct ShowOptions {
   std::string file;
+  std::string topic;
   Console console;
 };
 
@@ -138,7 +140,7 @@ std::string to_text(const Camera& camera) {
 }
 
 void run_show(const ShowOptions& options) {
-  const CameraFile file = read_camera_file(options.file, options.console.log());
+  const CameraFile file = read_camera_input(options.file, options.topic, options.console);
   json out = {{"format", info_of(file.format).name}, {"cameras", json::array()}};
   std::string text = fmt::format("{}: {}\n", options.file, info_of(file.format).title);
   for (const Camera& camera : file.rig.cameras) {
@@ -156,7 +158,9 @@ void add_camera_show(CLI::App& camera_command) {
                                {"Lists a camera file's cameras: format, lens, resolution, field of view.",
                                 "apriltrack camera show camera.yaml", ""});
   auto options = std::make_shared<ShowOptions>();
-  verb.add_option("FILE", options->file, "Camera file of any known format")->required();
+  verb.add_option("FILE", options->file, "Camera file of any known format, or a bag with CameraInfo")
+      ->required();
+  verb.add_option("--topic", options->topic, kTopicOfCamera);
   options->console.add_options(verb);
   verb.callback([options] { run_show(*options); });
 }

@@ -91,6 +91,14 @@ UnestimatedRig read_rig(const CameraSource& source, const std::string& topic, co
                   path.string(), others.empty() ? "" : fmt::format(" (it has {})", fmt::join(others, ", "))));
 }
 
+CameraFile read_camera_input(const std::string& input, const std::string& topic, const Console& console,
+                             BeyondOurLenses beyond) {
+  if (is_bag_input(input)) return {CameraFormat::kRosCameraInfo, read_rig({input}, topic, console).rig, {}};
+  if (!topic.empty())
+    throw invalid_input("--topic", fmt::format("is of a bag, and {} is none: leave it out", input));
+  return read_camera_file(input, console.log(), beyond);
+}
+
 std::optional<std::string> rolling_shutter_warning(const Camera& camera) {
   if (camera.line_delay_s == 0.0) return std::nullopt;
   std::string text = fmt::format(

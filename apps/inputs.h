@@ -8,6 +8,7 @@
 
 #include "apriltrack/camera/auto_response.h"
 #include "apriltrack/camera/camera.h"
+#include "apriltrack/camera/camera_formats.h"
 #include "console.h"
 
 namespace apriltrack::app {
@@ -58,6 +59,11 @@ inline constexpr std::string_view kNoOwnCamera =
 /// topic: of the bag's pictures; empty: the only one. Throws as read_cameras_to_estimate() and bag_camera()
 /// do, and Error(kInvalidInput) where the bag describes none.
 UnestimatedRig read_rig(const CameraSource& source, const std::string& topic, const Console& console);
+
+/// A camera file of any format, or the camera that a bag describes beside its pictures. topic: of these;
+/// empty: the only one there is, and of a file. Throws as read_camera_file() and read_rig() do.
+CameraFile read_camera_input(const std::string& input, const std::string& topic, const Console& console,
+                             BeyondOurLenses beyond = BeyondOurLenses::kRefuse);
 
 /// What users of a camera with a rolling shutter must know; nullopt for a global one.
 std::optional<std::string> rolling_shutter_warning(const Camera& camera);

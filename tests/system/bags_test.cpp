@@ -233,6 +233,31 @@ TEST_F(Bags, AreReadByTheCameraWhoseTopicTheyHave) {
               HasSubstr("is read for cam0, but rostopic of cam0 in the camera file is /left/image_raw"));
 }
 
+TEST_F(Bags, GiveTheirCameraAsAFile) {
+  simulate("single", 3);
+  auto messages = pictures_of("single", "/left/image_raw", Wire::kCdr);
+  messages.push_back(camera_info_of("single", "/left/camera_info", Wire::kCdr));
+  for (const TestMessage& one : pictures_of("single", "/right/image_raw", Wire::kCdr))
+    messages.push_back(one);
+  write_mcap(path("two.mcap"), Wire::kCdr, messages);
+  EXPECT_THAT(run_program({"camera", "convert", path("two.mcap"), path("o.yaml")}),
+              EndsWith(2, "/right/image_raw (sensor_msgs/msg/Image, 3 messages)"));
+  EXPECT_THAT(
+      run_program({"camera", "convert", path("two.mcap"), path("o.yaml"), "--topic", "/right/image_raw"}),
+      EndsWith(2, "that can be read (it has /left/camera_info)"));
+  const auto converted =
+      run_for_json({"camera", "convert", path("two.mcap"), path("o.yaml"), "--topic", "/left/image_raw"});
+  EXPECT_TRUE(converted["losses"].empty());
+  const auto of_bag = run_for_json({"camera", "show", path("o.yaml")})["cameras"][0],
+             of_folder = run_for_json({"camera", "show", path("single/camera.yaml")})["cameras"][0];
+  for (const char* key : {"fx", "fy", "cx", "cy", "distortion_model", "distortion_coeffs", "resolution"}) {
+    ASSERT_TRUE(of_folder.contains(key)) << of_folder;
+    EXPECT_EQ(of_bag[key], of_folder[key]) << key;
+  }
+  EXPECT_THAT(run_program({"camera", "show", path("o.yaml"), "--topic", "/x"}),
+              EndsWith(2, "--topic: is of a bag"));
+}
+
 TEST_F(Bags, WithoutPosesOrFramesSaySoOnce) {
   simulate("single", 3);
   write_mcap(path("a.mcap"), Wire::kCdr, pictures_of("single", "/image", Wire::kCdr));

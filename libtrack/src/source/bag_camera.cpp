@@ -120,8 +120,9 @@ Camera camera_of(const RosCameraInfo& info, const std::vector<double>& k, const 
 }  // namespace
 
 std::vector<std::string> bag_camera_topics(const std::string& input) {
+  const auto bag = open_bag(input);
   std::vector<std::string> names;
-  for (const BagTopic& topic : open_bag(input)->topics())
+  for (const BagTopic& topic : bag->topics())
     if (topic.count > 0 && is_camera_type(topic.type)) names.push_back(topic.name);
   return names;
 }
