@@ -8,6 +8,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/response_tables.h"
+#include "apriltrack/io/atomic_file.h"
 #include "foreign_camera_file.h"
 #include "support/error_message.h"
 #include "support/shared_data.h"
@@ -254,6 +255,23 @@ TEST_F(ForeignCameraFile, NamesNoResponseTables) {
     const auto path = test::temporary_folder() / name;
     std::ofstream(path) << text;
     EXPECT_THAT(response_tables(path), IsEmpty()) << name;
+  }
+}
+
+/// As Windows' editors leave files: a byte order mark, lines that end in CR LF.
+TEST(CameraFormats, AreReadAsWindowsWritesThem) {
+  const auto folder = test::temporary_folder();
+  const std::string mark = "\xEF\xBB\xBF";
+  for (const std::string text :
+       {"1 OPENCV 640 480 500 510 319.5 239.5 0.1 -0.2 0.003 0.004\r\n",
+        "{ 'lensmodel': 'LENSMODEL_OPENCV4',\r\n 'intrinsics': [500, 510, 319, 239, 0.1, -0.2, "
+        "0.003, 0.004],\r\n 'imagersize': [640, 480],\r\n 'extrinsics': [0,0,0,0,0,0] }\r\n"}) {
+    write_file_atomically(folder / "camera", mark + text);
+    const Camera camera = read_cameras(folder / "camera").cameras.at(0);
+    EXPECT_EQ(camera.model.pinhole().fx, 500);
+    EXPECT_EQ(camera.model.pinhole().cx, 319);
+    EXPECT_EQ(std::get<RadtanDistortion>(camera.model.distortion()).coefficients(),
+              (std::vector{0.1, -0.2, 0.003, 0.004}));
   }
 }
 

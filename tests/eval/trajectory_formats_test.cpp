@@ -107,6 +107,16 @@ TEST(TrajectoryFormats, ReadEurocsShortRowsAndItsOtherHeader) {
   expect_by_hand(reading.trajectory);
 }
 
+TEST(TrajectoryFormats, AreReadWithAByteOrderMark) {
+  const fs::path folder = test::temporary_folder();
+  const std::string mark = "\xEF\xBB\xBF";
+  expect_by_hand(read_trajectory_file(file(folder, "a.tum", mark + kTum)).trajectory);
+  expect_by_hand(read_tum(folder / "a.tum"));
+  expect_by_hand(read_trajectory_file(file(folder, "a.csv", mark + kEurocHeader + kEurocRows)).trajectory);
+  file(folder, "b.times.txt", mark + kTimes);
+  expect_by_hand(read_trajectory_file(file(folder, "b.kitti", mark + kKitti)).trajectory);
+}
+
 TEST(TrajectoryFormats, ReadTimesBeforeTheClockBegan) {
   const fs::path path =
       file(test::temporary_folder(), "a.csv",

@@ -13,7 +13,7 @@
 #include "apriltrack/camera/camera_formats.h"
 #include "apriltrack/camera/response_tables.h"
 #include "apriltrack/camera/ros_topics.h"
-#include "apriltrack/io/input_file.h"
+#include "apriltrack/io/text_file.h"
 #include "camera_fields.h"
 #include "formats/formats.h"
 
@@ -95,7 +95,7 @@ void refuse_binary(const CameraText& file) {
 
 CameraFile read_any(const std::filesystem::path& path, std::vector<std::string>* to_estimate,
                     BeyondOurLenses beyond = BeyondOurLenses::kRefuse) {
-  CameraText file{path.string(), read_file(path)};
+  CameraText file{path.string(), read_text_file(path)};
   refuse_binary(file);
   if (is_blank(file.text)) throw invalid_input(file.name, "is empty: a camera file is expected");
   const CameraFormatCode& format = recognise_unknown(file);
@@ -175,7 +175,7 @@ void tell_oddities(const CameraFile& file, const std::string& where, const LogSi
 std::optional<YamlNode> camchain_in(const std::filesystem::path& camera_file) {
   std::error_code ignored;
   if (std::filesystem::is_fifo(camera_file, ignored)) return std::nullopt;
-  CameraText file{camera_file.string(), read_file(camera_file)};
+  CameraText file{camera_file.string(), read_text_file(camera_file)};
   const CameraFormatCode* format = recognise(file);
   return format && format->info.format == CameraFormat::kKalibr ? file.root : std::nullopt;
 }

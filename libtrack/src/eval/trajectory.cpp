@@ -8,8 +8,8 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
-#include "apriltrack/io/input_file.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/io/text_file.h"
 #include "pose_columns.h"
 #include "trajectory_lines.h"
 #include "trajectory_texts.h"
@@ -52,7 +52,7 @@ Trajectory read_tum_text(std::string_view text, const std::string& name) {
 }
 
 Trajectory read_tum(const std::filesystem::path& path) {
-  return read_tum_text(read_file(path, kMaxTableBytes), path.string());
+  return read_tum_text(read_text_file(path, kMaxTableBytes), path.string());
 }
 
 std::string tum_line(const TimedPose& pose) {

@@ -6,9 +6,9 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/atomic_file.h"
-#include "apriltrack/io/input_file.h"
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/io/staged_files.h"
+#include "apriltrack/io/text_file.h"
 #include "trajectory_lines.h"
 #include "trajectory_texts.h"
 
@@ -57,7 +57,7 @@ std::vector<Timestamp> kitti_times(const fs::path& poses, std::size_t count,
         fmt::format("KITTI's poses have no times: put these beside it as {}, one in seconds a line; or give "
                     "--times FILE or --rate HZ to `trajectory convert`",
                     kitti_times_file(poses).filename().string()));
-  std::vector<Timestamp> times = read_kitti_times_text(read_file(file, kMaxTableBytes), file.string());
+  std::vector<Timestamp> times = read_kitti_times_text(read_text_file(file, kMaxTableBytes), file.string());
   if (times.size() != count)
     throw invalid_input(file.string(), fmt::format("has {} times, and {} has {} poses: there must be one for "
                                                    "each",
@@ -116,7 +116,7 @@ std::optional<TrajectoryFormat> trajectory_format_of_ending(const fs::path& path
 }
 
 TrajectoryReading read_trajectory_file(const fs::path& path, const TrajectoryReadOptions& options) {
-  const std::string text = read_file(path, kMaxTableBytes);
+  const std::string text = read_text_file(path, kMaxTableBytes);
   TrajectoryReading reading;
   reading.format = format_of(text);
   reading.trajectory = read_as(reading.format, path, text, options, reading.losses);

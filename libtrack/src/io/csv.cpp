@@ -9,8 +9,8 @@
 
 #include "apriltrack/base/check.h"
 #include "apriltrack/base/error.h"
-#include "apriltrack/io/input_file.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/io/text_file.h"
 #include "apriltrack/io/trimmed.h"
 
 namespace apriltrack {
@@ -38,7 +38,6 @@ std::vector<std::string> split_header(std::string_view line) {
 /// Passes the lines that are not blank, with their numbers from 1.
 template <class Function>
 void for_each_line(std::string_view text, const Function& function) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
