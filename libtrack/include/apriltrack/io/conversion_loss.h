@@ -8,7 +8,7 @@
 namespace apriltrack {
 
 /// What another format of maps, cameras or trajectories cannot hold, or did not say. In brackets what
-/// ConversionLoss::value and ::numbers are.
+/// ConversionLoss::value and ConversionLoss::numbers are.
 enum class LossKind {
   // of a map
   kSizes,       ///< Of the tags.
