@@ -147,6 +147,7 @@ std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sig
         "interrupted: the map is as the corners have it, not refined on pictures");
   else if (!refinement.is_accepted)
     refinement.warnings.push_back("not refined on the tags' pictures: " + refinement.reason);
+  result.findings = refinement.findings;
   result.warnings = refinement.warnings;
   result.map = refinement.map;
   result.gauge = refinement.gauge;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "calibrate_report_tables.h"
 #include "constraint_table.h"
@@ -41,6 +42,36 @@ nlohmann::json told(const std::vector<CameraCorrection>& corrections) {
                     {"unit", one.unit},
                     {"value", one.value},
                     {"sigma", one.sigma}});
+  return list;
+}
+
+template <typename T>
+nlohmann::json json_of(const std::optional<T>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
+}
+
+nlohmann::json json_of(const CalibrationFinding& finding) {
+  nlohmann::json alternatives = nlohmann::json::array();
+  for (const std::vector<TagKey>& board : finding.alternatives) alternatives.push_back(told_keys(board));
+  nlohmann::json time_ns = nullptr;
+  if (finding.timestamp) time_ns = finding.timestamp->ns;
+  return {{"kind", to_string(finding.kind)},
+          {"tags", told_keys(finding.tags)},
+          {"cameras", finding.cameras},
+          {"value", json_of(finding.value)},
+          {"unit", finding.unit},
+          {"sigma", json_of(finding.sigma)},
+          {"time_ns", std::move(time_ns)},
+          {"alternatives", std::move(alternatives)},
+          {"in_doubt", finding.is_in_doubt},
+          {"left_out", finding.is_left_out},
+          {"log_odds", json_of(finding.log_odds)},
+          {"message", finding.message}};
+}
+
+nlohmann::json told(const std::vector<CalibrationFinding>& findings) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const CalibrationFinding& one : findings) list.push_back(json_of(one));
   return list;
 }
 
@@ -96,6 +127,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
                             {"observations_rejected", result.observations_rejected},
                             {"residual_rms_px", result.residual_rms_px},
                             {"left_out", told_keys(result.left_out)},
+                            {"findings", told(result.findings)},
                             {"readings_left_out", sightings.left_out.json()},
                             {"other_parts", other_parts},
                             {"part_files", files.parts},

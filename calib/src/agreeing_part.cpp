@@ -10,11 +10,15 @@
 #include <vector>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/parallel.h"
+#include "apriltrack/calib/calibration_options.h"
 #include "camera_parameters.h"
 #include "culprit_search.h"
+#include "part_failure.h"
 #include "part_without.h"
 #include "rivals.h"
-#include "tag_examination.h"
+#include "tag_fault.h"
+#include "tag_probe.h"
 
 namespace apriltrack {
 namespace {
@@ -73,9 +77,8 @@ void require_held_tag_that_fits(const PartTask& task, const Part& part, const Co
   const auto rest = adjust_without_culprit(any, part, contradictions, held_tag, parallel, log);
   if (!rest || rest->culprits != std::vector{held_tag}) return;
   const auto finding = look_at(any, *rest, probe_views(any, part, *rest, held_tag), held_tag).finding;
-  fail_by_held_tag(finding ? words_with_rivals(any, part, *rest, {}, *finding)
-                           : fmt::format("The views of {} contradict those of all others",
-                                         to_string(*task.options.held_tag)));
+  if (finding) throw HeldTagAtFault(with_rivals(any, part, *rest, {}, *finding));
+  throw HeldTagAtFault(held_tag);
 }
 
 }  // namespace

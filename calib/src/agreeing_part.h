@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apriltrack/base/log.h"
+#include "apriltrack/base/parallel.h"
 #include "part_adjustment.h"
 
 namespace apriltrack {

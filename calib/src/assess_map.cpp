@@ -1,6 +1,10 @@
 #include "apriltrack/calib/assess_map.h"
 
 #include "apriltrack/base/check.h"
+#include "apriltrack/calib/joint_covariance.h"
+#include "apriltrack/calib/map_evidence.h"
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/tags/tag_map.h"
 #include "map_links.h"
 #include "picture_equations.h"
 #include "view_advice.h"

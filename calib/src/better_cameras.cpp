@@ -10,6 +10,8 @@
 
 #include "agreeing_part.h"
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/parallel.h"
+#include "apriltrack/calib/calibration_options.h"
 #include "open_cameras.h"
 #include "undecided_tags.h"
 

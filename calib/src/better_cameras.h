@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "apriltrack/base/log.h"
+#include "apriltrack/base/parallel.h"
 #include "camera_refinement.h"
 
 namespace apriltrack {

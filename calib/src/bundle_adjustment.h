@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apriltrack/calib/calibrate_map.h"
+#include "apriltrack/calib/calibration_options.h"
 #include "apriltrack/calib/stop.h"
 #include "map_state.h"
 #include "se3_manifold.h"

@@ -14,10 +14,18 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/log.h"
 #include "apriltrack/base/parallel.h"
-#include "calibration_result.h"
-#include "calibration_words.h"
+#include "apriltrack/calib/calibration_options.h"
+#include "apriltrack/calib/calibration_result.h"
+#include "apriltrack/calib/map_constraints.h"
+#include "apriltrack/calib/map_evidence.h"
+#include "apriltrack/calib/stop.h"
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/detect/detection.h"
+#include "calibration_messages.h"
 #include "camera_gravity.h"
+#include "camera_messages.h"
 #include "claimed_noise.h"
 #include "constraint_tags.h"
 #include "halves.h"
@@ -25,13 +33,12 @@
 #include "part_solver.h"
 #include "repeated_frames.h"
 #include "resting_frames.h"
+#include "result_of_solution.h"
 #include "starting_cameras.h"
 #include "time_errors.h"
 
 namespace apriltrack {
 namespace {
-
-constexpr double kLeastUsualSize_m = 0.005, kMostUsualSize_m = 3.0;
 
 void require_sizes(const Observations& observations, const std::vector<Part>& parts) {
   std::vector<TagKey> missing;
@@ -49,27 +56,6 @@ void require_sizes(const Observations& observations, const std::vector<Part>& pa
                                     list_tags(missing)));
 }
 
-/// Centimetres or millimetres where metres are asked for are the commonest slip, and no view can tell.
-void warn_of_unusual_sizes(const Observations& observations, const std::vector<Part>& parts,
-                           Findings& findings) {
-  std::vector<TagKey> unusual;
-  double size_m = 0.0;
-  for (const Part& part : parts) {
-    for (const int tag : part.tags) {
-      const double of_tag_m = observations.sizes_m[static_cast<std::size_t>(tag)];
-      if (of_tag_m >= kLeastUsualSize_m && of_tag_m <= kMostUsualSize_m) continue;
-      unusual.push_back(key_of(observations, tag));
-      size_m = of_tag_m;
-    }
-  }
-  if (unusual.empty()) return;
-  std::sort(unusual.begin(), unusual.end());
-  findings.warnings.push_back(
-      fmt::format("{} given a size of {:.3g} m: sizes are in metres, of the square whose corners are "
-                  "detected. All distances of the map are in proportion to them (--tag-size, --tag-sizes)",
-                  unusual.size() == 1 ? list_tags(unusual) + " is" : list_tags(unusual) + " are", size_m));
-}
-
 /// Parts whose views all have a pose to start from. Sizes are asked for only where a tag can be mapped at
 /// all.
 std::vector<Part> solvable_parts(const Observations& observations, const CalibrationOptions& options,
@@ -79,7 +65,7 @@ std::vector<Part> solvable_parts(const Observations& observations, const Calibra
   std::iota(views.begin(), views.end(), std::size_t{0});
   Connectivity connectivity = find_parts(observations, views, options.min_views);
   require_sizes(observations, connectivity.parts);
-  warn_of_unusual_sizes(observations, connectivity.parts, findings);
+  report_unusual_sizes(observations, connectivity.parts, findings);
 
   std::vector<std::size_t> connected;
   for (const Part& part : connectivity.parts)
@@ -89,9 +75,10 @@ std::vector<Part> solvable_parts(const Observations& observations, const Calibra
   for (const std::size_t v : connected) has_no_pose[v] = candidates[v].candidates.empty();
   std::erase_if(views, [&](std::size_t v) { return has_no_pose[v]; });
   connectivity = find_parts(observations, views, options.min_views);
-  leave_out(observations, connectivity.lone_tags, "never seen together with another tag", findings);
+  leave_out(CalibrationFinding::Kind::kNeverWithOthers, observations, connectivity.lone_tags,
+            "never seen together with another tag", findings);
   leave_out(
-      observations, connectivity.rare_tags,
+      CalibrationFinding::Kind::kRarelyWithOthers, observations, connectivity.rare_tags,
       fmt::format("seen in fewer than {} frames together with other tags, those of one place counted once "
                   "(--min-views)",
                   options.min_views),
@@ -126,8 +113,8 @@ void require_connection(const Observations& observations, const std::vector<Part
   if (!parts.empty()) return;
   throw no_result("calibrate",
                   fmt::format("no two tags connect (seen: {}): {}{}{}", list_tags(observations.tags),
-                              way_to_connect(observations, options.min_views),
-                              findings.warnings.empty() ? "" : ". ", fmt::join(findings.warnings, ". ")));
+                              way_to_connect(observations, options.min_views), findings.empty() ? "" : ". ",
+                              fmt::join(messages_of(findings), ". ")));
 }
 
 /// The part with the held tag first, and the tag to hold in each.
@@ -136,7 +123,7 @@ void choose_gauge(const Observations& observations, const CalibrationOptions& op
   if (options.held_tag) {
     const bool was_seen =
         std::binary_search(observations.tags.begin(), observations.tags.end(), *options.held_tag);
-    if (!was_seen && std::count(findings.left_out.begin(), findings.left_out.end(), *options.held_tag) > 0)
+    if (!was_seen && std::ranges::binary_search(tags_left_out(findings), *options.held_tag))
       throw no_result(
           "calibrate",
           fmt::format("the held tag {} is seen at two places at once, so it is not one tag and "
@@ -205,12 +192,7 @@ int merge_frames_at_rest(Observations& observations, const CalibrationOptions& o
 /// many frames at rest there were.
 int count_repetitions_once(Observations& observations, const CalibrationOptions& options,
                            const std::set<Timestamp>& kept, Findings& findings, const LogSink& log) {
-  if (const int repeated = drop_repeated_frames(observations, kept); repeated > 0)
-    findings.warnings.push_back(
-        fmt::format("{} exactly the corners of an earlier one, and {} not counted: a film that stands "
-                    "still, or frames that were copied, say no more than one picture",
-                    repeated == 1 ? "1 frame shows" : fmt::format("{} frames show", repeated),
-                    repeated == 1 ? "is" : "are"));
+  report_repeated_frames(drop_repeated_frames(observations, kept), findings);
   return merge_frames_at_rest(observations, options, kept, findings, log);
 }
 
@@ -236,8 +218,20 @@ void add_other_parts(Observations observations, const std::vector<Part>& parts,
       result.held_tags_of_other_parts.push_back(key_of(observations, other.held_tag));
       result.evidence_of_other_parts.push_back(std::move(evidence));
     } catch (const Error& error) {
-      leave_out(observations, parts[i].tags, error.what(), findings);
+      leave_out(CalibrationFinding::Kind::kUnsolvedComponent, observations, parts[i].tags, error.what(),
+                findings);
     }
+  }
+}
+
+/// Lenses by which tags do not look square.
+void report_lenses(const Observations& observations, const std::vector<LensDoubt>& doubts,
+                   const CalibrationOptions& options, Findings& findings, const LogSink& log) {
+  for (const LensDoubt& doubt : doubts) {
+    if (doubt.why == LensDoubt::Why::kReplaced)
+      log(LogLevel::kInfo, message_of(observations, doubt) + ": starting from one by which they do");
+    else
+      findings.push_back(reported(observations, doubt, options));
   }
 }
 
@@ -245,14 +239,19 @@ CalibrationResult calibrated(std::span<const FrameDetections> frames, const Came
                              const TagSizes& sizes, const CalibrationOptions& options, Findings& findings,
                              const LogSink& log) {
   const ParallelFor parallel = stoppable(parallel_for(options.num_threads), options.should_stop);
-  Observations observations = collect_observations(frames, rig, sizes, options, findings);
+  report_picture_sizes(frames, rig, findings);
+  UnusedDetections unused;
+  Observations observations = collect_observations(frames, rig, sizes, options, unused);
+  report_unused(unused, findings);
   CalibrationResult result;
   result.frames_at_rest =
       count_repetitions_once(observations, options, times_with_gravity(options), findings, log);
   const std::vector<MapConstraint> constraints =
-      with_families(options.constraints, observations.tags, findings.left_out);
+      with_families(options.constraints, observations.tags, tags_left_out(findings));
   require_camera_frames(constraints, observations);
-  std::vector<RigCamera> start = starting_cameras(observations, options, parallel, log, findings);
+  std::vector<LensDoubt> lens_doubts;
+  std::vector<RigCamera> start = starting_cameras(observations, options, parallel, lens_doubts);
+  report_lenses(observations, lens_doubts, options, findings, log);
   std::vector<ViewCandidates> candidates;
   std::swap(observations.cameras, start);
   std::vector<Part> parts = solvable_parts(observations, options, parallel, candidates, findings);
@@ -288,13 +287,13 @@ CalibrationResult calibrate_map(std::span<const FrameDetections> frames, const C
     CalibrationOptions claimed = options;
     if (const auto kept = kept_errors(frames)) claimed.corner_bias_px = kept->corners_px;
     CalibrationResult result = calibrated(frames, rig, sizes, claimed, findings, log);
-    result.warnings = std::move(findings.warnings);
-    result.left_out = std::move(findings.left_out);
-    std::sort(result.left_out.begin(), result.left_out.end());
+    result.warnings = messages_of(findings);
+    result.left_out = tags_left_out(findings);
+    result.findings = std::move(findings);
     result.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;
   } catch (const Error& error) {  // what was found before may be why
-    for (const std::string& warning : findings.warnings) {
+    for (const std::string& warning : messages_of(findings)) {
       if (std::string_view(error.what()).find(warning) == std::string_view::npos)
         log(LogLevel::kWarning, warning);
     }

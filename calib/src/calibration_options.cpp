@@ -1,10 +1,12 @@
+#include "apriltrack/calib/calibration_options.h"
+
 #include <fmt/format.h>
 
 #include <string>
 #include <string_view>
 
 #include "apriltrack/base/error.h"
-#include "apriltrack/calib/calibrate_map.h"
+#include "apriltrack/calib/map_constraints.h"
 
 namespace apriltrack {
 

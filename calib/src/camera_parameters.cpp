@@ -10,6 +10,8 @@
 #include <variant>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/calib/systematic_errors.h"
+#include "apriltrack/camera/camera.h"
 
 namespace apriltrack {
 namespace {

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/calib/systematic_errors.h"
+#include "apriltrack/camera/camera.h"
 #include "map_state.h"
 #include "pose_information.h"
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/calib/map_constraints.h"
 #include "map_frame_start.h"
 #include "measured_frame.h"
 #include "unit_of_lengths.h"
@@ -216,11 +217,10 @@ ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const I
   IndexedAudits unused;
   const std::vector<BoundConstraint> bound = bind_constraints(constraints, map, unused);
   for (const auto& [index, audit] : unused)
-    result.warnings.push_back(fmt::format("constraint '{}' is not used: {}", audit.title, audit.reason));
+    result.notes.unused.push_back(fmt::format("constraint '{}' is not used: {}", audit.title, audit.reason));
   const auto tells_frame = [](const BoundConstraint& one) { return is_of_frame(*one.constraint); };
   if (std::ranges::any_of(constraints, is_of_frame) && std::ranges::none_of(bound, tells_frame))
-    result.warnings.insert(
-        result.warnings.begin(),
+    result.notes.not_measured.push_back(
         fmt::format("the map is NOT in the measured frame, for none of the constraints that tell it is used: "
                     "{} is at the origin",
                     to_string(map.keys[static_cast<std::size_t>(map.held_tag)])));
@@ -256,11 +256,11 @@ ConstrainedMap constrain_map(std::span<const MapConstraint> constraints, const I
   take_fit(judgement.fit, prior, map, joint, result);
   constexpr std::size_t kMostDoubts = 10;
   for (std::size_t i = 0; i < std::min(kMostDoubts, judgement.doubts.size()); ++i)
-    result.doubts.push_back("constraint in doubt: " + judgement.doubts[i]);
+    result.notes.in_doubt.push_back("constraint in doubt: " + judgement.doubts[i]);
   if (judgement.doubts.size() > kMostDoubts)
-    result.doubts.push_back(
+    result.notes.in_doubt.push_back(
         fmt::format("and {} more constraints in doubt", judgement.doubts.size() - kMostDoubts));
-  if (!judgement.doubts.empty() && !hint.empty()) result.doubts.push_back(hint);
+  if (!judgement.doubts.empty() && !hint.empty()) result.notes.in_doubt.push_back(hint);
   result.is_vertical_measured = is_vertical_measured(judgement.fit);
   result.gauge = gauge_in_words(judgement.fit, bound, map.keys[static_cast<std::size_t>(map.held_tag)]);
   result.audits = in_given_order(std::move(judgement.audits), bound, std::move(unused));

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/calib/map_constraints.h"
 #include "constraint_audit.h"
 #include "covariance_operator.h"
 #include "joint_change.h"
@@ -21,6 +22,13 @@ struct ImageMap {
   std::vector<std::string> doubts = {};  ///< In words: of what it may be folded at, and break constraints.
 };
 
+/// What the user should know of the constraints, in words.
+struct ConstraintNotes {
+  std::vector<std::string> not_measured;  ///< The map's frame is not, though constraints were to fix it.
+  std::vector<std::string> unused;        ///< Which, and why.
+  std::vector<std::string> in_doubt;      ///< Which are used, and disagree with all else.
+};
+
 /// The same with constraints.
 struct ConstrainedMap {
   Pose T_map_held;              ///< Where the held tag was measured to be; identity where nothing tells.
@@ -28,9 +36,8 @@ struct ConstrainedMap {
   std::vector<Matrix6d> covariances;  ///< Of ImageMap::tags, in the map's frame.
   JointChange change;
   std::vector<ConstraintAudit> audits;
-  std::string gauge;                  ///< How the frame was fixed, in words; empty: by the held tag.
-  std::vector<std::string> warnings;  ///< What is not used, and why.
-  std::vector<std::string> doubts;    ///< What is used and in doubt.
+  std::string gauge;  ///< How the frame was fixed, in words; empty: by the held tag.
+  ConstraintNotes notes;
   bool is_vertical_measured = false;  ///< z of the map's frame is up by what was measured.
 };
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "apriltrack/base/degrees.h"
+#include "apriltrack/calib/map_constraints.h"
 #include "words.h"
 
 namespace apriltrack {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/calib/map_constraints.h"
 #include "constrained_fit.h"
 
 namespace apriltrack {

@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/parallel.h"
 #include "part_without.h"
-#include "tag_fault_words.h"
 #include "tag_suspects.h"
 
 namespace apriltrack {
@@ -119,8 +119,8 @@ std::vector<TagFinding> rival_findings(const std::vector<Trial>& trials, const s
   for (const Trial& trial : trials) {
     if (!culprits.contains(trial.tag) || !trial.finding) continue;
     findings.push_back(*trial.finding);
-    findings.back().words = words_of_rival(findings.back().words);
-    findings.back().is_left_out = findings.back().is_in_doubt = true;
+    findings.back().blame = TagFinding::Blame::kThisOrAnother;
+    findings.back().is_left_out = true;
   }
   return findings;
 }

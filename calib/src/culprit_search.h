@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "apriltrack/base/log.h"
+#include "apriltrack/base/parallel.h"
 #include "part_adjustment.h"
 
 namespace apriltrack {

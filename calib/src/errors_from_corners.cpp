@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "apriltrack/calib/systematic_errors.h"
 #include "camera_parameters.h"
 #include "print_errors.h"
 

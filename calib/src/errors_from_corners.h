@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "apriltrack/calib/calibrate_map.h"
+#include "apriltrack/calib/calibration_result.h"
 #include "error_scale.h"
 #include "photometric_adjustment.h"
 #include "tag_covariance.h"

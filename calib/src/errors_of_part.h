@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "part_solver.h"
+#include "part_solution.h"
 #include "tag_covariance.h"
 
 namespace apriltrack {

@@ -1,6 +1,8 @@
 #include "apriltrack/calib/fit_lenses.h"
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/detect/detection.h"
 #include "lens_by_single_views.h"
 
 namespace apriltrack {
@@ -9,9 +11,9 @@ namespace {
 /// nullopt where no view can be used.
 std::optional<Observations> usable_views(std::span<const FrameDetections> frames, const CameraRig& rig) {
   const TagSizes any_size(1.0);
-  Findings findings;
+  UnusedDetections unused;
   try {
-    return collect_observations(frames, rig, any_size, {}, findings);
+    return collect_observations(frames, rig, any_size, {}, unused);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kNoResult) throw;
     return std::nullopt;

@@ -10,6 +10,9 @@
 #include <map>
 #include <set>
 
+#include "apriltrack/calib/calibration_options.h"
+#include "apriltrack/calib/cross_validation.h"
+#include "apriltrack/calib/joint_covariance.h"
 #include "bundle_adjustment.h"
 #include "corner_views.h"
 #include "errors_of_part.h"

@@ -1,6 +1,8 @@
 #pragma once
 
-#include "part_solver.h"
+#include "apriltrack/calib/calibration_options.h"
+#include "apriltrack/calib/cross_validation.h"
+#include "part_solution.h"
 
 namespace apriltrack {
 

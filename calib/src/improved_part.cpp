@@ -5,9 +5,13 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/log.h"
+#include "apriltrack/base/parallel.h"
+#include "apriltrack/calib/calibration_options.h"
 #include "contradicted_tags.h"
 #include "culprit_search.h"
 #include "honest_edges.h"
+#include "part_failure.h"
 #include "part_without.h"
 #include "tag_examination.h"
 #include "undecided_tags.h"
@@ -31,7 +35,7 @@ bool leave_out_faulty(const PartTask& task, const Part& part, const ParallelFor&
     // Without them, others' views may leave two poses that had one.
     leave_out_undecided(task, part, solved, parallel);
   } catch (const Error& error) {
-    fail_after(improved.findings, error);
+    throw NothingLeft(improved.findings, error.cause());
   }
   return true;
 }
@@ -106,7 +110,7 @@ std::optional<ImprovedPart> improved_by_file(const PartTask& task, const Part& p
 
 void require_sound_held_tag(const PartTask& task, const ImprovedPart& improved) {
   for (const TagFinding& finding : improved.findings)
-    if (finding.is_left_out && is_held_by_wish(task, finding.tag)) fail_by_held_tag(finding.words);
+    if (finding.is_left_out && is_held_by_wish(task, finding.tag)) throw HeldTagAtFault(finding);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "apriltrack/base/log.h"
+#include "apriltrack/base/parallel.h"
 #include "better_cameras.h"
 #include "tag_finding.h"
 

@@ -7,6 +7,9 @@
 #include <utility>
 
 #include "apriltrack/calib/assess_map.h"
+#include "apriltrack/calib/calibration_result.h"
+#include "apriltrack/detect/detection.h"
+#include "apriltrack/tags/tag_map.h"
 #include "observations.h"
 
 namespace apriltrack {

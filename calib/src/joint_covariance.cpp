@@ -10,6 +10,7 @@
 #include "apriltrack/base/check.h"
 #include "apriltrack/io/atomic_file.h"
 #include "apriltrack/io/numbers.h"
+#include "apriltrack/tags/tag_map.h"
 
 namespace apriltrack {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "apriltrack/calib/calibration_options.h"
 #include "corner_views.h"
 
 namespace apriltrack {

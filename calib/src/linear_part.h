@@ -4,9 +4,11 @@
 #include <utility>
 #include <vector>
 
+#include "apriltrack/calib/calibration_options.h"
 #include "error_scale.h"
-#include "part_adjustment.h"
+#include "map_state.h"
 #include "pose_information.h"
+#include "solve_context.h"
 
 namespace apriltrack {
 

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "apriltrack/base/check.h"
+#include "apriltrack/base/parallel.h"
 #include "cauchy_loss.h"
 #include "spread_selection.h"
 #include "tag_links.h"
@@ -176,6 +177,14 @@ MapState start_state(const Observations& observations, const Part& part, int hel
     for (const auto& [frame, views] : frames) place_frame(observations, views, candidates, true, state);
   }
   return state;
+}
+
+Vector8d whitened_residual(const Observations& observations, const TagView& view, const MapState& state,
+                           bool& is_valid, Vector8d* residual_px) {
+  Vector8d residual = Vector8d::Zero();
+  is_valid = residual_of(observations, view, state, &residual);
+  if (residual_px != nullptr) *residual_px = residual;
+  return whitening(view, state) * residual;
 }
 
 }  // namespace apriltrack

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "apriltrack/base/parallel.h"
 #include "parts.h"
 #include "view_candidates.h"
 #include "view_residual.h"
@@ -41,6 +42,10 @@ Matrix8d whitening(const TagView& view, const MapState& state);
 /// view_residual() where the state has cameras, tag and rig.
 bool residual_of(const Observations& observations, const TagView& view, const MapState& state,
                  Vector8d* residual_px, Matrix8x6d* by_rig = nullptr, Matrix8x6d* by_tag = nullptr);
+
+/// residual_px: if given, the same before it is whitened.
+Vector8d whitened_residual(const Observations& observations, const TagView& view, const MapState& state,
+                           bool& is_valid, Vector8d* residual_px = nullptr);
 
 /// A first map, free of flips as far as the views allow: tags along the tree of best-supported links from
 /// `held_tag` (which lies at the origin), frames by the candidate that explains all their tags best, then

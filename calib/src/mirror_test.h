@@ -3,7 +3,8 @@
 #include <vector>
 
 #include "apriltrack/base/parallel.h"
-#include "part_adjustment.h"
+#include "map_state.h"
+#include "solve_context.h"
 
 namespace apriltrack {
 

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "apriltrack/base/parallel.h"
 #include "frame_views.h"
 
 namespace apriltrack {

@@ -1,6 +1,8 @@
 #pragma once
 
-#include "part_adjustment.h"
+#include "apriltrack/base/parallel.h"
+#include "map_state.h"
+#include "solve_context.h"
 
 namespace apriltrack {
 

@@ -11,7 +11,6 @@
 #include <set>
 
 #include "apriltrack/base/error.h"
-#include "apriltrack/detect/picture_size.h"
 #include "apriltrack/tags/tag_family.h"
 #include "place_in_rig.h"
 
@@ -46,20 +45,6 @@ bool is_usable(const CornersPx& corners, const CameraModel& model) {
          });
 }
 
-/// How often one id shows up at two places of one image.
-struct Repetition {
-  std::size_t frames = 0;
-  std::size_t frames_with_copies = 0;
-  std::size_t most_copies = 1;
-
-  /// One frame alone may be a stray detection, unless there are hardly any others.
-  bool is_many_tags() const {
-    if (frames_with_copies == 0) return false;
-    if (frames_with_copies == 1) return frames < kFewFrames;
-    return static_cast<double>(frames_with_copies) > kMaxRepeatedShare * static_cast<double>(frames);
-  }
-};
-
 /// The usable detections of one image; of detections of one tag at one place the surest.
 std::map<TagKey, std::vector<const Detection*>> usable_by_tag(const FrameDetections& frame,
                                                               const CameraModel& model,
@@ -82,13 +67,6 @@ std::map<TagKey, std::vector<const Detection*>> usable_by_tag(const FrameDetecti
     }
   }
   return by_tag;
-}
-
-std::string describe(const TagKey& tag, const Repetition& repetition) {
-  return fmt::format(
-      "{} is not one tag: up to {} copies of it are seen at once (copies in {} of {} frames). A map needs an "
-      "id of its own for every tag: print tags with different ids, or cover the copies",
-      to_string(tag), repetition.most_copies, repetition.frames_with_copies, repetition.frames);
 }
 
 /// Everything about one image that later steps need, before tags get their numbers.
@@ -147,11 +125,12 @@ void require_distinct_times(const std::vector<UsableFrame>& frames, const Camera
                   rig.cameras[static_cast<std::size_t>(repeated->camera)].name, repeated->timestamp.ns));
 }
 
-std::map<TagKey, Repetition> count_repetitions(const std::vector<UsableFrame>& frames) {
-  std::map<TagKey, Repetition> repetitions;
+std::map<TagKey, RepeatedTag> count_repetitions(const std::vector<UsableFrame>& frames) {
+  std::map<TagKey, RepeatedTag> repetitions;
   for (const UsableFrame& frame : frames) {
     for (const auto& [tag, places] : frame.detections) {
-      Repetition& repetition = repetitions[tag];
+      RepeatedTag& repetition = repetitions[tag];
+      repetition.tag = tag;
       ++repetition.frames;
       if (places.size() > 1) ++repetition.frames_with_copies;
       repetition.most_copies = std::max(repetition.most_copies, places.size());
@@ -161,7 +140,7 @@ std::map<TagKey, Repetition> count_repetitions(const std::vector<UsableFrame>& f
 }
 
 /// Corners need no decoding, but a map does: whoever reads it looks for the printed pattern.
-void require_known_tags(const std::map<TagKey, Repetition>& repetitions) {
+void require_known_tags(const std::map<TagKey, RepeatedTag>& repetitions) {
   for (const auto& [tag, repetition] : repetitions) {
     if (!TagFamily::is_known(tag.family))
       throw invalid_input("calibrate", fmt::format("detections name the family '{}', which no map can hold; "
@@ -174,27 +153,16 @@ void require_known_tags(const std::map<TagKey, Repetition>& repetitions) {
   }
 }
 
-void report_repetitions(const std::map<TagKey, Repetition>& repetitions, Findings& findings) {
-  std::size_t single_tags = 0;
-  std::string first_complaint;
-  for (const auto& [tag, repetition] : repetitions) {
-    if (repetition.is_many_tags()) {
-      findings.warnings.push_back(describe(tag, repetition) + "; it is left out");
-      findings.left_out.push_back(tag);
-      if (first_complaint.empty()) first_complaint = describe(tag, repetition);
-    } else {
-      ++single_tags;
-      if (repetition.frames_with_copies > 0)
-        findings.warnings.push_back(
-            fmt::format("{} is seen at two places at once in {} of {} frames: not used there", to_string(tag),
-                        repetition.frames_with_copies, repetition.frames));
-    }
-  }
-  if (single_tags < 2 && !first_complaint.empty()) throw no_result("calibrate", first_complaint);
+void require_two_tags(const std::map<TagKey, RepeatedTag>& repetitions) {
+  const auto is_many = [](const auto& one) { return one.second.is_many_tags(); };
+  const auto first = std::ranges::find_if(repetitions, is_many);
+  const auto single =
+      repetitions.size() - static_cast<std::size_t>(std::ranges::count_if(repetitions, is_many));
+  if (single < 2 && first != repetitions.end()) throw no_result("calibrate", description_of(first->second));
 }
 
 Observations number_views(const std::vector<UsableFrame>& frames,
-                          const std::map<TagKey, Repetition>& repetitions, const EdgeNoise& noise) {
+                          const std::map<TagKey, RepeatedTag>& repetitions, const EdgeNoise& noise) {
   Observations observations;
   std::map<TagKey, int> index;
   for (const auto& [tag, repetition] : repetitions) {
@@ -223,6 +191,20 @@ Observations number_views(const std::vector<UsableFrame>& frames,
 
 }  // namespace
 
+/// One frame alone may be a stray detection, unless there are hardly any others.
+bool RepeatedTag::is_many_tags() const {
+  if (frames_with_copies == 0) return false;
+  if (frames_with_copies == 1) return frames < kFewFrames;
+  return static_cast<double>(frames_with_copies) > kMaxRepeatedShare * static_cast<double>(frames);
+}
+
+std::string description_of(const RepeatedTag& tag) {
+  return fmt::format(
+      "{} is not one tag: up to {} copies of it are seen at once (copies in {} of {} frames). A map needs an "
+      "id of its own for every tag: print tags with different ids, or cover the copies",
+      to_string(tag.tag), tag.most_copies, tag.frames_with_copies, tag.frames);
+}
+
 void TagView::set_noise(const CornersPx& edges, const EdgeNoise& noise) {
   inward = inward_displacements(edges);
   const Matrix8d of_model = edge_noise_whitening(edges, noise);
@@ -237,7 +219,7 @@ void TagView::set_noise(const CornersPx& edges, const EdgeNoise& noise) {
 
 Observations collect_observations(std::span<const FrameDetections> frames, const CameraRig& rig,
                                   const TagSizes& sizes, const CalibrationOptions& options,
-                                  Findings& findings) {
+                                  UnusedDetections& unused) {
   std::set<std::string> used;
   std::size_t detections = 0;
   for (const FrameDetections& frame : frames) {
@@ -249,7 +231,6 @@ Observations collect_observations(std::span<const FrameDetections> frames, const
                     fmt::format("no tags were seen in {} frames; check the tag family (apriltrack doctor "
                                 "looks for others, too) and that tags are sharp and at least 20 pixels wide",
                                 frames.size()));
-  std::ranges::move(check_picture_sizes(frames, rig), std::back_inserter(findings.warnings));
   std::size_t unusable = 0;
   const std::vector<UsableFrame> usable = usable_frames(frames, rig, unusable);
   if (unusable == detections)
@@ -259,16 +240,13 @@ Observations collect_observations(std::span<const FrameDetections> frames, const
             "none of the {} detections shows a tag as this camera can see one: check the camera file and "
             "the corner order (bottom-left, bottom-right, top-right, top-left)",
             detections));
-  if (unusable > 0)
-    findings.warnings.push_back(
-        fmt::format("{} of {} detections are not used: corners not finite, not a tag's front, "
-                    "too small, or outside what the lens model covers",
-                    unusable, detections));
-
   require_distinct_times(usable, rig);
-  const std::map<TagKey, Repetition> repetitions = count_repetitions(usable);
+  const std::map<TagKey, RepeatedTag> repetitions = count_repetitions(usable);
   require_known_tags(repetitions);
-  report_repetitions(repetitions, findings);
+  require_two_tags(repetitions);
+  unused = {detections, unusable, {}};
+  for (const auto& [tag, repetition] : repetitions)
+    if (repetition.frames_with_copies > 0) unused.repeated.push_back(repetition);
   Observations observations =
       number_views(usable, repetitions, {options.corner_sigma_px, options.edge_end_correlation});
   if (options.corner_bias_px > 0.0)
@@ -300,6 +278,16 @@ std::string list_tags(std::span<const TagKey> keys, std::size_t limit) {
     text += (i > 0 ? ", " : "") + to_string(keys[i]);
   if (keys.size() > limit) text += fmt::format(" and {} more", keys.size() - limit);
   return text;
+}
+
+TagKey key_of(const Observations& observations, int tag) {
+  return observations.tags[static_cast<std::size_t>(tag)];
+}
+
+std::vector<TagKey> keys_of(const Observations& observations, const std::vector<int>& tags) {
+  std::vector<TagKey> keys;
+  for (const int tag : tags) keys.push_back(key_of(observations, tag));
+  return keys;
 }
 
 }  // namespace apriltrack

@@ -5,7 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "apriltrack/calib/calibrate_map.h"
+#include "apriltrack/calib/calibration_options.h"
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/detect/detection.h"
+#include "apriltrack/tags/tag_sizes.h"
 #include "corner_noise.h"
 
 namespace apriltrack {
@@ -52,19 +55,36 @@ struct Observations {
   std::vector<TagView> views;  ///< Sorted by frame, then camera, then tag.
 };
 
-/// Left out, and why; both go into the result.
-struct Findings {
-  std::vector<std::string> warnings;
-  std::vector<TagKey> left_out;
+TagKey key_of(const Observations& observations, int tag);
+std::vector<TagKey> keys_of(const Observations& observations, const std::vector<int>& tags);
+
+/// How often an id was seen at several places of one image.
+struct RepeatedTag {
+  TagKey tag;
+  std::size_t most_copies = 0;         ///< In one image.
+  std::size_t frames = 0;              ///< That show it.
+  std::size_t frames_with_copies = 0;  ///< Of these.
+
+  /// More than chance: it is several tags, and none of them is used. Else it is not used in such frames.
+  bool is_many_tags() const;
+};
+/// "... is not one tag: ...", with the way out.
+std::string description_of(const RepeatedTag& tag);
+
+/// What was seen and is not used.
+struct UnusedDetections {
+  std::size_t detections = 0;              ///< All there were.
+  std::size_t unusable = 0;                ///< Of these, whose corners no tag can show.
+  std::vector<RepeatedTag> repeated = {};  ///< Sorted; of which there is more than one at least once.
 };
 
 /// Drops corners that no tag can show (not finite, folded, mirrored, tiny, outside the lens model's domain)
-/// and ids that are not unique, and says so in `findings`, and of corners that may be of pictures of another
-/// size. Throws Error(kNoResult) when nothing is left, Error(kInvalidInput) when a camera
-/// is unknown, corners lie outside its pictures, or one of several has two images of one time.
+/// and ids that are not unique, and counts them in `unused`. Throws Error(kNoResult) when nothing is left,
+/// Error(kInvalidInput) when a camera is unknown, corners lie outside its pictures, or one of several has two
+/// images of one time.
 Observations collect_observations(std::span<const FrameDetections> frames, const CameraRig& rig,
                                   const TagSizes& sizes, const CalibrationOptions& options,
-                                  Findings& findings);
+                                  UnusedDetections& unused);
 
 /// Whether the corners are those of a tag as its front shows it, and not too small: finite, convex, in order.
 bool is_quad_of_tag(const CornersPx& corners);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/calib/calibration_options.h"
 #include "bundle_adjustment.h"
 #include "mirror_test.h"
 #include "mirrored_frames.h"
@@ -70,24 +71,6 @@ void adjust_robustly(const Observations& observations, const Part& part, int hel
 
 }  // namespace
 
-ParallelFor on_one_thread(const PartTask& task) {
-  return stoppable(parallel_for(1), task.options.should_stop);
-}
-
-std::vector<int> free_tags(const Part& part, int held_tag) {
-  std::vector<int> tags = part.tags;
-  std::erase(tags, held_tag);
-  return tags;
-}
-
-Vector8d whitened_residual(const Observations& observations, const TagView& view, const MapState& state,
-                           bool& is_valid, Vector8d* residual_px) {
-  Vector8d residual = Vector8d::Zero();
-  is_valid = residual_of(observations, view, state, &residual);
-  if (residual_px != nullptr) *residual_px = residual;
-  return whitening(view, state) * residual;
-}
-
 std::vector<std::size_t> inliers(const Observations& observations, const std::vector<std::size_t>& views,
                                  const MapState& state) {
   std::vector<std::size_t> kept;
@@ -102,14 +85,6 @@ std::vector<std::size_t> inliers(const Observations& observations, const std::ve
       kept.push_back(v);
   }
   return kept;
-}
-
-Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,
-                  int min_views) {
-  for (Part& part : find_parts(observations, views, min_views).parts) {
-    if (std::binary_search(part.tags.begin(), part.tags.end(), held_tag)) return std::move(part);
-  }
-  return {};
 }
 
 Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state) {

@@ -5,6 +5,9 @@
 #include <map>
 #include <utility>
 
+#include "apriltrack/calib/calibration_options.h"
+#include "apriltrack/calib/map_evidence.h"
+
 namespace apriltrack {
 namespace {
 

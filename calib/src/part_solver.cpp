@@ -10,16 +10,23 @@
 
 #include "agreeing_part.h"
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/parallel.h"
+#include "apriltrack/calib/calibration_options.h"
+#include "apriltrack/calib/map_constraints.h"
+#include "apriltrack/calib/systematic_errors.h"
+#include "calibration_messages.h"
 #include "camera_gravity.h"
-#include "camera_words.h"
 #include "corner_views.h"
 #include "errors_of_part.h"
+#include "failure_messages.h"
 #include "improved_part.h"
 #include "joint_tag_covariance.h"
 #include "linear_part.h"
 #include "lost_links.h"
 #include "part_adjustment.h"
-#include "print_errors.h"
+#include "part_failure.h"
+#include "print_aspect.h"
+#include "print_batches.h"
 #include "reduced_equations.h"
 #include "rig_check.h"
 #include "split_links.h"
@@ -94,13 +101,7 @@ void keep_to_constraints(const Observations& observations, const CovarianceOpera
   const Pose T_held_map = map.T_held_tag[static_cast<std::size_t>(solution.held_tag)].inverse();
   for (Pose& pose : map.T_held_tag) pose = T_held_map * pose;
   for (const TagCovariance& tag : solution.covariances) map.covariances.push_back(tag.by_noise + tag.by_bias);
-  map.doubts = solution.lost_links;
-  for (const TagFinding& finding : solution.findings)
-    if (finding.may_fold_map) map.doubts.push_back(finding.words);
-  std::ranges::move(doubts_of_cameras(observations, solution.cameras), std::back_inserter(map.doubts));
-  std::ranges::move(words_of_prints(solution.print_batches, solution.print_aspect),
-                    std::back_inserter(map.doubts));
-  for (const TimeError& error : solution.time_errors) map.doubts.push_back(words_of(error));
+  map.doubts = doubts_of_map(observations, solution);
   solution.constrained = constrain_map(solution.constraints, map, joint);
   keep_to(solution.constrained->change, solution.joint);
   solution.state.T_map_tag = solution.constrained->T_map_tag;
@@ -158,7 +159,7 @@ AdjustedPart adjusted_from(const std::vector<RigCamera>& start, const PartTask& 
         error.where(),
         fmt::format("{}. This is by another lens than the camera file's, by which the tags do not look "
                     "square: is that file of this camera, zoom and resolution?",
-                    error.cause()));
+                    cause_of(task.observations, error)));
   }
 }
 
@@ -191,19 +192,18 @@ void count_offered_views(const Observations& observations, const Part& part, Par
   solution.views_offered_by_tag.assign(observations.tags.size(), 0);
   for (const auto& [tag, views] : count_views(observations, offered))
     solution.views_offered_by_tag[static_cast<std::size_t>(tag)] = views;
-  std::ranges::copy_if(offered.views, std::back_inserter(solution.rejected_at_rest), [&](std::size_t v) {
+  std::vector<std::size_t> rejected_at_rest;
+  std::ranges::copy_if(offered.views, std::back_inserter(rejected_at_rest), [&](std::size_t v) {
     return observations.views[v].place >= 0 && !std::ranges::binary_search(solution.part.views, v);
   });
+  solution.rejected_stands = find_rejected_stands(observations, solution.part, rejected_at_rest);
 }
 
-/// At which it may be folded.
-std::vector<std::string> words_of_links(const PartTask& task, const Part& part,
-                                        const PartSolution& solution) {
+/// Views that disagree with the map, by which it may be folded.
+void find_disagreeing_views(const PartTask& task, const Part& part, PartSolution& solution) {
   const Part offered = narrowed_to(task.observations, part, solution.part.tags);
-  std::vector<std::string> words = words_of_lost_links(task.observations, offered, solution.part);
-  std::ranges::move(words_of_split_links(task, offered, solution.part, solution.state),
-                    std::back_inserter(words));
-  return words;
+  solution.lost_links = find_lost_links(task.observations, offered, solution.part);
+  solution.split_links = find_split_links(task, offered, solution.part, solution.state);
 }
 
 /// Those of the part that are not mapped, and were left out for no reason of their own.
@@ -227,12 +227,10 @@ void require_sense(const PartSolution& solution) {
                               solution.total_rms_px, kWhatToCheck));
 }
 
-}  // namespace
-
-PartSolution solve_part(Observations& observations, const CamerasOfPart& cameras, const Part& part,
-                        int held_tag, const CalibrationOptions& options,
-                        const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
-                        const LogSink& log) {
+PartSolution solved_part(Observations& observations, const CamerasOfPart& cameras, const Part& part,
+                         int held_tag, const CalibrationOptions& options,
+                         const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
+                         const LogSink& log) {
   const PartTask task{observations, cameras.candidates, options};  // sees the edges that the map gives them
   AdjustedPart first = adjusted_from(cameras.start, task, part, held_tag, parallel, log);
   PartSolution solution;
@@ -246,12 +244,27 @@ PartSolution solve_part(Observations& observations, const CamerasOfPart& cameras
   const PartTask by_better{observations, by_cameras.empty() ? cameras.candidates : by_cameras, options};
 
   count_offered_views(observations, part, solution);
-  solution.lost_links = words_of_links(by_better, part, solution);
+  find_disagreeing_views(by_better, part, solution);
   measure_covariances(observations, options, constraints, solution);
   measure_residuals(observations, solution);
   solution.lost_tags = lost_tags(part, solution);
   require_sense(solution);
   return solution;
+}
+
+}  // namespace
+
+PartSolution solve_part(Observations& observations, const CamerasOfPart& cameras, const Part& part,
+                        int held_tag, const CalibrationOptions& options,
+                        const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
+                        const LogSink& log) {
+  try {
+    return solved_part(observations, cameras, part, held_tag, options, constraints, parallel, log);
+  } catch (const HeldTagAtFault& error) {
+    throw no_result(error.where(), cause_of(observations, error));
+  } catch (const NothingLeft& error) {
+    throw no_result(error.where(), cause_of(observations, error));
+  }
 }
 
 }  // namespace apriltrack

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/parallel.h"
+#include "apriltrack/calib/calibration_options.h"
 
 namespace apriltrack {
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <set>
 
+#include "apriltrack/base/parallel.h"
 #include "part_adjustment.h"
 
 namespace apriltrack {

@@ -128,4 +128,18 @@ Connectivity find_parts(const Observations& observations, const std::vector<std:
   return result;
 }
 
+std::vector<int> free_tags(const Part& part, int held_tag) {
+  std::vector<int> tags = part.tags;
+  std::erase(tags, held_tag);
+  return tags;
+}
+
+Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,
+                  int min_views) {
+  for (Part& part : find_parts(observations, views, min_views).parts) {
+    if (std::binary_search(part.tags.begin(), part.tags.end(), held_tag)) return std::move(part);
+  }
+  return {};
+}
+
 }  // namespace apriltrack

@@ -42,4 +42,11 @@ struct Connectivity {
 Connectivity find_parts(const Observations& observations, const std::vector<std::size_t>& views,
                         int min_views);
 
+/// All but the one that is held.
+std::vector<int> free_tags(const Part& part, int held_tag);
+
+/// What of `part` the views still tie to the held tag; an empty part when it stands alone.
+Part connected_to(const Observations& observations, const std::vector<std::size_t>& views, int held_tag,
+                  int min_views);
+
 }  // namespace apriltrack

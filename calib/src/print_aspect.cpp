@@ -70,12 +70,4 @@ std::vector<ParameterView> aspect_errors(const Observations& observations,
   return columns;
 }
 
-std::string words_of_print_aspect(double print_aspect) {
-  return fmt::format(
-      "it may be the print, and not the lens: tags that are {:.1f} % {} look like a lens whose fy / fx is "
-      "not the camera file's, and pixels are seldom so far from square. Measure a tag both ways: if it is, "
-      "print anew, and keep the file by --intrinsics keep. The covariances count either",
-      100.0 * std::abs(print_aspect), print_aspect > 0.0 ? "wider than high" : "higher than wide");
-}
-
 }  // namespace apriltrack

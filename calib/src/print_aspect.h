@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <set>
-#include <string>
 #include <vector>
 
 #include "better_cameras.h"
@@ -26,7 +25,5 @@ CameraParameters aspects_of(const CameraRefinement& refined);
 std::vector<ParameterView> aspect_errors(const Observations& observations,
                                          const std::vector<std::size_t>& views, const MapState& state,
                                          double print_aspect, CameraParameters refined);
-
-std::string words_of_print_aspect(double print_aspect);
 
 }  // namespace apriltrack

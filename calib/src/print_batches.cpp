@@ -197,8 +197,8 @@ std::optional<PrintBatches> print_batches_by(const std::vector<TagFinding>& find
   for (const TagFinding& finding : findings) {
     if (finding.kind != TagFinding::Kind::kSize || !finding.is_left_out) continue;
     others.push_back(&finding);
-    mean += finding.log_scale;
-    squares += finding.log_scale * finding.log_scale;
+    mean += finding.log_scale();
+    squares += finding.log_scale() * finding.log_scale();
   }
   const auto num = static_cast<double>(others.size());
   if (num < kLeastAlike || num < kLeastShare * static_cast<double>(others.size() + rest.size()))
@@ -244,15 +244,6 @@ std::vector<ParameterView> size_errors(const Observations& observations,
                               by_error[static_cast<std::size_t>(view.tag)]});
   }
   return columns;
-}
-
-std::string words_of(const PrintBatches& batches) {
-  return fmt::format(
-      "the tags look like two prints of different size: {} are {:.1f} % (sigma {:.2f}) larger, beside their "
-      "stated sizes, than {}. Measure a tag of each, and state both by --tag-sizes: the map is by the sizes "
-      "as stated, and its covariances count that either print may not be",
-      list_tags(batches.larger), 100.0 * std::expm1(batches.log_ratio), 100.0 * batches.sigma,
-      list_tags(batches.smaller));
 }
 
 }  // namespace apriltrack

@@ -1,10 +1,9 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "apriltrack/calib/calibrate_map.h"
+#include "apriltrack/calib/systematic_errors.h"
 #include "error_scale.h"
 #include "part_adjustment.h"
 #include "pose_information.h"
@@ -35,7 +34,5 @@ std::vector<double> sizes_as_printed(const Observations& observations, const Pri
 std::vector<ParameterView> size_errors(const Observations& observations,
                                        const std::vector<std::size_t>& views, const MapState& state,
                                        const PrintBatches& batches);
-
-std::string words_of(const PrintBatches& batches);
 
 }  // namespace apriltrack

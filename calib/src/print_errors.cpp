@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "apriltrack/calib/systematic_errors.h"
+
 namespace apriltrack {
 
 std::vector<ParameterView> errors_of_prints(const Observations& observations,
@@ -13,14 +15,6 @@ std::vector<ParameterView> errors_of_prints(const Observations& observations,
   if (batches) of_batches = size_errors(observations, views, state, *batches);
   if (aspect) of_aspect = aspect_errors(observations, views, state, *aspect, std::move(refined_aspects));
   return beside(std::move(of_batches), of_aspect);
-}
-
-std::vector<std::string> words_of_prints(const std::optional<PrintBatches>& batches,
-                                         const std::optional<double>& aspect) {
-  std::vector<std::string> words;
-  if (batches) words.push_back(words_of(*batches));
-  if (aspect) words.push_back(words_of_print_aspect(*aspect));
-  return words;
 }
 
 }  // namespace apriltrack

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "apriltrack/calib/systematic_errors.h"
 #include "print_aspect.h"
 #include "print_batches.h"
 
@@ -16,9 +16,5 @@ std::vector<ParameterView> errors_of_prints(const Observations& observations,
                                             const std::optional<PrintBatches>& batches,
                                             const std::optional<double>& aspect,
                                             CameraParameters refined_aspects);
-
-/// What is to be said of them.
-std::vector<std::string> words_of_prints(const std::optional<PrintBatches>& batches,
-                                         const std::optional<double>& aspect);
 
 }  // namespace apriltrack

@@ -9,7 +9,14 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/log.h"
 #include "apriltrack/base/parallel.h"
+#include "apriltrack/calib/calibration_result.h"
+#include "apriltrack/calib/stop.h"
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/detect/detection.h"
+#include "apriltrack/tags/tag_map.h"
+#include "calibration_messages.h"
 #include "claimed_noise.h"
 #include "held_out.h"
 #include "normal_distribution.h"
@@ -102,13 +109,20 @@ class Refinement {
     RefinementResult taken = result;
     const RefinedTags refined{input_, tags_in(views), anchor};
     for (const int tag : refined.tags) taken.refined.push_back(refined.in(taken.map, tag).key);
-    if (std::string why_not = take_places(refined, calibration_, state, views, options, taken);
+    std::optional<ConstraintNotes> notes;
+    if (std::string why_not = take_places(refined, calibration_, state, views, options, taken, notes);
         !why_not.empty())
       return why_not;
     taken.views_used = static_cast<int>(views.size());
     taken.moments_used = moments_in(views);
     take_lens_blurs(state, views, taken);
-    warn_of_unrefined(taken);
+    if (notes) {  // in place of what the corners' map had of them
+      std::erase_if(taken.findings, [](const CalibrationFinding& finding) {
+        return finding.kind == CalibrationFinding::Kind::kConstraintInDoubt;
+      });
+      report_constraints(*notes, taken.findings);
+    }
+    report_unrefined(unrefined_tags(taken), taken.findings);
     result = std::move(taken);
     return "";
   }
@@ -136,18 +150,11 @@ class Refinement {
     }
   }
 
-  void warn_of_unrefined(RefinementResult& result) const {
-    std::vector<std::string> names;
-    for (const MapTag& tag : result.map.tags) {
-      if (std::ranges::find(result.refined, tag.key) == result.refined.end())
-        names.push_back(to_string(tag.key));
-    }
-    if (names.empty()) return;
-    result.warnings.push_back(fmt::format(
-        "{} as the corners have {}, for too few pictures can be used that join {} to the others (too "
-        "bright, covered, blurred, or another tag's)",
-        names.size() == 1 ? names.front() + " stays" : join_first(names, ", ", 10) + " stay",
-        names.size() == 1 ? "it" : "them", names.size() == 1 ? "it" : "them"));
+  static std::vector<TagKey> unrefined_tags(const RefinementResult& result) {
+    std::vector<TagKey> tags;
+    for (const MapTag& tag : result.map.tags)
+      if (std::ranges::find(result.refined, tag.key) == result.refined.end()) tags.push_back(tag.key);
+    return tags;
   }
 
   /// Moves the moments that were not adjusted with a tag that they show, from where it was before.
@@ -229,7 +236,7 @@ RefinementResult refine_map(const CalibrationResult& calibration, std::span<cons
   result.map = calibration.map;
   result.gauge = calibration.gauge;
   result.constraint_audits = calibration.constraint_audits;
-  result.warnings = calibration.warnings;
+  result.findings = calibration.findings;
   try {
     RefinementOptions claimed = options;
     if (const auto kept = kept_errors(frames)) claimed.picture_bias_px = kept->pictures_px;
@@ -239,6 +246,7 @@ RefinementResult refine_map(const CalibrationResult& calibration, std::span<cons
     result.is_stopped = true;
   }
   result.is_accepted = result.reason.empty();
+  result.warnings = messages_of(result.findings);
   return result;
 }
 

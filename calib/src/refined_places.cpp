@@ -6,7 +6,9 @@
 #include <optional>
 #include <utility>
 
-#include "constrained_map.h"
+#include "apriltrack/calib/map_constraints.h"
+#include "apriltrack/calib/systematic_errors.h"
+#include "apriltrack/tags/tag_map.h"
 #include "errors_from_corners.h"
 #include "joint_tag_covariance.h"
 #include "tag_flags.h"
@@ -46,7 +48,8 @@ class RefinedPlaces {
 
   /// As take_places().
   std::string take(const PhotometricState& state, const std::vector<LinearView>& views,
-                   const RefinementOptions& options, RefinementResult& result) const {
+                   const RefinementOptions& options, RefinementResult& result,
+                   std::optional<ConstraintNotes>& notes) const {
     const bool has_covariances = map_tag(anchor_, result.map).covariance.has_value();
     for (const int tag : tags_)
       map_tag(tag, result.map).T_map_tag = state.T_map_tag[static_cast<std::size_t>(tag)];
@@ -70,7 +73,7 @@ class RefinedPlaces {
           covariances.in_pictures[i].by_noise + covariances.in_pictures[i].by_bias;
     if (!calibration_.constraints.empty()) {
       try {
-        keep_to_constraints(CovarianceOperator(*poses, scale, shared), covariances, result);
+        notes = keep_to_constraints(CovarianceOperator(*poses, scale, shared), covariances, result);
       } catch (const ConstraintError& error) {  // the pictures claim more than the corners do
         return contradiction_in_words(error);
       }
@@ -141,8 +144,8 @@ class RefinedPlaces {
     result.joint.by_noise += follow * of_anchor * follow.transpose();
   }
 
-  void keep_to_constraints(const CovarianceOperator& joint, Covariances& covariances,
-                           RefinementResult& result) const {
+  ConstraintNotes keep_to_constraints(const CovarianceOperator& joint, Covariances& covariances,
+                                      RefinementResult& result) const {
     ImageMap map{{}, tags_, anchor_, {}, {}};
     const Pose T_map_held = map_tag(anchor_, result.map).T_map_tag;
     for (std::size_t place = 0; place < input_.map_index.size(); ++place) {
@@ -163,21 +166,16 @@ class RefinedPlaces {
       if (!constrained.change.lost_root.isZero(0.0)) covariances.constrained[i] = constrained.covariances[i];
     }
     if (!constrained.gauge.empty()) result.gauge = constrained.gauge;
-    take_audits(std::move(constrained), result);
+    take_audits(constrained.audits, result);
+    return std::move(constrained.notes);
   }
 
   /// Of the constraints that are used; what was said of the others stands.
-  void take_audits(ConstrainedMap constrained, RefinementResult& result) const {
-    auto audit = constrained.audits.begin();
+  static void take_audits(const std::vector<ConstraintAudit>& audits, RefinementResult& result) {
+    auto audit = audits.begin();
     for (ConstraintAudit& one : result.constraint_audits) {
-      if (one.is_used && audit != constrained.audits.end()) one = std::move(*audit++);
+      if (one.is_used && audit != audits.end()) one = *audit++;
     }
-    std::erase_if(result.warnings, [&](const std::string& warning) {
-      return std::ranges::find(calibration_.constraint_doubts, warning) !=
-             calibration_.constraint_doubts.end();
-    });
-    for (const auto* words : {&constrained.warnings, &constrained.doubts})
-      result.warnings.insert(result.warnings.end(), words->begin(), words->end());
   }
 
   void take_flags(const Covariances& covariances, RefinementResult& result) const {
@@ -216,8 +214,9 @@ std::string why_constrained_tag_is_needed(const std::vector<TagKey>& refined,
 
 std::string take_places(const RefinedTags& refined, const CalibrationResult& calibration,
                         const PhotometricState& state, const std::vector<LinearView>& views,
-                        const RefinementOptions& options, RefinementResult& result) {
-  return RefinedPlaces(refined, calibration).take(state, views, options, result);
+                        const RefinementOptions& options, RefinementResult& result,
+                        std::optional<ConstraintNotes>& notes) {
+  return RefinedPlaces(refined, calibration).take(state, views, options, result, notes);
 }
 
 }  // namespace apriltrack

@@ -1,9 +1,14 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "apriltrack/calib/refine_map.h"
+#include "apriltrack/calib/calibration_result.h"
+#include "apriltrack/calib/map_constraints.h"
+#include "apriltrack/calib/refinement_result.h"
+#include "apriltrack/tags/tag_map.h"
+#include "constrained_map.h"
 #include "refinement_input.h"
 
 namespace apriltrack {
@@ -25,9 +30,11 @@ std::string why_constrained_tag_is_needed(const std::vector<TagKey>& refined,
 
 /// The tags' new poses with covariances, kept to the constraints, and flags by these. Maps too large for
 /// covariances (CalibrationOptions::max_tags_with_covariance) stay without. Why not, where the views leave a
-/// pose undetermined, or contradict the constraints; else empty. views: linearised at `state`.
+/// pose undetermined, or contradict the constraints; else empty. views: linearised at `state`. notes: of the
+/// constraints, where the map keeps to some.
 std::string take_places(const RefinedTags& refined, const CalibrationResult& calibration,
                         const PhotometricState& state, const std::vector<LinearView>& views,
-                        const RefinementOptions& options, RefinementResult& result);
+                        const RefinementOptions& options, RefinementResult& result,
+                        std::optional<ConstraintNotes>& notes);
 
 }  // namespace apriltrack

@@ -9,8 +9,12 @@
 #include <set>
 #include <utility>
 
+#include "apriltrack/base/parallel.h"
+#include "apriltrack/calib/map_evidence.h"
+#include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/edge_blur.h"
 #include "apriltrack/tags/tag_family.h"
+#include "apriltrack/tags/tag_map.h"
 #include "place_in_rig.h"
 #include "tags_that_hang_together.h"
 

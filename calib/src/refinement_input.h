@@ -3,7 +3,10 @@
 #include <span>
 #include <vector>
 
-#include "apriltrack/calib/refine_map.h"
+#include "apriltrack/base/parallel.h"
+#include "apriltrack/calib/calibration_result.h"
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/detect/detection.h"
 #include "photometric_adjustment.h"
 
 namespace apriltrack {

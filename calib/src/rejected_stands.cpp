@@ -7,8 +7,6 @@
 #include <set>
 #include <utility>
 
-#include "calibration_words.h"
-
 namespace apriltrack {
 namespace {
 
@@ -47,32 +45,16 @@ std::map<Stand, Misfit> misfits_of_stands(const Observations& observations, cons
   return misfits;
 }
 
-std::string words_of(const Observations& observations, const std::set<int>& tags, const Misfit& misfit) {
-  const std::vector<TagKey> keys = keys_of(observations, {tags.begin(), tags.end()});
-  const std::string where =
-      fmt::format("in {} frames of one place, about {:.2f} s after the first frame", misfit.frames,
-                  seconds_between(observations.frames.front(), misfit.first));
-  if (keys.size() == 1)
-    return fmt::format(
-        "{} is not where the map has it {}: it was moved for that long, or something lay on its edges; those "
-        "frames do not count for it",
-        to_string(keys.front()), where);
-  return fmt::format(
-      "{} do not lie to each other as the map has them {}: one of them was moved for that long, or something "
-      "lay on its edges; those frames do not count",
-      list_tags(keys), where);
-}
-
 }  // namespace
 
-std::vector<std::string> words_of_stands(const Observations& observations, const Part& kept,
-                                         const std::vector<std::size_t>& rejected) {
-  std::vector<std::string> words;
+std::vector<RejectedStand> find_rejected_stands(const Observations& observations, const Part& kept,
+                                                const std::vector<std::size_t>& rejected) {
+  std::vector<RejectedStand> stands;
   for (const auto& [stand, misfit] : misfits_of_stands(observations, kept, rejected)) {
-    if (misfit.frames >= kManyFrames && words.size() < kMostStands)
-      words.push_back(words_of(observations, stand.first, misfit));
+    if (misfit.frames >= kManyFrames && stands.size() < kMostStands)
+      stands.push_back({{stand.first.begin(), stand.first.end()}, misfit.frames, misfit.first});
   }
-  return words;
+  return stands;
 }
 
 }  // namespace apriltrack

@@ -6,11 +6,10 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
-#include "calibration_words.h"
+#include "apriltrack/base/parallel.h"
+#include "part_failure.h"
 #include "part_without.h"
 #include "rival_tags.h"
-#include "tag_examination.h"
-#include "tag_fault_words.h"
 #include "tag_suspects.h"
 
 namespace apriltrack {
@@ -21,15 +20,10 @@ constexpr std::size_t kMostRivals = 3;  // that are left out for one tag
 /// A tag, or a board of them, that may have changed its place instead of one that was found at two.
 using Rival = std::set<int>;
 
-std::vector<TagKey> keys_of_rival(const Observations& observations, const Rival& rival) {
-  return keys_of(observations, {rival.begin(), rival.end()});
-}
-
-std::vector<std::vector<TagKey>> keys_of_rivals(const Observations& observations,
-                                                const std::vector<Rival>& rivals) {
-  std::vector<std::vector<TagKey>> keys;
-  for (const Rival& rival : rivals) keys.push_back(keys_of_rival(observations, rival));
-  return keys;
+std::vector<std::vector<int>> boards_of(const std::vector<Rival>& rivals) {
+  std::vector<std::vector<int>> boards;
+  for (const Rival& rival : rivals) boards.emplace_back(rival.begin(), rival.end());
+  return boards;
 }
 
 /// Of each tag of a rival.
@@ -44,15 +38,15 @@ std::vector<TagFinding> findings_of(const PartTask& task, const Part& part, cons
     std::optional<TagFinding> found;
     if (is_solved) found = look_by(task, part, other, tag).finding;
     if (found && !found->views_by_place[0].empty()) {
-      found->words = words_of_rival(found->words);
+      found->blame = TagFinding::Blame::kThisOrAnother;
     } else {
       found = TagFinding{.tag = tag,
                          .kind = finding.kind,
-                         .words = words_of_joint(to_string(key_of(task.observations, tag)),
-                                                 keys_of_rival(task.observations, rival),
-                                                 to_string(key_of(task.observations, finding.tag)))};
+                         .blame = TagFinding::Blame::kJoinsPlacesOfAnother,
+                         .others = boards_of({rival}),
+                         .joined_tag = finding.tag};
     }
-    found->is_left_out = found->is_in_doubt = true;
+    found->is_left_out = true;
     findings.push_back(std::move(*found));
   }
   return findings;
@@ -63,7 +57,7 @@ Part ties_of(const Observations& observations, const Part& part, const Part& kep
              const std::vector<TagFinding>& findings) {
   std::set<int> tags(kept.tags.begin(), kept.tags.end()), doubted;
   for (const TagFinding& finding : findings)
-    if (finding.is_in_doubt) doubted.insert(finding.tag);
+    if (finding.is_in_doubt()) doubted.insert(finding.tag);
   tags.insert(doubted.begin(), doubted.end());
   std::set<int> frames;
   for (const std::size_t v : part.views)
@@ -93,13 +87,12 @@ bool leave_out_rivals_once(const PartTask& task, const Part& part, AdjustedPart&
     for (Rival& rival : rivals)
       std::erase_if(rival, [&](int tag) { return !std::ranges::binary_search(solved.part.tags, tag); });
     std::erase_if(rivals, [](const Rival& rival) { return rival.empty(); });
-    finding.is_in_doubt = true;
     if (rivals.size() > kMostRivals || std::ranges::any_of(rivals, is_held)) {
-      finding.words = words_of_rivals_in_map(finding.words, keys_of_rivals(task.observations, rivals));
-      finding.may_fold_map = true;
+      finding.blame = TagFinding::Blame::kThisOrOthersInMap;
+      finding.others = boards_of(rivals);
       continue;
     }
-    finding.words = words_of_rival(finding.words);
+    if (!finding.is_in_doubt()) finding.blame = TagFinding::Blame::kThisOrAnother;
     for (Rival& rival : rivals) {
       std::erase_if(rival, [&](int tag) { return left_out.contains(tag); });
       if (rival.empty()) continue;
@@ -112,8 +105,7 @@ bool leave_out_rivals_once(const PartTask& task, const Part& part, AdjustedPart&
   if (found.empty()) return false;
   known.insert(left_out.begin(), left_out.end());
   std::ranges::move(found, std::back_inserter(findings));
-  if (!solve_without(task, part, gone, solved, parallel))
-    fail_after(findings, no_result("calibrate", kTooLittleLeft));
+  if (!solve_without(task, part, gone, solved, parallel)) throw NothingLeft(findings, kTooLittleLeft);
   return true;
 }
 
@@ -126,12 +118,14 @@ void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solv
     if (!leave_out_rivals_once(task, part, solved, known, findings, parallel)) return;
 }
 
-std::string words_with_rivals(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                              const std::vector<TagFinding>& known, const TagFinding& finding) {
+TagFinding with_rivals(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                       const std::vector<TagFinding>& known, TagFinding finding) {
   const Part ties = ties_of(task.observations, part, solved.part, known);
   const std::vector<Rival> rivals = rival_tags(task.observations, part, ties, finding);
-  return rivals.empty() ? finding.words
-                        : words_of_rivals_instead(finding.words, keys_of_rivals(task.observations, rivals));
+  if (rivals.empty()) return finding;
+  finding.blame = TagFinding::Blame::kThisOrOthersNoMap;
+  finding.others = boards_of(rivals);
+  return finding;
 }
 
 }  // namespace apriltrack

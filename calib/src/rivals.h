@@ -1,9 +1,9 @@
 #pragma once
 
 #include <set>
-#include <string>
 #include <vector>
 
+#include "apriltrack/base/parallel.h"
 #include "part_adjustment.h"
 
 namespace apriltrack {
@@ -16,8 +16,9 @@ namespace apriltrack {
 void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
                       std::vector<TagFinding>& findings, const ParallelFor& parallel);
 
-/// What the finding says, and of the tags that may be at fault in its place. known: what was found before.
-std::string words_with_rivals(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                              const std::vector<TagFinding>& known, const TagFinding& finding);
+/// The finding with the tags that may be at fault in its place, where there is no map. known: what was found
+/// before.
+TagFinding with_rivals(const PartTask& task, const Part& part, const AdjustedPart& solved,
+                       const std::vector<TagFinding>& known, TagFinding finding);
 
 }  // namespace apriltrack

@@ -12,22 +12,21 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
-#include "calibration_words.h"
+#include "apriltrack/calib/calibration_options.h"
 #include "frame_views.h"
-#include "tag_fault_words.h"
 #include "tag_paths.h"
 #include "tag_places.h"
 
 namespace apriltrack {
 namespace {
 
-constexpr std::size_t kMostSplitsTold = 6, kMostAsked = 60;
+constexpr std::size_t kMostSplits = 6, kMostAsked = 60;
 // Of half the robust sum of squares, of a frame: by how much it must cost more where the map has the tag,
 // whatever the frame's pose.
 constexpr double kPlainlyElsewhere = 20.0;
 
 /// A tag, and one that frames show with it while the map gives up how they see it.
-struct SplitLink {
+struct JointViews {
   int tag = 0, beside = 0;
   std::map<int, std::vector<std::size_t>> views_of_frame;  ///< Of both, in those frames; sorted.
   std::size_t num_frames = 0;                              ///< That show both.
@@ -52,11 +51,12 @@ ViewsByFrame by_frame(const Observations& observations, const Part& part) {
 
 /// Of all pairs of tags that some frames show, in part of which the map keeps no view of one. Each is told
 /// of either, for the other may be what hangs twice. Most such frames first.
-std::vector<SplitLink> lost_in_part(const Observations& observations, const Part& offered, const Part& kept) {
+std::vector<JointViews> lost_in_part(const Observations& observations, const Part& offered,
+                                     const Part& kept) {
   const ViewsByFrame frames = by_frame(observations, offered);
-  std::map<std::pair<int, int>, SplitLink> links;
+  std::map<std::pair<int, int>, JointViews> links;
   const auto add = [&](int tag, int beside, int frame, const std::vector<std::size_t>& views) {
-    links.try_emplace({tag, beside}, SplitLink{tag, beside, {}, 0}).first->second.views_of_frame[frame] =
+    links.try_emplace({tag, beside}, JointViews{tag, beside, {}, 0}).first->second.views_of_frame[frame] =
         views;
   };
   for (const auto& [frame, tags] : frames) {
@@ -73,7 +73,7 @@ std::vector<SplitLink> lost_in_part(const Observations& observations, const Part
     }
   }
   const TagPaths seen(observations, offered);
-  std::vector<SplitLink> split;
+  std::vector<JointViews> split;
   for (auto& [tags, link] : links) {
     link.num_frames = seen.num_joint_frames(link.tag, link.beside);
     if (link.views_of_frame.size() < link.num_frames) split.push_back(std::move(link));
@@ -88,7 +88,7 @@ struct OtherPlace {
   Pose change;                 ///< From where the map has the tag.
 };
 
-Pose seen_from(const SplitLink& link, const MapState& state) {
+Pose seen_from(const JointViews& link, const MapState& state) {
   return state.T_map_tag[static_cast<std::size_t>(link.beside)].inverse() *
          state.T_map_tag[static_cast<std::size_t>(link.tag)];
 }
@@ -101,7 +101,7 @@ double least_cost(const PartTask& task, const std::vector<std::size_t>& views, M
 
 /// nullopt where the frames do not agree in one, by the noise that the map has, or hardly less with the map.
 /// Of a single frame it is told where the tag cannot have been nudged for a moment: two hang there.
-std::optional<OtherPlace> place_by(const PartTask& task, const SplitLink& link, const MapState& state) {
+std::optional<OtherPlace> place_by(const PartTask& task, const JointViews& link, const MapState& state) {
   AdjustedPart alike;
   try {
     alike = adjust_part(task, link.part(), link.beside, on_one_thread(task));
@@ -123,25 +123,11 @@ std::optional<OtherPlace> place_by(const PartTask& task, const SplitLink& link, 
   return is_other ? std::optional(place) : std::nullopt;
 }
 
-std::string words_of(const Observations& observations, const SplitLink& link, const std::set<int>& joint,
-                     const OtherPlace& place) {
-  const std::string board = list_tags(keys_of(observations, {joint.begin(), joint.end()}));
-  const bool is_one = joint.size() == 1;
-  return fmt::format(
-      "{0} and {1} are seen together in {2} frames, of which {3} {0} {4} from where the map has it. {5} "
-      "alone {6} other tags to the map: if {7} twice (a duplicate) or {8} moved, the map may be folded "
-      "there. Look for a second {5}, and film {9} together with more of the others",
-      to_string(key_of(observations, link.tag)), to_string(key_of(observations, link.beside)),
-      link.num_frames, place.num_frames == 1 ? "1 shows" : fmt::format("{} show", place.num_frames),
-      shift_and_turn(place.change), board, is_one ? "joins" : "join", is_one ? "it hangs" : "they hang",
-      is_one ? "was" : "were", is_one ? "it" : "them");
-}
-
 }  // namespace
 
-std::vector<std::string> words_of_split_links(const PartTask& task, const Part& offered, const Part& kept,
-                                              const MapState& state) {
-  const std::vector<SplitLink> links = lost_in_part(task.observations, offered, kept);
+std::vector<SplitLink> find_split_links(const PartTask& task, const Part& offered, const Part& kept,
+                                        const MapState& state) {
+  const std::vector<JointViews> links = lost_in_part(task.observations, offered, kept);
   if (links.empty()) return {};
   Observations by_cameras = task.observations;
   by_cameras.cameras = state.cameras;
@@ -156,21 +142,26 @@ std::vector<std::string> words_of_split_links(const PartTask& task, const Part& 
     if (is_new) known->second = paths.joint_at(tag);
     return known->second;
   };
-  std::set<int> told;
+  std::set<int> known;
   std::set<std::pair<int, int>> asked_of;  // either way round the two are solved alike
-  std::vector<std::string> words;
+  std::vector<SplitLink> split;
   std::size_t asked = 0;
-  for (const SplitLink& link : links) {
+  for (const JointViews& link : links) {
     const std::set<int>& joint = joint_at(link.tag);
-    if (told.contains(link.tag) || joint.empty() || joint.contains(link.beside)) continue;
+    if (known.contains(link.tag) || joint.empty() || joint.contains(link.beside)) continue;
     if (!asked_of.insert(std::minmax(link.tag, link.beside)).second) continue;
-    if (words.size() == kMostSplitsTold || ++asked > kMostAsked) break;
+    if (split.size() == kMostSplits || ++asked > kMostAsked) break;
     const auto place = place_by(of_links, link, state);
     if (!place) continue;
-    told.insert(joint.begin(), joint.end());
-    words.push_back(words_of(task.observations, link, joint, *place));
+    known.insert(joint.begin(), joint.end());
+    split.push_back({link.tag,
+                     link.beside,
+                     link.num_frames,
+                     place->num_frames,
+                     place->change,
+                     {joint.begin(), joint.end()}});
   }
-  return words;
+  return split;
 }
 
 }  // namespace apriltrack

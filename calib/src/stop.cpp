@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "apriltrack/base/parallel.h"
+
 namespace apriltrack {
 
 ParallelFor stoppable(ParallelFor parallel, ShouldStop should_stop) {

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
+#include "part_failure.h"
 #include "part_without.h"
 #include "print_batches.h"
 #include "rivals.h"
@@ -83,10 +84,7 @@ std::unique_ptr<Absence> best_absence(const PartTask& task, const Part& part, co
 std::optional<TagFinding> look_at_left_out(const PartTask& task, const Part& part, const AdjustedPart& solved,
                                            int tag) {
   auto finding = look_by(task, part, solved, tag).finding;
-  if (finding && !finding->is_left_out) {
-    finding->words += ". It is left out";
-    finding->is_left_out = true;
-  }
+  if (finding) finding->is_left_out = true;
   return finding;
 }
 
@@ -94,7 +92,7 @@ std::optional<TagFinding> look_at_left_out(const PartTask& task, const Part& par
 void require_sound_held_tag(const PartTask& task, const Part& part, const AdjustedPart& solved,
                             const std::vector<TagFinding>& known, const TagFinding& finding) {
   if (!finding.is_left_out || !is_held_by_wish(task, finding.tag)) return;
-  fail_by_held_tag(words_with_rivals(task, part, solved, known, finding));
+  throw HeldTagAtFault(with_rivals(task, part, solved, known, finding));
 }
 
 /// What no frame tells by itself: a wrong size may pass for a move, and a move for a bend.
@@ -158,7 +156,7 @@ void examine_by_all_views(const PartTask& task, const Part& part, AdjustedPart& 
     if (printed.are_two() && finding->kind == TagFinding::Kind::kSize && !is_better)
       return;  // of another size than a print's, which nobody stated
     if (finding->is_left_out && !solve_without(task, part, tag, known, solved, parallel))
-      fail_after({*finding}, no_result("calibrate", kTooLittleLeft));
+      throw NothingLeft({*finding}, kTooLittleLeft);
     known.insert(tag);
     findings.push_back(is_better ? std::move(*better) : std::move(*finding));
     if (!is_sound) return;
@@ -190,14 +188,13 @@ std::optional<AdjustedPart> adjust_without_faults(const PartTask& task, const Pa
                                                   const ParallelFor& parallel) {
   std::set<int> gone(rest.culprits.begin(), rest.culprits.end());
   for (const TagFinding& fault : faults) gone.insert(fault.tag);
-  if (!solve_without(task, part, gone, rest, parallel))
-    fail_after(faults, no_result("calibrate", kTooLittleLeft));
+  if (!solve_without(task, part, gone, rest, parallel)) throw NothingLeft(faults, kTooLittleLeft);
   if (rest.contradictions.are_there()) return std::nullopt;
   rest.undecided.clear();
   try {
     leave_out_undecided(task, part, rest, parallel);
   } catch (const Error& error) {
-    fail_after(faults, error);
+    throw NothingLeft(faults, error.cause());
   }
   return rest;
 }
@@ -251,19 +248,6 @@ void leave_out_by_trial(const PartTask& task, const Part& part, AdjustedPart& so
 
 }  // namespace
 
-void fail_by_held_tag(const std::string& words) {
-  throw no_result("calibrate",
-                  fmt::format("no map is held by a tag that is at fault. {}. --held-tag names it: "
-                              "mend it, or hold another tag",
-                              words));
-}
-
-void fail_after(const std::vector<TagFinding>& findings, const Error& error) {
-  std::string words;
-  for (const TagFinding& finding : findings) words += finding.words + ". ";
-  throw no_result(error.where(), words + (words.empty() ? "" : "Then ") + std::string(error.cause()));
-}
-
 std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, AdjustedPart& solved,
                                      const ParallelFor& parallel) {
   std::vector<TagFinding> findings = solved.rivals;
@@ -292,7 +276,7 @@ std::vector<TagFinding> examine_tags(const PartTask& task, const Part& part, Adj
     if (finding.is_left_out && !are_bent_in_map) {
       solved = sound;
     } else if (finding.is_left_out && !solve_without(task, part, finding.tag, known, solved, parallel)) {
-      fail_after({finding}, no_result("calibrate", kTooLittleLeft));
+      throw NothingLeft({finding}, kTooLittleLeft);
     }
     known.insert(finding.tag);
     findings.push_back(std::move(finding));

@@ -5,7 +5,8 @@
 #include <utility>
 
 #include "pliant_frames.h"
-#include "tag_fault_words.h"
+#include "tag_fit.h"
+#include "tag_places.h"
 #include "view_spread.h"
 
 namespace apriltrack {
@@ -100,21 +101,17 @@ std::vector<Hypothesis> hypotheses_about(const std::vector<ProbeView>& probes, c
   return result;
 }
 
-std::string describe(const Hypothesis& one, const std::vector<ProbeView>& probes,
-                     const Observations& observations, const std::string& name) {
-  switch (one.kind) {
-    case Kind::kSize:
-      return words_of_size(one.fit, name);
-    case Kind::kNotFlat:
-      return words_of_bend(one.fit, name);
-    case Kind::kMoved:
-      return words_of_move(*one.places, probes, observations.frames.front(), name);
-    case Kind::kTwoPlaces:
-      return words_of_copies(*one.places, name);
-    case Kind::kLoose:
-      break;
-  }
-  return words_of_loose(name);
+std::vector<Timestamp> times_of(const std::vector<ProbeView>& probes) {
+  std::vector<Timestamp> times;
+  for (const ProbeView& probe : probes) times.push_back(probe.timestamp);
+  return times;
+}
+
+/// What makes it this fault: its shape, or its places.
+void describe(const Hypothesis& one, const std::vector<ProbeView>& probes, TagFinding& finding) {
+  if (one.kind == Kind::kSize || one.kind == Kind::kNotFlat) finding.shape = shape_error_of(one.fit);
+  if (one.kind == Kind::kMoved) finding.places = change_at_a_moment(*one.places, times_of(probes));
+  if (one.kind == Kind::kTwoPlaces) finding.places = change_by_turns(*one.places);
 }
 
 std::array<std::vector<std::size_t>, 2> views_by_place(const Hypothesis& one,
@@ -134,7 +131,6 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
                 int tag) {
   if (probes.size() < kLeastProbes) return {};
   const auto t = static_cast<std::size_t>(tag);
-  const std::string name = to_string(task.observations.tags[t]);
   const TagFit one = fit_tag_anew(probes, task.observations.sizes_m[t]);
   const double usual = usual_cost_of(probes);
   TagLook look{one.cost / usual, std::nullopt};
@@ -160,17 +156,15 @@ TagLook look_at(const PartTask& task, const AdjustedPart& solved, const std::vec
     look.finding = {.tag = tag,
                     .kind = best->kind,
                     .may_be_copies = best->may_be_copies,
-                    .words = describe(*best, probes, task.observations, name),
                     .is_left_out = best->kind != Kind::kNotFlat,
                     .misfit_before = look.misfit,
                     .misfit_after = left_by(*best) / usual,
                     .num_views = num_views,
-                    .views_by_place = views_by_place(*best, probes, task.observations),
-                    .log_scale = best->kind == Kind::kSize ? best->fit.shape.log_scale : 0.0};
+                    .views_by_place = views_by_place(*best, probes, task.observations)};
+    describe(*best, probes, *look.finding);
   } else if (is_without_place) {
     look.finding = {.tag = tag,
                     .kind = Kind::kLoose,
-                    .words = words_of_loose(name),
                     .is_left_out = true,
                     .misfit_before = look.misfit,
                     .misfit_after = kMisfitOfLoose,

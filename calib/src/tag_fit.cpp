@@ -252,4 +252,18 @@ TagFit fit_tag_anew(const std::vector<ProbeView>& views, double size_m) {
   return indirect.cost < direct.cost ? indirect : direct;
 }
 
+ShapeError shape_error_of(const TagFit& fit) {
+  const TagShape& shape = fit.shape;
+  return {.size_m = shape.size_m,
+          .log_scale = shape.log_scale,
+          .scale_sigma = fit.scale_sigma,
+          .aspect = shape.aspect,
+          .aspect_sigma = fit.aspect_sigma,
+          .twist = shape.twist,
+          .twist_sigma = fit.twist_sigma,
+          .is_aspect_clear = fit.is_aspect_clear,
+          .is_twist_clear = fit.is_twist_clear,
+          .is_clear_together = fit.is_clear_together};
+}
+
 }  // namespace apriltrack

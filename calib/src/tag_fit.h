@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "tag_finding.h"
 #include "tag_probe.h"
 
 namespace apriltrack {
@@ -37,6 +38,9 @@ struct TagFit {
   bool is_aspect_clear = false, is_twist_clear = false;             ///< Beyond doubt.
   bool is_clear_together = false;  ///< It is the three that leave no doubt, not the one that is clear.
 };
+
+/// What the fit says of the tag's shape.
+ShapeError shape_error_of(const TagFit& fit);
 
 /// Robustly; from `start`.
 TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom freedom);

@@ -6,6 +6,7 @@
 #include <queue>
 
 #include "apriltrack/base/disjoint_sets.h"
+#include "apriltrack/base/parallel.h"
 #include "apriltrack/geometry/rotation.h"
 #include "spread_selection.h"
 

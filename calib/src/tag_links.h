@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "apriltrack/base/parallel.h"
 #include "parts.h"
 #include "view_candidates.h"
 

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "apriltrack/base/parallel.h"
 #include "moves_of_tag.h"
 #include "noise_scale.h"
 #include "split_tag.h"
-#include "tag_fault_words.h"
 #include "tag_neighbourhoods.h"
 #include "tag_places.h"
 #include "upper_median.h"
@@ -279,15 +279,9 @@ double explained_by(const Suspicion& one) {
 
 TagFinding to_finding(const PartTask& task, const AdjustedPart& solved, const Suspicion& one) {
   const Move& move = one.once;
-  std::vector<ProbeView> when;
-  for (const std::size_t i : move.views) {
-    const TagView& view = task.observations.views[i];
-    ProbeView probe;
-    probe.view = &view;
-    probe.timestamp = task.observations.frames[static_cast<std::size_t>(view.frame)];
-    when.push_back(probe);
-  }
-  const std::string name = to_string(task.observations.tags[static_cast<std::size_t>(move.tag)]);
+  std::vector<Timestamp> times;
+  for (const std::size_t i : move.views)
+    times.push_back(task.observations.frames[static_cast<std::size_t>(task.observations.views[i].frame)]);
   const std::vector<bool> is_at_second = is_at_second_of(move);
   TagFinding finding;
   for (std::size_t i = 0; i < move.views.size() && !is_loose(one); ++i)
@@ -297,9 +291,7 @@ TagFinding to_finding(const PartTask& task, const AdjustedPart& solved, const Su
   finding.num_views = move.views.size();
   finding.explained = explained_by(one);
   finding.kind = is_loose(one) ? TagFinding::Kind::kLoose : TagFinding::Kind::kMoved;
-  finding.words = is_loose(one)
-                      ? words_of_loose(name)
-                      : words_of_move(places_of(move, solved), when, task.observations.frames.front(), name);
+  if (!is_loose(one)) finding.places = change_at_a_moment(places_of(move, solved), times);
   return finding;
 }
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <set>
 
+#include "apriltrack/base/parallel.h"
 #include "tag_fault.h"
 
 namespace apriltrack {

@@ -247,4 +247,20 @@ bool is_loose(const std::vector<ProbeView>& all_probes, const TagFit& one) {
   }
   return odds > kClearOdds && shares_elsewhere > kLeastElsewhere * shares;
 }
+PlaceChange change_at_a_moment(const TwoPlaces& two, const std::vector<Timestamp>& times) {
+  const auto second =
+      static_cast<std::size_t>(std::ranges::find(two.is_at_second, true) - two.is_at_second.begin());
+  return {.T_first_second = two.change(),
+          .is_one_after_other = true,
+          .last_at_first = times[second == 0 ? 0 : second - 1],
+          .first_at_second = times[second]};
+}
+
+PlaceChange change_by_turns(const TwoPlaces& two) {
+  return {.T_first_second = two.change(),
+          .is_one_after_other = false,
+          .last_at_first = {},
+          .first_at_second = {}};
+}
+
 }  // namespace apriltrack

@@ -45,6 +45,11 @@ bool is_one_change(const std::vector<bool>& is_at_second);
 /// So that `fit` is the place of the first view.
 void put_first_view_first(TwoPlaces& two);
 
+/// When and how far, where the tag changed its place once. times: of the views, in order.
+PlaceChange change_at_a_moment(const TwoPlaces& two, const std::vector<Timestamp>& times);
+/// Seen at the two places by turns.
+PlaceChange change_by_turns(const TwoPlaces& two);
+
 /// By turns: two tags of one id; or one that moved, where it is one change after all. `fit` is the place seen
 /// first. one: the best single place.
 std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const TagFit& one, double size_m);

@@ -8,7 +8,6 @@
 
 #include "corner_views.h"
 #include "linear_part.h"
-#include "tag_fault_words.h"
 #include "view_spread.h"
 
 namespace apriltrack {
@@ -181,18 +180,16 @@ void compare_with_others(std::vector<ShapeEstimate>& shapes) {
   }
 }
 
-TagFinding to_finding(const PartTask& task, const ShapeEstimate& one) {
-  const std::string name = to_string(task.observations.tags[static_cast<std::size_t>(one.tag)]);
+TagFinding to_finding(const ShapeEstimate& one) {
   if (one.is_bend_likelier())
     return {.tag = one.tag,
             .kind = TagFinding::Kind::kNotFlat,
-            .words = words_of_bend(one.bent, name),
+            .shape = shape_error_of(one.bent),
             .explained = one.gain_of_bend - 3.0 * kFeeOfUnknown};
   return {.tag = one.tag,
           .kind = TagFinding::Kind::kSize,
-          .words = words_of_size(one.scaled, name),
+          .shape = shape_error_of(one.scaled),
           .is_left_out = true,
-          .log_scale = one.scaled.shape.log_scale,
           .explained = one.gain_of_size - kFeeOfUnknown};
 }
 
@@ -204,7 +201,7 @@ std::optional<TagFinding> find_odd_shape(const PartTask& task, const AdjustedPar
   const double num_tags = static_cast<double>(shapes.size());
   std::erase_if(shapes, [](const ShapeEstimate& one) { return !one.is_clear(); });
   if (shapes.empty() || static_cast<double>(shapes.size()) > kMostMisshapen * num_tags) return std::nullopt;
-  return to_finding(task, *std::ranges::max_element(shapes, {}, &ShapeEstimate::gain));
+  return to_finding(*std::ranges::max_element(shapes, {}, &ShapeEstimate::gain));
 }
 
 }  // namespace apriltrack

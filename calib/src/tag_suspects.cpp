@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "apriltrack/base/parallel.h"
 #include "part_without.h"
 
 namespace apriltrack {

@@ -3,6 +3,7 @@
 #include <set>
 #include <vector>
 
+#include "apriltrack/base/parallel.h"
 #include "tag_fault.h"
 
 namespace apriltrack {

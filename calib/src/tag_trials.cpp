@@ -9,9 +9,10 @@
 #include <string>
 #include <utility>
 
+#include "apriltrack/base/parallel.h"
 #include "fault_trials.h"
-#include "tag_fault_words.h"
 #include "tag_neighbourhoods.h"
+#include "tag_places.h"
 #include "upper_median.h"
 
 namespace apriltrack {
@@ -101,33 +102,17 @@ std::vector<Suspect> find_suspects(const PartTask& task, const Part& part, const
   return suspects;
 }
 
-std::string words_of_places(const Observations& observations, const Suspect& suspect, const FaultTrial& trial,
-                            const std::string& name) {
+PlaceChange places_of(const Observations& observations, const Suspect& suspect, const FaultTrial& trial) {
   TwoPlaces two{};
   two.fit.T_map_tag = trial.T_map_first;
   two.second.T_map_tag = trial.T_map_second;
   two.is_at_second = trial.is_at_second;
   put_first_view_first(two);
-  if (trial.kind == TagFinding::Kind::kTwoPlaces) return words_of_copies(two, name);
-  std::vector<ProbeView> when;
-  for (const std::size_t v : suspect.views) {
-    ProbeView& probe = when.emplace_back();
-    probe.view = &observations.views[v];
-    probe.timestamp = observations.frames[static_cast<std::size_t>(probe.view->frame)];
-  }
-  return words_of_move(two, when, observations.frames.front(), name);
-}
-
-std::string words_of(const Observations& observations, const Suspect& suspect, const FaultTrial& trial) {
-  const auto t = static_cast<std::size_t>(suspect.tag);
-  const std::string name = to_string(observations.tags[t]);
-  if (trial.kind == TagFinding::Kind::kLoose) return words_of_loose(name);
-  if (trial.kind != TagFinding::Kind::kSize) return words_of_places(observations, suspect, trial, name);
-  TagFit fit;
-  fit.shape.size_m = observations.sizes_m[t];
-  fit.shape.log_scale = trial.log_scale;
-  fit.scale_sigma = trial.scale_sigma;
-  return words_of_size(fit, name);
+  if (trial.kind == TagFinding::Kind::kTwoPlaces) return change_by_turns(two);
+  std::vector<Timestamp> times;
+  for (const std::size_t v : suspect.views)
+    times.push_back(observations.frames[static_cast<std::size_t>(observations.views[v].frame)]);
+  return change_at_a_moment(two, times);
 }
 
 TagFinding to_finding(const Observations& observations, const Suspect& suspect, const FaultTrial& trial,
@@ -137,14 +122,17 @@ TagFinding to_finding(const Observations& observations, const Suspect& suspect, 
   finding.kind = trial.kind;
   finding.is_left_out = true;
   finding.num_views = suspect.views.size();
-  finding.words = words_of(observations, suspect, trial);
-  if (trial.kind == TagFinding::Kind::kSize) finding.log_scale = trial.log_scale;
+  finding.blame = is_alone ? TagFinding::Blame::kThisTag : TagFinding::Blame::kThisOrAnother;
+  if (trial.kind == TagFinding::Kind::kSize)
+    finding.shape = ShapeError{.size_m = observations.sizes_m[static_cast<std::size_t>(suspect.tag)],
+                               .log_scale = trial.log_scale,
+                               .scale_sigma = trial.scale_sigma};
+  if (trial.kind == TagFinding::Kind::kMoved || trial.kind == TagFinding::Kind::kTwoPlaces)
+    finding.places = places_of(observations, suspect, trial);
   if (trial.kind != TagFinding::Kind::kLoose) {
     for (std::size_t i = 0; i < trial.is_at_second.size(); ++i)
       finding.views_by_place[trial.is_at_second[i] ? 1 : 0].push_back(suspect.views[i]);
   }
-  finding.is_in_doubt = !is_alone;
-  if (!is_alone) finding.words = words_of_rival(finding.words);
   return finding;
 }
 

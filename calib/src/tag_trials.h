@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "apriltrack/base/parallel.h"
 #include "tag_fault.h"
 
 namespace apriltrack {

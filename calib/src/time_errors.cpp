@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "apriltrack/calib/systematic_errors.h"
 #include "camera_parameters.h"
 #include "camera_refinement.h"
 
@@ -202,24 +203,6 @@ std::vector<ParameterView> columns_of_time_errors(const Observations& observatio
   std::vector<double> unit_s;  // the map is without them
   for (const TimeError& error : errors) unit_s.push_back(std::hypot(error.value_s, error.sigma_s));
   return columns_of(observations, views, state, errors, unit_s);
-}
-
-std::string words_of(const TimeError& error) {
-  const double value_ms = 1e3 * error.value_s, sigma_ms = 1e3 * error.sigma_s;
-  constexpr std::string_view kWhatFollows =
-      "Sound tags may be accused for it. The covariances count it, and the map is not refined on pictures";
-  if (error.kind == Kind::kReadout)
-    return fmt::format(
-        "{}: the rows of a picture look as if they were taken one after another, over {:.1f} ms from the {} "
-        "(sigma {:.1f}): a rolling shutter, which bends what moves. Film anew, more slowly or standing still "
-        "for each picture, or with a global shutter. {}",
-        error.camera, std::abs(value_ms), value_ms > 0.0 ? "first to the last" : "last to the first",
-        sigma_ms, kWhatFollows);
-  return fmt::format(
-      "{}: its pictures look as if they were taken {:.1f} ms (sigma {:.1f}) {} those of {} of the same time. "
-      "Trigger the cameras together, or correct the times. {}",
-      error.camera, std::abs(value_ms), sigma_ms, value_ms > 0.0 ? "after" : "before", error.first_camera,
-      kWhatFollows);
 }
 
 }  // namespace apriltrack

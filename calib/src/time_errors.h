@@ -1,8 +1,8 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
+#include "apriltrack/calib/systematic_errors.h"
 #include "linear_part.h"
 
 namespace apriltrack {
@@ -27,7 +27,5 @@ std::vector<ParameterView> columns_of_time_errors(const Observations& observatio
                                                   const std::vector<std::size_t>& views,
                                                   const MapState& state,
                                                   const std::vector<TimeError>& errors);
-
-std::string words_of(const TimeError& error);
 
 }  // namespace apriltrack

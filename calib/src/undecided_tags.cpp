@@ -8,6 +8,7 @@
 #include <set>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/base/parallel.h"
 #include "mirror_test.h"
 #include "part_without.h"
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apriltrack/base/parallel.h"
 #include "part_adjustment.h"
 
 namespace apriltrack {

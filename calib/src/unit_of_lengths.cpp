@@ -6,6 +6,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "apriltrack/calib/map_constraints.h"
+
 namespace apriltrack {
 namespace {
 

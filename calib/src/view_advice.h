@@ -2,7 +2,11 @@
 
 #include <vector>
 
-#include "apriltrack/calib/assess_map.h"
+#include "apriltrack/calib/joint_covariance.h"
+#include "apriltrack/calib/map_assessment.h"
+#include "apriltrack/calib/map_evidence.h"
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/tags/tag_map.h"
 
 namespace apriltrack {
 

@@ -15,7 +15,7 @@ namespace apriltrack::test {
 struct AdjustedWorld {
   SyntheticWorld world;
   CalibrationOptions options;
-  Findings findings;
+  UnusedDetections unused;
   Observations observations;
   std::vector<ViewCandidates> candidates;
   Part offered;
@@ -26,7 +26,7 @@ struct AdjustedWorld {
                 const CalibrationOptions& chosen = {})
       : world(std::move(stated)),
         options(chosen),
-        observations(collect_observations(frames, world.rig, world.sizes(), options, findings)) {
+        observations(collect_observations(frames, world.rig, world.sizes(), options, unused)) {
     std::vector<std::size_t> views(observations.views.size());
     std::iota(views.begin(), views.end(), std::size_t{0});
     candidates = solve_views(observations, views, parallel_for(1));

@@ -159,9 +159,9 @@ void expect_update_as_by_all_equations(bool errors_of_corners) {
 
   const ErrorScale scale{.noise_variance = 1.4, .bias_variance = 0.1, .views_per_independent_view = 1.0};
   const auto joint_of = [&](const SyntheticWorld& seen) {
-    Findings findings;
+    UnusedDetections unused;
     const Observations observations =
-        collect_observations(test::exact_detections(seen), seen.rig, seen.sizes(), {}, findings);
+        collect_observations(test::exact_detections(seen), seen.rig, seen.sizes(), {}, unused);
     MapState state;
     for (const MapTag& tag : seen.map.tags) state.T_map_tag.push_back(tag.T_map_tag);
     state.T_map_rig = seen.T_world_rig;

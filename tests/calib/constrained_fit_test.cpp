@@ -37,8 +37,8 @@ struct SmallRoom {
     auto frames = test::exact_detections(world);
     RandomStream random(41);
     test::add_edge_noise(frames, 0.15, -0.45, random);
-    Findings findings;
-    observations = collect_observations(frames, world.rig, world.sizes(), {}, findings);
+    UnusedDetections unused;
+    observations = collect_observations(frames, world.rig, world.sizes(), {}, unused);
     MapState state;
     for (const TagKey& tag : observations.tags) state.T_map_tag.push_back(world.map.find(tag)->T_map_tag);
     state.T_map_rig = world.T_world_rig;

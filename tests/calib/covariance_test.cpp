@@ -24,8 +24,8 @@ namespace {
 using test::SyntheticWorld;
 
 Observations observations_of(const SyntheticWorld& world, const std::vector<FrameDetections>& frames) {
-  Findings findings;
-  return collect_observations(frames, world.rig, world.sizes(), {}, findings);
+  UnusedDetections unused;
+  return collect_observations(frames, world.rig, world.sizes(), {}, unused);
 }
 
 /// The truth as a state, in the frame of the first tag.

@@ -20,9 +20,8 @@ using test::SyntheticWorld;
 
 struct LinearWorld {
   LinearWorld() : world(test::make_room(7, 16, test::equidistant_camera())) {
-    Findings findings;
-    observations =
-        collect_observations(test::exact_detections(world), world.rig, world.sizes(), {}, findings);
+    UnusedDetections unused;
+    observations = collect_observations(test::exact_detections(world), world.rig, world.sizes(), {}, unused);
     for (const TagKey& tag : observations.tags) state.T_map_tag.push_back(world.map.find(tag)->T_map_tag);
     state.T_map_rig = world.T_world_rig;
     state.cameras = observations.cameras;

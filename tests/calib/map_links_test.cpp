@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "apriltrack/calib/assess_map.h"
 #include "calibrating.h"
 
 namespace apriltrack {

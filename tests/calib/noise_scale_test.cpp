@@ -22,8 +22,8 @@ struct Seen {
 
 /// Tags at the truth; frames follow the noise, as they do in every fit.
 Seen seen(const SyntheticWorld& world, const std::vector<FrameDetections>& frames) {
-  Findings findings;
-  Seen result{collect_observations(frames, world.rig, world.sizes(), {}, findings), {}, {}};
+  UnusedDetections unused;
+  Seen result{collect_observations(frames, world.rig, world.sizes(), {}, unused), {}, {}};
   for (const TagKey& tag : result.observations.tags)
     result.state.T_map_tag.push_back(world.map.find(tag)->T_map_tag);
   result.state.T_map_rig = world.T_world_rig;

@@ -120,7 +120,7 @@ TagFinding size_finding(int tag, double log_scale) {
   TagFinding finding;
   finding.tag = tag;
   finding.is_left_out = true;
-  finding.log_scale = log_scale;
+  finding.shape = ShapeError{.size_m = 0.16, .log_scale = log_scale};
   return finding;
 }
 

@@ -62,8 +62,8 @@ TEST(RefinedMap, KeepsToConstraintsInTheMeasuredFrame) {
   unused.title = "of the corners";
   unused.reason = "its tags lie in a line";
   by_corners.constraint_audits.insert(by_corners.constraint_audits.begin() + 1, unused);
-  by_corners.constraint_doubts = {"constraint in doubt: by the corners"};
-  by_corners.warnings = {"of something else", by_corners.constraint_doubts.front()};
+  by_corners.findings = {{.kind = CalibrationFinding::Kind::kLoose, .message = "of something else"},
+                         {.kind = CalibrationFinding::Kind::kConstraintInDoubt, .message = "by the corners"}};
   const RefinementResult refined = refine_map(by_corners, filmed.frames, filmed.rig, {});
   ASSERT_TRUE(refined.is_accepted) << refined.reason;
   EXPECT_EQ(refined.gauge, by_corners.gauge);

@@ -87,8 +87,8 @@ TEST(RestingFrames, OfAFilmThatGoesOnNoneIsMerged) {
 }
 
 Observations observations_of(const SyntheticWorld& world, const std::vector<FrameDetections>& frames) {
-  Findings findings;
-  return collect_observations(frames, world.rig, world.sizes(), {}, findings);
+  UnusedDetections unused;
+  return collect_observations(frames, world.rig, world.sizes(), {}, unused);
 }
 
 /// Frames of one place that differ by independent errors of each coordinate.

@@ -16,10 +16,14 @@ using test::SyntheticWorld;
 using test::tag36h11;
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::DoubleNear;
 using ::testing::ElementsAre;
+using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
+using ::testing::Optional;
+using ::testing::UnorderedElementsAre;
+using FindingKind = CalibrationFinding::Kind;
 
 constexpr int kFaulty = 11;
 constexpr double kNoise_px = 0.1;
@@ -57,8 +61,16 @@ void expect_the_others_right(const SyntheticWorld& world, const CalibrationResul
   test::expect_truth(world, others, result.held_tag, 0.03, 0.02);
 }
 
-auto complaint(const std::string& kind) {
-  return Contains(AllOf(HasSubstr(to_string(tag36h11(kFaulty))), HasSubstr(kind)));
+/// Of the faulty tag alone, whose message names it.
+auto finding_of(CalibrationFinding::Kind kind) {
+  return AllOf(Field(&CalibrationFinding::kind, kind),
+               Field(&CalibrationFinding::tags, ElementsAre(tag36h11(kFaulty))),
+               Field(&CalibrationFinding::message, HasSubstr(to_string(tag36h11(kFaulty)))));
+}
+
+/// The same, with a number near `value`.
+auto finding_of(CalibrationFinding::Kind kind, double value, double tolerance) {
+  return AllOf(finding_of(kind), Field(&CalibrationFinding::value, Optional(DoubleNear(value, tolerance))));
 }
 
 TEST(TagFaults, NamesNoneWhereThereAreNone) {
@@ -76,8 +88,7 @@ TEST(TagFaults, NamesAWrongSizeAndTheRightOne) {
     std::vector<FrameDetections> frames = test::exact_detections(printed);
     add_noise(frames);
     const CalibrationResult result = calibrate(stated, frames);
-    EXPECT_THAT(result.warnings,
-                complaint(factor > 1.0 ? "larger than its stated size" : "smaller than its"));
+    EXPECT_THAT(result.findings, Contains(finding_of(FindingKind::kWrongSize, factor, 0.01)));
     EXPECT_THAT(result.left_out, Contains(tag36h11(kFaulty)));
     expect_the_others_right(stated, result);
   }
@@ -90,8 +101,8 @@ TEST(TagFaults, NamesTwoPrintsOfAWrongSizeAndNotTheLens) {
   std::vector<FrameDetections> frames = test::exact_detections(printed);
   add_noise(frames);
   const CalibrationResult result = calibrate(stated, frames);
-  EXPECT_THAT(result.warnings, Not(Contains(HasSubstr("camera file"))));
-  EXPECT_THAT(result.warnings, Contains(HasSubstr("larger than its stated size")).Times(2));
+  EXPECT_THAT(result.findings, UnorderedElementsAre(Field(&CalibrationFinding::kind, FindingKind::kWrongSize),
+                                                    Field(&CalibrationFinding::kind, FindingKind::kWrongSize)));
   EXPECT_THAT(result.left_out, ElementsAre(stated.map.tags[2].key, stated.map.tags[7].key));
   test::expect_truth(stated, result.map, result.held_tag, 0.03, 0.02);
 }
@@ -119,7 +130,7 @@ TEST(TagFaults, NamesATagThatWasMovedOnce) {
   for (std::size_t i = frames.size() / 2; i < frames.size(); ++i) take_from(later, i, frames);
   add_noise(frames);
   const CalibrationResult result = calibrate(world, frames);
-  EXPECT_THAT(result.warnings, complaint("was moved by 0.09"));
+  EXPECT_THAT(result.findings, Contains(finding_of(FindingKind::kMoved, 0.094, 0.005)));
   EXPECT_THAT(result.left_out, Contains(tag36h11(kFaulty)));
   expect_the_others_right(world, result);
 }
@@ -135,7 +146,7 @@ TEST(TagFaults, NamesAnIdThatHangsTwice) {
   }
   add_noise(frames);
   const CalibrationResult result = calibrate(world, frames);
-  EXPECT_THAT(result.warnings, complaint("two places"));
+  EXPECT_THAT(result.findings, Contains(finding_of(FindingKind::kDuplicateId, 0.583, 0.02)));
   expect_the_others_right(world, result);
 }
 
@@ -158,7 +169,7 @@ TEST(TagFaults, NamesAnIdOfWhichASecondCopyIsSeenInTwoFrames) {
   ASSERT_EQ(copies, 2);
   add_noise(frames);
   const CalibrationResult result = calibrate(world, frames);
-  EXPECT_THAT(result.warnings, complaint("two places"));
+  EXPECT_THAT(result.findings, Contains(finding_of(FindingKind::kDuplicateId, 0.583, 0.02)));
   expect_the_others_right(world, result);
 }
 
@@ -171,7 +182,7 @@ TEST(TagFaults, NamesALiftedCorner) {
       });
   add_noise(frames);
   const CalibrationResult result = calibrate(world, frames);
-  EXPECT_THAT(result.warnings, complaint("is bent"));
+  EXPECT_THAT(result.findings, Contains(finding_of(FindingKind::kBent)));
   expect_the_others_right(world, result);
 }
 
@@ -183,7 +194,7 @@ TEST(TagFaults, NamesACurledPrint) {
         return corner;
       });
   add_noise(frames);
-  EXPECT_THAT(calibrate(world, frames).warnings, complaint("narrower than high"));
+  EXPECT_THAT(calibrate(world, frames).findings, Contains(finding_of(FindingKind::kBent, -0.04, 0.008)));
 }
 
 TEST(TagFaults, NamesATagThatFlaps) {
@@ -197,7 +208,7 @@ TEST(TagFaults, NamesATagThatFlaps) {
       });
   add_noise(frames);
   const CalibrationResult result = calibrate(world, frames);
-  EXPECT_THAT(result.warnings, complaint("hangs loosely"));
+  EXPECT_THAT(result.findings, Contains(finding_of(FindingKind::kLoose)));
   expect_the_others_right(world, result);
 }
 

@@ -1,19 +1,26 @@
-// When what was found of a tag explains its views, and the words for a tag of which another may be at fault.
+// When what was found of a tag explains its views, and its message where another may be at fault.
 #include "tag_finding.h"
 
 #include <gmock/gmock.h>
 
-#include "tag_fault_words.h"
+#include <cmath>
+
+#include "tag_messages.h"
 
 namespace apriltrack {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::DoubleNear;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::Optional;
+using ::testing::StartsWith;
 using Kind = TagFinding::Kind;
 
 bool is_complete(Kind kind, double misfit_before, double misfit_after) {
-  return TagFinding{.kind = kind, .words = "", .misfit_before = misfit_before, .misfit_after = misfit_after}
-      .is_complete();
+  return TagFinding{.kind = kind, .misfit_before = misfit_before, .misfit_after = misfit_after}.is_complete();
 }
 
 TEST(TagFinding, IsCompleteWhereNothingIsLeft) {
@@ -37,25 +44,76 @@ TEST(TagFinding, IsCompleteOfATagWithoutAPlace) {
   EXPECT_TRUE(is_complete(Kind::kLoose, 9.0, 9.0));
 }
 
-TEST(TagFaultWords, TellOnceThatAnotherMayBeAtFault) {
-  const std::string once = words_of_rival("A was moved");
-  EXPECT_EQ(once, "Perhaps A was moved. Or another tag is at fault: the views do not tell which");
-  EXPECT_EQ(words_of_rival(once), once);
+/// Of tags 0 to 9, at rest since the first frame.
+Observations of_ten_tags() {
+  Observations observations;
+  for (int id = 0; id < 10; ++id) observations.tags.push_back({"tag36h11", id});
+  observations.frames = {Timestamp{0}};
+  return observations;
 }
 
-TEST(TagFaultWords, NameTheOneOrTheSeveralThatMayBe) {
-  const std::vector<TagKey> four{{"tag36h11", 4}}, board{{"tag36h11", 4}, {"tag36h11", 5}};
-  EXPECT_THAT(words_of_rivals_in_map("A was moved", {four}),
-              HasSubstr("Perhaps A was moved. Or tag36h11/4, which alone joins its two places"));
-  EXPECT_THAT(words_of_rivals_in_map("A was moved", {board}),
+TagFinding moved_tag(TagFinding::Blame blame, std::vector<std::vector<int>> others = {}) {
+  TagFinding finding{.tag = 1, .kind = Kind::kMoved};
+  finding.places = PlaceChange{.T_first_second = Pose(Eigen::Quaterniond::Identity(), {0.1, 0.0, 0.0}),
+                               .is_one_after_other = true,
+                               .last_at_first = Timestamp{1'000'000'000},
+                               .first_at_second = Timestamp{2'000'000'000}};
+  finding.is_left_out = true;
+  finding.blame = blame;
+  finding.others = std::move(others);
+  return finding;
+}
+
+TEST(TagMessages, SayThatAnotherMayBeAtFault) {
+  using Blame = TagFinding::Blame;
+  const Observations observations = of_ten_tags();
+  EXPECT_THAT(
+      message_of(observations, moved_tag(Blame::kThisTag)),
+      StartsWith("tag36h11/1 was moved by 0.1 m and 0.0 degrees while filming, between 1.00 and 2.00 s"));
+  EXPECT_THAT(message_of(observations, moved_tag(Blame::kThisOrAnother)),
+              AllOf(StartsWith("Perhaps tag36h11/1 was moved"),
+                    EndsWith(". Or another tag is at fault: the views do not tell which")));
+}
+
+TEST(TagMessages, NameTheOneOrTheSeveralThatMayBe) {
+  using Blame = TagFinding::Blame;
+  const Observations observations = of_ten_tags();
+  EXPECT_THAT(message_of(observations, moved_tag(Blame::kThisOrOthersInMap, {{4}})),
+              HasSubstr(". Or tag36h11/4, which alone joins its two places"));
+  EXPECT_THAT(message_of(observations, moved_tag(Blame::kThisOrOthersInMap, {{4, 5}})),
               HasSubstr("Or the board (tag36h11/4, tag36h11/5), which alone joins its two places"));
   EXPECT_THAT(
-      words_of_rivals_instead("A was moved", {{{"tag36h11", 6}}, board}),
+      message_of(observations, moved_tag(Blame::kThisOrOthersNoMap, {{6}, {4, 5}})),
       HasSubstr("Or one of tag36h11/6, the board (tag36h11/4, tag36h11/5), each of which alone joins"));
-  EXPECT_THAT(words_of_joint("tag36h11/4", four, "tag36h11/7"),
+  TagFinding joint{.tag = 4, .kind = Kind::kMoved, .blame = Blame::kJoinsPlacesOfAnother, .joined_tag = 7};
+  joint.others = {{4}};
+  EXPECT_THAT(message_of(observations, joint),
               HasSubstr("tag36h11/4 alone joins the two places at which tag36h11/7 is seen: it may be what"));
-  EXPECT_THAT(words_of_joint("tag36h11/4", board, "tag36h11/7"),
+  joint.others = {{4, 5}};
+  EXPECT_THAT(message_of(observations, joint),
               HasSubstr("tag36h11/4 (of the board tag36h11/4, tag36h11/5) alone joins"));
+}
+
+TEST(TagMessages, AreBesideTypedFields) {
+  const Observations observations = of_ten_tags();
+  const CalibrationFinding moved =
+      reported(observations, moved_tag(TagFinding::Blame::kThisOrOthersInMap, {{4, 5}}));
+  EXPECT_EQ(moved.kind, CalibrationFinding::Kind::kMoved);
+  EXPECT_THAT(moved.tags, ElementsAre(TagKey{"tag36h11", 1}));
+  EXPECT_THAT(moved.value, Optional(DoubleNear(0.1, 1e-12)));
+  EXPECT_EQ(moved.unit, "m");
+  EXPECT_EQ(moved.timestamp, Timestamp{2'000'000'000});
+  EXPECT_THAT(moved.alternatives, ElementsAre(ElementsAre(TagKey{"tag36h11", 4}, TagKey{"tag36h11", 5})));
+  EXPECT_TRUE(moved.is_in_doubt);
+  EXPECT_TRUE(moved.is_left_out);
+
+  TagFinding larger{.tag = 2, .kind = Kind::kSize};
+  larger.shape = ShapeError{.size_m = 0.16, .log_scale = std::log(1.25), .scale_sigma = 0.01};
+  const CalibrationFinding size = reported(observations, larger);
+  EXPECT_EQ(to_string(size.kind), "wrong_size");
+  EXPECT_THAT(size.value, Optional(DoubleNear(1.25, 1e-12)));
+  EXPECT_THAT(size.sigma, Optional(DoubleNear(0.0125, 1e-12)));
+  EXPECT_FALSE(size.is_in_doubt);
 }
 
 }  // namespace

@@ -11,9 +11,7 @@ namespace {
 
 using test::AdjustedWorld;
 using test::SyntheticWorld;
-using ::testing::AnyOf;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 constexpr int kTagOnTrial = 11, kBesideIt = 13;  // ids of a room: 3, 5, 7 and so on
@@ -64,7 +62,8 @@ TEST(TagTrials, NameATagThatMoved) {
   EXPECT_EQ(findings[0].tag, kIndexOnTrial);
   EXPECT_EQ(findings[0].kind, TagFinding::Kind::kMoved);
   EXPECT_TRUE(findings[0].is_left_out);
-  EXPECT_THAT(findings[0].words, HasSubstr("was moved by 0.1"));
+  ASSERT_TRUE(findings[0].places);
+  EXPECT_NEAR(findings[0].places->T_first_second.translation().norm(), 0.15, 0.01);
 }
 
 // Two places explain most of its views, but at the second it trembles.
@@ -77,7 +76,6 @@ TEST(TagTrials, NameATagThatMovedAndHangsLooselySince) {
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].tag, kIndexOnTrial);
   EXPECT_EQ(findings[0].kind, TagFinding::Kind::kLoose);
-  EXPECT_THAT(findings[0].words, HasSubstr("hangs loosely"));
 }
 
 TEST(TagTrials, TellATagThatMovedOnceFromALooseOne) {
@@ -115,7 +113,7 @@ TEST(TagTrials, NameAWrongSize) {
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].tag, kIndexOnTrial);
   EXPECT_EQ(findings[0].kind, TagFinding::Kind::kSize);
-  EXPECT_THAT(findings[0].words, AnyOf(HasSubstr("looks 11."), HasSubstr("looks 12.")));
+  EXPECT_NEAR(std::exp(findings[0].log_scale()), 1.12, 0.01);
 }
 
 // Seen with one other tag alone once it had moved, and that one with it alone: it may be the other that
@@ -136,7 +134,7 @@ TEST(TagTrials, NameBothWhereEitherWouldDo) {
   test::add_edge_noise(frames, 0.1, -0.45, random);
   const auto findings = find_on_trial({world, frames});
   ASSERT_EQ(findings.size(), 2u);
-  for (const TagFinding& finding : findings) EXPECT_THAT(finding.words, HasSubstr("do not tell which"));
+  for (const TagFinding& finding : findings) EXPECT_EQ(finding.blame, TagFinding::Blame::kThisOrAnother);
   std::vector<int> tags{findings[0].tag, findings[1].tag};
   std::ranges::sort(tags);
   EXPECT_THAT(tags, ElementsAre(kIndexOnTrial, kIndexBesideIt));

@@ -1,4 +1,4 @@
-#include "camera_words.h"
+#include "camera_messages.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -16,18 +16,18 @@ namespace {
 
 constexpr double kToldOff = 3.0;  // standard deviations
 
-std::string in_words(const CameraCorrection& one) {
+std::string text_of(const CameraCorrection& one) {
   if (one.parameter == "focal length" || one.parameter == "fy / fx")
     return fmt::format("{} {:+.2f} % (sigma {:.2f})", one.parameter, 100.0 * one.value, 100.0 * one.sigma);
   return fmt::format("{} {:+.4g} {}(sigma {:.2g})", one.parameter, one.value,
                      one.unit == "1" ? "" : one.unit + " ", one.sigma);
 }
 
-std::string in_words(const Observations& observations, const EstimatedParameter& one) {
+std::string text_of(const Observations& observations, const EstimatedParameter& one) {
   const RigCamera& camera = observations.cameras[static_cast<std::size_t>(one.parameter.camera)];
   return camera.name + ": " +
-         in_words(CameraCorrection{camera.name, name_of(one.parameter, camera), unit_of(one.parameter),
-                                   one.value, one.sigma});
+         text_of(CameraCorrection{camera.name, name_of(one.parameter, camera), unit_of(one.parameter),
+                                  one.value, one.sigma});
 }
 
 /// "cam1 0.012 m and 0.3 degrees": how far the places of cameras are from the file's.
@@ -53,7 +53,7 @@ std::vector<std::string> told_of(const Observations& observations, const CameraR
   std::vector<std::string> told;
   for (const EstimatedParameter& one : open.estimates)
     if (is_meant(one.parameter) && std::abs(one.value) > kToldOff * one.sigma)
-      told.push_back(in_words(observations, one));
+      told.push_back(text_of(observations, one));
   return told;
 }
 
@@ -98,36 +98,64 @@ std::string open_cameras_in_words(const Observations& observations, const Better
       fmt::join(edges, "; "), is_counted);
 }
 
-}  // namespace
-
+/// "frames that were held out agree better (1.21 sigmas before, 0.92 after)".
 std::string gain_of(const CameraRefinement& cameras) {
   return fmt::format("frames that were held out agree better ({:.2f} sigmas before, {:.2f} after)",
                      cameras.held_out_before, cameras.held_out_after);
 }
 
-std::vector<std::string> doubts_of_cameras(const Observations& observations, const BetterCameras& cameras) {
-  std::vector<std::string> doubts;
+std::vector<std::string> names_of(const Observations& observations, const CameraRefinement& cameras) {
+  std::vector<std::string> names;
+  for (const EstimatedParameter& one : cameras.estimates) {
+    const std::string& name = observations.cameras[static_cast<std::size_t>(one.parameter.camera)].name;
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
+CalibrationFinding finding_of(CalibrationFinding::Kind kind, std::vector<std::string> cameras,
+                              std::string message) {
+  CalibrationFinding finding;
+  finding.kind = kind;
+  finding.cameras = std::move(cameras);
+  finding.message = std::move(message);
+  return finding;
+}
+
+}  // namespace
+
+std::vector<CalibrationFinding> doubts_of_cameras(const Observations& observations,
+                                                  const BetterCameras& cameras) {
+  using Kind = CalibrationFinding::Kind;
+  std::vector<CalibrationFinding> doubts;
   if (const auto& lens = cameras.lens_not_taken)
-    doubts.push_back(fmt::format(
-        "the camera file does not fit: with other intrinsics, {}. It is kept, as --intrinsics keep says: "
-        "calibrate the camera anew, or leave that option away",
-        gain_of(*lens)));
+    doubts.push_back(finding_of(
+        Kind::kOtherLens, names_of(observations, *lens),
+        fmt::format(
+            "the camera file does not fit: with other intrinsics, {}. It is kept, as --intrinsics keep "
+            "says: calibrate the camera anew, or leave that option away",
+            gain_of(*lens))));
   if (const auto& places = cameras.places_not_taken)
-    doubts.push_back(fmt::format(
-        "the rig of the camera file does not fit: with the cameras at other places ({} from the file's), {}. "
-        "Check T_cn_cnm1 (metres; of a point in camera n-1 it makes one in camera n), or take what fits by "
-        "--extrinsics refine",
-        places_in_words(observations, *places), gain_of(*places)));
+    doubts.push_back(finding_of(
+        Kind::kOtherPlaces, names_of(observations, *places),
+        fmt::format(
+            "the rig of the camera file does not fit: with the cameras at other places ({} from the "
+            "file's), {}. Check T_cn_cnm1 (metres; of a point in camera n-1 it makes one in camera n), "
+            "or take what fits by --extrinsics refine",
+            places_in_words(observations, *places), gain_of(*places))));
   if (std::string open = open_cameras_in_words(observations, cameras); !open.empty())
-    doubts.push_back(std::move(open));
+    doubts.push_back(finding_of(Kind::kOpenCamera, names_of(observations, *cameras.open), std::move(open)));
   return doubts;
 }
 
-std::string corrections_in_words(const CameraRefinement& cameras,
-                                 const std::vector<CameraCorrection>& corrections) {
+CalibrationFinding reported(const CameraRefinement& cameras,
+                            const std::vector<CameraCorrection>& corrections) {
   std::string words;
-  for (const CameraCorrection& one : corrections)
-    words += fmt::format("{}{}: {}", words.empty() ? "" : "; ", one.camera, in_words(one));
+  std::vector<std::string> names;
+  for (const CameraCorrection& one : corrections) {
+    words += fmt::format("{}{}: {}", words.empty() ? "" : "; ", one.camera, text_of(one));
+    if (std::ranges::find(names, one.camera) == names.end()) names.push_back(one.camera);
+  }
   const auto has = [&](bool (CameraParameter::*is_of)() const) {
     return std::ranges::any_of(cameras.estimates,
                                [&](const EstimatedParameter& one) { return (one.parameter.*is_of)(); });
@@ -137,10 +165,50 @@ std::string corrections_in_words(const CameraRefinement& cameras,
   const std::string why = cameras.held_out_before > 0.0
                               ? fmt::format("with other {}, {}", what, gain_of(cameras))
                               : std::string("with another lens, far more of the views agree");
-  return fmt::format(
-      "the camera file does not fit: {}. The map rests on these {}: {}. Track with the refined camera, or "
-      "calibrate it anew{}",
-      why, what, words, has_lens ? "; --intrinsics keep takes the file as it is" : "");
+  return finding_of(
+      CalibrationFinding::Kind::kCameraCorrected, std::move(names),
+      fmt::format("the camera file does not fit: {}. The map rests on these {}: {}. Track with the refined "
+                  "camera, or calibrate it anew{}",
+                  why, what, words, has_lens ? "; --intrinsics keep takes the file as it is" : ""));
+}
+
+std::string message_of(const Observations& observations, const LensDoubt& doubt) {
+  return fmt::format("by the lens that the camera file has of {}, the tags do not look square",
+                     observations.cameras[static_cast<std::size_t>(doubt.camera)].name);
+}
+
+CalibrationFinding reported(const Observations& observations, const LensDoubt& doubt,
+                            const CalibrationOptions& options) {
+  const std::string why =
+      doubt.why == LensDoubt::Why::kKeptByOption
+          ? "It is kept, as --intrinsics keep says: calibrate the camera anew, or leave that option away"
+          : fmt::format(
+                "It is kept, for maps of more than {} tags keep their cameras: map some of the tags "
+                "first, and give the refined camera",
+                options.max_tags_with_covariance);
+  return finding_of(CalibrationFinding::Kind::kOtherLens,
+                    {observations.cameras[static_cast<std::size_t>(doubt.camera)].name},
+                    message_of(observations, doubt) + ". " + why);
+}
+
+std::vector<CalibrationFinding> unusual_edges(const std::vector<CameraCorrection>& corrections,
+                                              const CalibrationOptions& options) {
+  constexpr double kUsual = 2.5;  // of the expected sizes: one camera in 80 is beyond
+  std::vector<CalibrationFinding> findings;
+  for (const CameraCorrection& one : corrections) {
+    if (!one.is_of_edges() || !(std::abs(one.value) > kUsual * options.edge_offset_sigma_px)) continue;
+    findings.push_back(finding_of(
+        CalibrationFinding::Kind::kEdgeOffset, {one.camera},
+        fmt::format("{}: edges are found {:.2f} px aside of where the detector has them (edge offset, sigma "
+                    "{:.2f}), more than is usual (--edge-offset-sigma {:.3g}): if that is wrong, so is the "
+                    "scale of the map. Film from nearer and from further aside, give a measured distance "
+                    "(--constraints), or refuse it (--edge-offset-sigma 0)",
+                    one.camera, one.value, one.sigma, options.edge_offset_sigma_px)));
+    findings.back().value = one.value;
+    findings.back().sigma = one.sigma;
+    findings.back().unit = "px";
+  }
+  return findings;
 }
 
 }  // namespace apriltrack

@@ -1,10 +1,15 @@
-#include "calibration_result.h"
+#include "result_of_solution.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 
-#include "camera_words.h"
+#include "apriltrack/calib/map_evidence.h"
+#include "apriltrack/calib/systematic_errors.h"
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/tags/tag_map.h"
+#include "camera_messages.h"
 #include "part_evidence.h"
 #include "tag_flags.h"
 
@@ -41,9 +46,7 @@ void take_constraints(const PartSolution& solution, CalibrationResult& result, F
   for (std::size_t i = 0; i < solution.constraints.size(); ++i) {
     if (result.constraint_audits[i].is_used) result.constraints.push_back(solution.constraints[i]);
   }
-  result.constraint_doubts = solution.constrained->doubts;
-  for (const auto* words : {&solution.constrained->warnings, &solution.constrained->doubts})
-    findings.warnings.insert(findings.warnings.end(), words->begin(), words->end());
+  report_constraints(solution.constrained->notes, findings);
 }
 
 /// How well the part was seen, and what it was seen in.
@@ -116,9 +119,9 @@ void take_cameras(const Observations& observations, const CameraRig& rig, const 
       [](const EstimatedParameter& one) { return one.parameter.kind == CameraParameter::Kind::kEdgeOffset; });
   result.corrections_covariance = solution.cameras.refined.covariance;
   result.rig = with_corrections(rig, solution.state.cameras, parameters_of(solution.cameras.refined));
-  warn_of_edges(result.corrections, options, findings);
+  std::ranges::move(unusual_edges(result.corrections, options), std::back_inserter(findings));
   if (is_offset_alone) return;
-  findings.warnings.push_back(corrections_in_words(solution.cameras.refined, result.corrections));
+  findings.push_back(reported(solution.cameras.refined, result.corrections));
 }
 
 void take_map(const Observations& observations, const PartSolution& solution,

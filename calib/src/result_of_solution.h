@@ -2,8 +2,11 @@
 
 #include <string>
 
-#include "apriltrack/calib/calibrate_map.h"
-#include "calibration_words.h"
+#include "apriltrack/calib/calibration_options.h"
+#include "apriltrack/calib/calibration_result.h"
+#include "apriltrack/camera/camera.h"
+#include "apriltrack/tags/tag_map.h"
+#include "calibration_messages.h"
 #include "part_solver.h"
 
 namespace apriltrack {
