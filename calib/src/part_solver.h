@@ -7,8 +7,8 @@
 #include "apriltrack/calib/calibration_options.h"
 #include "apriltrack/calib/map_constraints.h"
 #include "apriltrack/calib/systematic_errors.h"
-#include "part_solution.h"
-#include "solve_context.h"
+#include "model/solve_context.h"
+#include "solution/part_solution.h"
 
 namespace apriltrack {
 

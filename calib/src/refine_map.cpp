@@ -16,14 +16,14 @@
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/tags/tag_map.h"
-#include "calibration_messages.h"
-#include "claimed_noise.h"
-#include "held_out.h"
-#include "normal_distribution.h"
-#include "photometric_adjustment.h"
-#include "refined_places.h"
-#include "refinement_input.h"
-#include "words.h"
+#include "messages/calibration_messages.h"
+#include "numerics/normal_distribution.h"
+#include "numerics/words.h"
+#include "observations/claimed_noise.h"
+#include "photometric/held_out.h"
+#include "photometric/photometric_adjustment.h"
+#include "photometric/refined_places.h"
+#include "photometric/refinement_input.h"
 
 namespace apriltrack {
 namespace {

@@ -9,9 +9,9 @@
 #include "apriltrack/calib/systematic_errors.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/tags/tag_map.h"
-#include "camera_messages.h"
-#include "part_evidence.h"
-#include "tag_flags.h"
+#include "assess/part_evidence.h"
+#include "assess/tag_flags.h"
+#include "messages/camera_messages.h"
 
 namespace apriltrack {
 namespace {

@@ -6,7 +6,7 @@
 #include "apriltrack/calib/calibration_result.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/tags/tag_map.h"
-#include "calibration_messages.h"
+#include "messages/calibration_messages.h"
 #include "part_solver.h"
 
 namespace apriltrack {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apriltrack/geometry/tag_corners.h"
-#include "part_adjustment.h"
+#include "initialise/part_adjustment.h"
 #include "synthetic_world.h"
 
 namespace apriltrack::test {

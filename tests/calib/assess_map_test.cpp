@@ -6,10 +6,10 @@
 
 #include <numbers>
 
+#include "assess/picture_equations.h"
 #include "calibrating.h"
-#include "corner_views.h"
-#include "joint_tag_covariance.h"
-#include "picture_equations.h"
+#include "model/corner_views.h"
+#include "uncertainty/joint_tag_covariance.h"
 
 namespace apriltrack {
 namespace {

@@ -1,6 +1,6 @@
 // What errors that blocks of frames share do to tags and to a parameter of all views, against many draws of
 // them, each fitted by brute force.
-#include "block_scatter.h"
+#include "uncertainty/block_scatter.h"
 
 #include <gtest/gtest.h>
 

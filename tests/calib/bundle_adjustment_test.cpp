@@ -1,5 +1,5 @@
 // The adjustment from starts that are hard on it; from corners whose noise is known.
-#include "bundle_adjustment.h"
+#include "solve/bundle_adjustment.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cauchy_loss.h"
+#include "numerics/cauchy_loss.h"
 
 #include <gtest/gtest.h>
 

@@ -6,9 +6,9 @@
 #include "adjusted_world.h"
 #include "apriltrack/geometry/rotation.h"
 #include "calibrating.h"
-#include "noise_scale.h"
-#include "tag_fit.h"
-#include "viewpoint_shares.h"
+#include "faults/tag_fit.h"
+#include "uncertainty/noise_scale.h"
+#include "uncertainty/viewpoint_shares.h"
 
 namespace apriltrack {
 namespace {

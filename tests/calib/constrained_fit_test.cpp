@@ -9,12 +9,12 @@
 #include <numeric>
 
 #include "apriltrack/geometry/rotation.h"
-#include "constrained_map.h"
-#include "corner_views.h"
-#include "joint_tag_covariance.h"
-#include "map_frame_start.h"
+#include "constraints/constrained_map.h"
+#include "constraints/map_frame_start.h"
+#include "model/corner_views.h"
 #include "support/pose_matchers.h"
 #include "synthetic_world.h"
+#include "uncertainty/joint_tag_covariance.h"
 
 // What is computed by low-rank updates, against the inverse of all equations at once.
 

@@ -1,4 +1,4 @@
-#include "constraint_equations.h"
+#include "constraints/constraint_equations.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "map_frame_start.h"
+#include "constraints/map_frame_start.h"
 #include "measured_walls.h"
 
 // Maps that keep to what was measured, from the corners of worlds that are known.

@@ -1,6 +1,6 @@
 // Tags of which more views were rejected than kept, from exact corners: which go, and that the others stay
 // right.
-#include "contradicted_tags.h"
+#include "hypotheses/contradicted_tags.h"
 
 #include <gtest/gtest.h>
 

@@ -10,13 +10,13 @@
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
 #include "apriltrack/geometry/rotation.h"
-#include "bundle_adjustment.h"
-#include "corner_views.h"
-#include "part_adjustment.h"
+#include "initialise/part_adjustment.h"
+#include "model/corner_views.h"
+#include "model/view_residual.h"
+#include "solve/bundle_adjustment.h"
 #include "support/numeric_jacobian.h"
 #include "synthetic_world.h"
-#include "tag_covariance.h"
-#include "view_residual.h"
+#include "uncertainty/tag_covariance.h"
 
 namespace apriltrack {
 namespace {

@@ -1,5 +1,5 @@
 // Which tags of a large map are tried.
-#include "culprit_search.h"
+#include "hypotheses/culprit_search.h"
 
 #include <gtest/gtest.h>
 

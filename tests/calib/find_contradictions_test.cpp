@@ -1,7 +1,7 @@
 // Which tags and pairs contradict their frames more than chance does, from counts that a coin would give.
 #include <gmock/gmock.h>
 
-#include "contradictions.h"
+#include "model/contradictions.h"
 
 namespace apriltrack {
 namespace {

@@ -1,6 +1,6 @@
 // How a group of tags moves as one body to where the views have it, and when that need not be followed to the
 // end.
-#include "group_motion.h"
+#include "solve/group_motion.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "apriltrack/base/degrees.h"
 #include "apriltrack/geometry/rotation.h"
 #include "calibrating.h"
-#include "hinge.h"
+#include "initialise/hinge.h"
 
 namespace apriltrack {
 namespace {

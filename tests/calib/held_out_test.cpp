@@ -1,4 +1,4 @@
-#include "held_out.h"
+#include "photometric/held_out.h"
 
 #include <gtest/gtest.h>
 

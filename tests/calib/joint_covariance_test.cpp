@@ -8,10 +8,10 @@
 #include <numeric>
 
 #include "calibrating.h"
-#include "corner_views.h"
-#include "joint_tag_covariance.h"
-#include "parts.h"
+#include "model/corner_views.h"
+#include "observations/parts.h"
 #include "support/shared_data.h"
+#include "uncertainty/joint_tag_covariance.h"
 
 namespace apriltrack {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "apriltrack/calib/calibrate_map.h"
 #include "calibrating.h"
+#include "model/view_residual.h"
 #include "synthetic_world.h"
-#include "view_residual.h"
 
 // What the map says of its own errors, against the errors that it has.
 

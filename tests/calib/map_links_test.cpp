@@ -1,5 +1,5 @@
 // Parts that few frames tie to the rest, on graphs made by hand and against all ways to cut a graph in two.
-#include "map_links.h"
+#include "assess/map_links.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Tags, and groups of them, that lie where they seem to when mirrored: which turn back, and which stay open.
-#include "mirror_test.h"
+#include "initialise/mirror_test.h"
 
 #include <gmock/gmock.h>
 
@@ -7,10 +7,10 @@
 #include "apriltrack/base/degrees.h"
 #include "apriltrack/geometry/rotation.h"
 #include "calibrating.h"
-#include "hinge_starts.h"
-#include "part_without.h"
+#include "faults/part_without.h"
+#include "hypotheses/undecided_tags.h"
+#include "initialise/hinge_starts.h"
 #include "support/pose_matchers.h"
-#include "undecided_tags.h"
 
 namespace apriltrack {
 namespace {

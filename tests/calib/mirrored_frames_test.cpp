@@ -1,5 +1,5 @@
 // Frames that were put where one of their tags, mirrored, would have them; from exact corners.
-#include "mirrored_frames.h"
+#include "initialise/mirrored_frames.h"
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "adjusted_world.h"
-#include "frame_views.h"
+#include "solve/frame_views.h"
 #include "support/pose_matchers.h"
 
 namespace apriltrack {

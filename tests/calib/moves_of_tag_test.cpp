@@ -1,5 +1,5 @@
 // What all views say of a tag that moved, against the least squares over all unknowns at once.
-#include "moves_of_tag.h"
+#include "faults/moves_of_tag.h"
 
 #include <gtest/gtest.h>
 

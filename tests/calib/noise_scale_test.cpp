@@ -1,10 +1,10 @@
-#include "noise_scale.h"
+#include "uncertainty/noise_scale.h"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "bundle_adjustment.h"
+#include "solve/bundle_adjustment.h"
 #include "synthetic_world.h"
 
 // How large the noise is, found in residuals about the true tags.

@@ -1,4 +1,4 @@
-#include "normal_distribution.h"
+#include "numerics/normal_distribution.h"
 
 #include <gtest/gtest.h>
 

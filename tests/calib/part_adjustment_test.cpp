@@ -1,6 +1,6 @@
 // The adjustment of a part from exact corners: what a lens does not reach, and what was left out by a wrong
 // lens.
-#include "part_adjustment.h"
+#include "initialise/part_adjustment.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 
 #include "adjusted_world.h"
 #include "apriltrack/base/error.h"
-#include "better_cameras.h"
-#include "part_without.h"
+#include "faults/part_without.h"
+#include "hypotheses/better_cameras.h"
 
 namespace apriltrack {
 namespace {

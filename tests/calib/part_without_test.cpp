@@ -1,5 +1,5 @@
 // What of a chain of tags, each seen with the next, hangs together when some are left out.
-#include "part_without.h"
+#include "faults/part_without.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // What counts of a part of which some tags are not mapped.
-#include "parts.h"
+#include "observations/parts.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "photometric_adjustment.h"
+#include "photometric/photometric_adjustment.h"
 
 #include <gtest/gtest.h>
 

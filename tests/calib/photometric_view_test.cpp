@@ -1,4 +1,4 @@
-#include "photometric_view.h"
+#include "pictures/photometric_view.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Where a camera sits in its rig, by what the camera file says of it and of those before it.
-#include "place_in_rig.h"
+#include "observations/place_in_rig.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "plane_blur.h"
+#include "pictures/plane_blur.h"
 
 #include <gtest/gtest.h>
 

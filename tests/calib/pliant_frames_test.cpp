@@ -1,11 +1,11 @@
 // Frames that small tags leave two poses are no witnesses against a tag; others are. By exact poses.
-#include "pliant_frames.h"
+#include "faults/pliant_frames.h"
 
 #include <gmock/gmock.h>
 
 #include "adjusted_world.h"
 #include "apriltrack/base/degrees.h"
-#include "frame_views.h"
+#include "solve/frame_views.h"
 
 namespace apriltrack {
 namespace {

@@ -1,5 +1,5 @@
 // Weights that follow the corners' own errors pull at a map: of small tags its scale shows by how much.
-#include "predicted_edges.h"
+#include "cameras/predicted_edges.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "adjusted_world.h"
 #include "calibrating.h"
-#include "camera_refinement.h"
+#include "cameras/camera_refinement.h"
 #include "filmed_cameras.h"
 
 namespace apriltrack {

@@ -1,5 +1,5 @@
 // A print that is wider than high, or a lens whose pixels are: nothing in the views tells which.
-#include "print_aspect.h"
+#include "hypotheses/print_aspect.h"
 
 #include <gmock/gmock.h>
 

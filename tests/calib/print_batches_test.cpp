@@ -1,5 +1,5 @@
 // Tags of two printers, or of a printer on two days, that were given one size.
-#include "print_batches.h"
+#include "hypotheses/print_batches.h"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 
 #include "adjusted_world.h"
 #include "calibrating.h"
-#include "corner_views.h"
+#include "model/corner_views.h"
 
 namespace apriltrack {
 namespace {

@@ -1,4 +1,4 @@
-#include "reduced_equations.h"
+#include "solve/reduced_equations.h"
 
 #include <gtest/gtest.h>
 

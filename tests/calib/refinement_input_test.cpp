@@ -1,4 +1,4 @@
-#include "refinement_input.h"
+#include "photometric/refinement_input.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

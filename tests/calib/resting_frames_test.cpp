@@ -1,6 +1,6 @@
 // Frames of a scene at rest: what errs in one of them errs in all.
 
-#include "resting_frames.h"
+#include "observations/resting_frames.h"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
 // Two tags that alone join what was filmed before with what was filmed after: either may have changed its
 // place.
-#include "rival_tags.h"
+#include "faults/rival_tags.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "se3_manifold.h"
+#include "numerics/se3_manifold.h"
 
 #include <ceres/manifold_test_utils.h>
 

@@ -3,8 +3,8 @@
 #include "adjusted_world.h"
 #include "apriltrack/geometry/rotation.h"
 #include "calibrating.h"
-#include "part_without.h"
-#include "tag_suspects.h"
+#include "faults/part_without.h"
+#include "faults/tag_suspects.h"
 
 // What is wrong with a tag is named, and the map of the others is right.
 
@@ -101,8 +101,9 @@ TEST(TagFaults, NamesTwoPrintsOfAWrongSizeAndNotTheLens) {
   std::vector<FrameDetections> frames = test::exact_detections(printed);
   add_noise(frames);
   const CalibrationResult result = calibrate(stated, frames);
-  EXPECT_THAT(result.findings, UnorderedElementsAre(Field(&CalibrationFinding::kind, FindingKind::kWrongSize),
-                                                    Field(&CalibrationFinding::kind, FindingKind::kWrongSize)));
+  EXPECT_THAT(result.findings,
+              UnorderedElementsAre(Field(&CalibrationFinding::kind, FindingKind::kWrongSize),
+                                   Field(&CalibrationFinding::kind, FindingKind::kWrongSize)));
   EXPECT_THAT(result.left_out, ElementsAre(stated.map.tags[2].key, stated.map.tags[7].key));
   test::expect_truth(stated, result.map, result.held_tag, 0.03, 0.02);
 }

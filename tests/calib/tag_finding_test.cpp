@@ -1,11 +1,11 @@
 // When what was found of a tag explains its views, and its message where another may be at fault.
-#include "tag_finding.h"
+#include "model/tag_finding.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "tag_messages.h"
+#include "messages/tag_messages.h"
 
 namespace apriltrack {
 namespace {

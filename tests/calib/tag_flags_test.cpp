@@ -1,4 +1,4 @@
-#include "tag_flags.h"
+#include "assess/tag_flags.h"
 
 #include <gtest/gtest.h>
 

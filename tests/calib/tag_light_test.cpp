@@ -1,4 +1,4 @@
-#include "tag_light.h"
+#include "pictures/tag_light.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Tags that moved in frames that show two tags each, of which any pose explains much: what all views tell.
-#include "tag_moves.h"
+#include "faults/tag_moves.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // Tags of which the views of single frames show two places.
-#include "tag_places.h"
+#include "faults/tag_places.h"
 
 #include <gmock/gmock.h>
 
@@ -7,7 +7,7 @@
 #include <map>
 
 #include "adjusted_world.h"
-#include "tag_suspects.h"
+#include "faults/tag_suspects.h"
 
 namespace apriltrack {
 namespace {

@@ -1,5 +1,5 @@
 // Sizes and bends of a few parts in a hundred, from corners with the noise that a detector has.
-#include "tag_shapes.h"
+#include "faults/tag_shapes.h"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "adjusted_world.h"
-#include "view_spread.h"
+#include "faults/view_spread.h"
 
 namespace apriltrack {
 namespace {

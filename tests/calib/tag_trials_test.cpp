@@ -1,10 +1,10 @@
 // Faults for which the fit gave up frames of two tags, so that either seems at fault.
-#include "tag_trials.h"
+#include "faults/tag_trials.h"
 
 #include <gmock/gmock.h>
 
 #include "adjusted_world.h"
-#include "tag_neighbourhoods.h"
+#include "faults/tag_neighbourhoods.h"
 
 namespace apriltrack {
 namespace {

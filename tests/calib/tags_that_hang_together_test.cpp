@@ -1,4 +1,4 @@
-#include "tags_that_hang_together.h"
+#include "observations/tags_that_hang_together.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Pictures that are not of the moments that their times say: rows read one after another, cameras that are
 // not triggered together.
-#include "time_errors.h"
+#include "cameras/time_errors.h"
 
 #include <gmock/gmock.h>
 

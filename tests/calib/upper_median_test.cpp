@@ -1,4 +1,4 @@
-#include "upper_median.h"
+#include "numerics/upper_median.h"
 
 #include <gtest/gtest.h>
 

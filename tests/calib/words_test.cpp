@@ -1,4 +1,4 @@
-#include "words.h"
+#include "numerics/words.h"
 
 #include <gtest/gtest.h>
 

@@ -154,6 +154,34 @@ class PlantedBreach(unittest.TestCase):
         self.plant("libtrack/src/tags/new.cpp", "const int fd = ::open(path,\n    O_WRONLY | O_CREAT, 0600);  // no std::ifstream\n")
         self.assertEqual(self.check().returncode, 0, self.check().stdout)
 
+    def test_include_of_an_upper_room(self):
+        place = self.plant("calib/src/solve/camera_fit.cpp", '#include "messages/tag_messages.h"')
+        self.expect_breach(place + ":", "room solve is on floor", "may not include messages")
+
+    def test_include_of_a_room_on_the_same_floor(self):
+        place = self.plant("calib/src/constraints/constrained_fit.cpp", '#include "faults/tag_fit.h"')
+        self.expect_breach(place + ":", "room constraints", "may not include faults")
+
+    def test_include_within_a_room_that_does_not_name_it(self):
+        place = self.plant("calib/src/solve/camera_fit.cpp", '#include "group_motion.h"')
+        self.expect_breach(place + ":", "'group_motion.h' is no header of a room")
+
+    def test_room_that_the_table_does_not_have(self):
+        (self.root / "calib/src/attic").mkdir()
+        self.plant("calib/src/attic/new.cpp", "#include <vector>")
+        self.expect_breach("calib/src/attic/new.cpp:", "room 'attic' of calib is not in the table")
+
+    def test_units_that_include_each_other_in_a_circle(self):
+        self.plant("calib/src/solve/new_a.h", '#include "solve/new_b.h"')
+        self.plant("calib/src/solve/new_b.h", "#pragma once")
+        self.plant("calib/src/solve/new_b.cpp", '#include "solve/new_c.h"')
+        self.plant("calib/src/solve/new_c.h", '#include "solve/new_a.h"')
+        self.expect_breach("calib/src/solve/new_a.h:2:", "circle of includes in calib: new_a -> new_b -> new_c -> new_a")
+
+    def test_module_that_has_no_circle_any_more(self):
+        self.replace("docs/architecture.md", "Circles of includes are still in:", "Circles of includes are still in: `calib`,")
+        self.expect_breach("docs/architecture.md:", "calib has no circle of includes any more")
+
     def test_table_that_is_gone(self):
         (self.root / "docs/architecture.md").write_text("# nothing\n")
         self.assertNotEqual(self.check().returncode, 0)

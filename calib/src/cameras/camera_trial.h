@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "initialise/part_adjustment.h"
+#include "solve/camera_parameters.h"
+
+namespace apriltrack {
+
+/// How far frames that a map was not made from disagree with it, in standard deviations (root mean square):
+/// with the cameras as they are, and with a map and cameras refined from the same frames.
+struct CameraTrial {
+  bool is_passed = false;  ///< They agree better, by more than chance, and by the share that was asked for.
+  std::string reason;      ///< Why not.
+  double held_out_before = 0.0, held_out_after = 0.0;
+};
+
+/// least_gain: a share.
+CameraTrial try_cameras(const PartTask& task, const CameraParameters& parameters, double least_gain,
+                        const AdjustedPart& solved);
+
+}  // namespace apriltrack

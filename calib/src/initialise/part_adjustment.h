@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "apriltrack/base/parallel.h"
+#include "model/adjusted_part.h"
+#include "model/solve_context.h"
+
+namespace apriltrack {
+
+/// What of the part has a pose to start from: a lens may not reach some views. Empty where the tag that is
+/// held has none.
+Part with_poses(const PartTask& task, const Part& part, int held_tag);
+
+/// How often mirrored tags are looked for: before outliers are removed, and again when the noise of what fits
+/// is known, which tells poses apart that outliers hid. Once does where maps are only compared.
+enum class MirrorTests { kBeforeAndAfter, kBefore };
+
+/// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment; of what has poses to
+/// start from. Throws Error(kNoResult) when it does not converge, or when nothing fits.
+AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel,
+                         MirrorTests tests = MirrorTests::kBeforeAndAfter);
+
+/// Least squares over the inliers, which are chosen anew until they stay the same; these are returned.
+Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state);
+
+/// Those that agree with the map, by the noise that it has.
+std::vector<std::size_t> inliers(const Observations& observations, const std::vector<std::size_t>& views,
+                                 const MapState& state);
+
+/// Of a map of the part: what it contradicts.
+Contradictions contradictions_of(const PartTask& task, const Part& part, const MapState& state);
+
+}  // namespace apriltrack
