@@ -141,7 +141,7 @@ AdjustedPart adjusted(const PartTask& task, const Part& part, int held_tag, cons
                       const LogSink& log) {
   require_rig_that_fits(task, part);
   AdjustedPart solved = adjust_without_contradictions(task, part, held_tag, parallel, log);
-  leave_out_undecided(task, part, solved, parallel);
+  if (const auto failure = leave_out_undecided(task, part, solved, parallel)) throw failure->to_error();
   return solved;
 }
 

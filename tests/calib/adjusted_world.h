@@ -31,7 +31,7 @@ struct AdjustedWorld {
     std::iota(views.begin(), views.end(), std::size_t{0});
     candidates = solve_views(observations, views, parallel_for(1));
     offered = find_parts(observations, views, options.min_views).parts.front();
-    solved = adjust_part(task(), offered, offered.tags.front(), parallel_for(1));
+    solved = adjust_part(task(), offered, offered.tags.front(), parallel_for(1)).value_or_throw();
   }
 
   PartTask task() const { return {observations, candidates, options}; }

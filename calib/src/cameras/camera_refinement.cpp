@@ -102,12 +102,12 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part, const Ca
                     std::exp(log_odds), kLeastOdds);
     return result;
   }
-  try {
-    refined.part = adjust_cleanly(task, part, solved.held_tag, refined.state);
-  } catch (const Error& error) {
-    result.reason = fmt::format("with them there is no map: {}", error.what());
+  Outcome<Part> kept = adjust_cleanly(task, part, solved.held_tag, refined.state);
+  if (!kept) {
+    result.reason = fmt::format("with them there is no map: {}", kept.why().cause);
     return result;
   }
+  refined.part = std::move(*kept);
   result.estimates = fit.estimates();
   result.covariance = fit.covariance();
   result.is_accepted = true;

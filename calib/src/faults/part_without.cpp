@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
 #include "apriltrack/calib/calibration_options.h"
 
@@ -38,7 +37,9 @@ bool adjust_without(const PartTask& task, const Part& part, const std::set<int>&
   if (!rest) return false;
   MapState state = solved.state;
   if (rest->held_tag != solved.held_tag) move_origin_to(state, rest->held_tag);
-  solved.part = adjust_cleanly(task, rest->part, rest->held_tag, state);
+  Outcome<Part> kept = adjust_cleanly(task, rest->part, rest->held_tag, state);
+  if (!kept) return false;
+  solved.part = std::move(*kept);
   solved.state = std::move(state);
   solved.contradictions = contradictions_of(task, rest->part, solved.state);
   solved.held_tag = rest->held_tag;
@@ -62,16 +63,13 @@ bool solve_without(const PartTask& task, const Part& part, const std::set<int>& 
   const PartTask without{by_cameras, task.candidates, options};
   const std::optional<HeldPart> rest = part_without(without, part, gone, solved.held_tag);
   if (!rest) return false;
-  try {
-    AdjustedPart anew = adjust_part(without, rest->part, rest->held_tag, parallel);
-    solved.held_tag = rest->held_tag;
-    solved.part = std::move(anew.part);
-    solved.state = std::move(anew.state);
-    solved.contradictions = std::move(anew.contradictions);
-    return true;
-  } catch (const Error&) {
-    return false;
-  }
+  Outcome<AdjustedPart> anew = adjust_part(without, rest->part, rest->held_tag, parallel);
+  if (!anew) return false;
+  solved.held_tag = rest->held_tag;
+  solved.part = std::move(anew->part);
+  solved.state = std::move(anew->state);
+  solved.contradictions = std::move(anew->contradictions);
+  return true;
 }
 
 }  // namespace apriltrack

@@ -24,7 +24,7 @@ std::optional<HeldPart> part_without(const PartTask& task, const Part& part, con
                                      int held_tag);
 
 /// Adjusts that, from where `solved` is. part: before outliers were removed. False where too little is left,
-/// Error(kNoResult) where that does not settle: `solved` is as it was then.
+/// or that does not settle: `solved` is as it was then.
 bool adjust_without(const PartTask& task, const Part& part, const std::set<int>& gone, AdjustedPart& solved);
 
 /// `tags`, and those of `known` that are not in the map.

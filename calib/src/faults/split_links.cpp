@@ -11,7 +11,6 @@
 #include <set>
 #include <utility>
 
-#include "apriltrack/base/error.h"
 #include "apriltrack/calib/calibration_options.h"
 #include "faults/tag_places.h"
 #include "observations/tag_paths.h"
@@ -102,19 +101,15 @@ double least_cost(const PartTask& task, const std::vector<std::size_t>& views, M
 /// nullopt where the frames do not agree in one, by the noise that the map has, or hardly less with the map.
 /// Of a single frame it is told where the tag cannot have been nudged for a moment: two hang there.
 std::optional<OtherPlace> place_by(const PartTask& task, const JointViews& link, const MapState& state) {
-  AdjustedPart alike;
-  try {
-    alike = adjust_part(task, link.part(), link.beside, on_one_thread(task));
-  } catch (const Error&) {
-    return std::nullopt;
-  }
+  Outcome<AdjustedPart> alike = adjust_part(task, link.part(), link.beside, on_one_thread(task));
+  if (!alike) return std::nullopt;
   MapState in_map = state;
-  in_map.noise = alike.state.noise = state.noise.of_all();
-  const std::vector<std::size_t> fitting = inliers(task.observations, alike.part.views, alike.state);
-  OtherPlace place{0, seen_from(link, state).inverse() * seen_from(link, alike.state)};
+  in_map.noise = alike->state.noise = state.noise.of_all();
+  const std::vector<std::size_t> fitting = inliers(task.observations, alike->part.views, alike->state);
+  OtherPlace place{0, seen_from(link, state).inverse() * seen_from(link, alike->state)};
   for (const auto& [frame, views] : link.views_of_frame) {
     if (!std::ranges::includes(fitting, views)) continue;
-    if (least_cost(task, views, in_map) > least_cost(task, views, alike.state) + kPlainlyElsewhere)
+    if (least_cost(task, views, in_map) > least_cost(task, views, alike->state) + kPlainlyElsewhere)
       ++place.num_frames;
   }
   const double size_m = task.observations.sizes_m[static_cast<std::size_t>(link.tag)];

@@ -24,11 +24,9 @@ std::optional<AdjustedPart> solve_anew(const PartTask& task, const std::vector<s
   const std::vector<Part> parts = find_parts(task.observations, views, task.options.min_views).parts;
   if (parts.empty()) return std::nullopt;
   const auto held = std::ranges::find_if(parts.front().tags, [&](int one) { return one != tag; });
-  try {
-    return adjust_part(task, parts.front(), *held, on_one_thread(task), tests);
-  } catch (const Error&) {
-    return std::nullopt;
-  }
+  Outcome<AdjustedPart> anew = adjust_part(task, parts.front(), *held, on_one_thread(task), tests);
+  if (!anew) return std::nullopt;
+  return std::move(*anew);
 }
 
 }  // namespace apriltrack

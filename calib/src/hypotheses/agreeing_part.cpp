@@ -54,14 +54,12 @@ std::optional<AdjustedPart> adjust_with_other_focal_length(const PartTask& task,
     for (RigCamera& camera : other.cameras)
       camera = moved(camera, {.kind = CameraParameter::Kind::kFocalLength}, change);
     const std::vector<ViewCandidates> candidates = solve_views(other, part.views, parallel);
-    try {
-      AdjustedPart solved = adjust_part({other, candidates, task.options}, part, held_tag, parallel);
-      const double of_this = kept_share(task.observations, part, solved);
-      if (of_this < share + kClearlyMore || of_this < kMostOfViews || noise_of(solved) > noise) continue;
-      share = of_this;
-      best = std::move(solved);
-    } catch (const Error&) {  // nor does this one fit
-    }
+    Outcome<AdjustedPart> solved = adjust_part({other, candidates, task.options}, part, held_tag, parallel);
+    if (!solved) continue;
+    const double of_this = kept_share(task.observations, part, *solved);
+    if (of_this < share + kClearlyMore || of_this < kMostOfViews || noise_of(*solved) > noise) continue;
+    share = of_this;
+    best = std::move(*solved);
   }
   return best;
 }
@@ -85,13 +83,13 @@ void require_held_tag_that_fits(const PartTask& task, const Part& part, const Co
 
 AdjustedPart adjust_without_contradictions(const PartTask& task, const Part& part, int held_tag,
                                            const ParallelFor& parallel, const LogSink& log) {
-  std::optional<Error> failure;
+  Outcome<AdjustedPart> first = adjust_part(task, part, held_tag, parallel);
+  std::optional<NoMap> failure;  // one tag may be the cause, or the camera file
   std::optional<AdjustedPart> solved;
-  try {
-    solved = adjust_part(task, part, held_tag, parallel);
-  } catch (const Error& error) {  // one tag may be the cause, or the camera file
-    failure = error;
-  }
+  if (first)
+    solved = std::move(*first);
+  else
+    failure = first.why();
   if (solved && !solved->contradictions.are_there() &&
       kept_share(task.observations, part, solved) > kMostOfViews)
     return std::move(*solved);
@@ -108,8 +106,8 @@ AdjustedPart adjust_without_contradictions(const PartTask& task, const Part& par
       return std::move(*other);
   }
   if (without) return std::move(*without);
-  if (failure) throw *failure;
-  if (contradictions.are_there()) fail_with_contradictions(task.observations, contradictions);
+  if (failure) throw failure->to_error();
+  if (contradictions.are_there()) throw contradictory(task.observations, contradictions).to_error();
   return std::move(*solved);
 }
 

@@ -183,7 +183,7 @@ std::optional<Again> solve_again(const PartTask& task, const Part& part, const A
   const Part seen = with_poses(again, part, solved.held_tag);
   try {
     AdjustedPart anew = adjust_without_contradictions(again, seen, solved.held_tag, parallel, log);
-    leave_out_undecided(again, seen, anew, parallel);
+    if (leave_out_undecided(again, seen, anew, parallel)) return std::nullopt;
     CameraRefinement refined =
         refine_cameras(task, without_left_out(task.observations, seen, anew), less_known_parameters(cameras),
                        kNothingHeldOut, anew, parallel);

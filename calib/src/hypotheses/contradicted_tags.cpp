@@ -53,11 +53,7 @@ std::vector<int> leave_out_contradicted(const PartTask& task, const Part& part, 
   if (contradicted.empty()) return {};
   std::set<int> gone = contradicted;
   std::ranges::set_difference(part.tags, solved.part.tags, std::inserter(gone, gone.end()));
-  try {
-    if (!adjust_without(task, part, gone, solved)) return {};
-  } catch (const Error&) {  // too little is left that agrees
-    return {};
-  }
+  if (!adjust_without(task, part, gone, solved)) return {};  // too little is left that agrees
   return {contradicted.begin(), contradicted.end()};
 }
 

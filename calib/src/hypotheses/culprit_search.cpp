@@ -27,13 +27,10 @@ std::optional<AdjustedPart> adjust_anew(const PartTask& task, const Part& part, 
                                         int held_tag) {
   const std::optional<HeldPart> rest = part_without(task, part, gone, held_tag);
   if (!rest) return std::nullopt;
-  try {
-    AdjustedPart result = adjust_part(task, rest->part, rest->held_tag, on_one_thread(task));
-    if (result.contradictions.are_there()) return std::nullopt;
-    return result;
-  } catch (const Error&) {  // contradictory, or not converged: so these tags are not the cause
-    return std::nullopt;
-  }
+  Outcome<AdjustedPart> result = adjust_part(task, rest->part, rest->held_tag, on_one_thread(task));
+  // Contradictory, or not converged: so these tags are not the cause.
+  if (!result || result->contradictions.are_there()) return std::nullopt;
+  return std::move(*result);
 }
 
 struct Trial {
@@ -139,7 +136,7 @@ std::vector<int> culprit_candidates(const Part& part, const Contradictions& cont
   return some;
 }
 
-void fail_with_contradictions(const Observations& observations, const Contradictions& contradictions) {
+NoMap contradictory(const Observations& observations, const Contradictions& contradictions) {
   std::vector<std::string> all;
   for (const int tag : contradictions.tags) all.push_back(name_of(observations, tag));
   for (const auto& [a, b] : contradictions.links)
@@ -148,10 +145,10 @@ void fail_with_contradictions(const Observations& observations, const Contradict
   const std::string what =
       fmt::format("{}{}", fmt::join(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(told), ", "),
                   all.size() > told ? fmt::format(" and {} more", all.size() - told) : "");
-  throw no_result("calibrate",
-                  fmt::format("{} of {} frames contradict the others, and no one tag is clearly the cause; "
-                              "most contradicted: {}. Does an id hang in two places? {}",
-                              contradictions.contradicting, contradictions.frames, what, kWhatToCheck));
+  return {
+      fmt::format("{} of {} frames contradict the others, and no one tag is clearly the cause; "
+                  "most contradicted: {}. Does an id hang in two places? {}",
+                  contradictions.contradicting, contradictions.frames, what, kWhatToCheck)};
 }
 
 std::optional<AdjustedPart> adjust_without_culprit(const PartTask& task, const Part& part,

@@ -22,8 +22,7 @@ std::optional<AdjustedPart> adjust_without_culprit(const PartTask& task, const P
                                                    const Contradictions& contradictions, int held_tag,
                                                    const ParallelFor& parallel, const LogSink& log);
 
-/// Throws Error(kNoResult) that names the most contradicted tags.
-[[noreturn]] void fail_with_contradictions(const Observations& observations,
-                                           const Contradictions& contradictions);
+/// Names the most contradicted tags.
+NoMap contradictory(const Observations& observations, const Contradictions& contradictions);
 
 }  // namespace apriltrack

@@ -63,9 +63,11 @@ std::optional<Improved> improved_by_edges_of_map(const PartTask& task, const Obs
                                                  const Part& part, const Improvement& improve,
                                                  Improved start) {
   const PartTask by_edges{by_map, task.candidates, task.options};
+  Outcome<Part> kept = adjust_cleanly(by_edges, narrowed_to(by_map, part, start.solved.part.tags),
+                                      start.solved.held_tag, start.solved.state);
+  if (!kept) return std::nullopt;
+  start.solved.part = std::move(*kept);
   try {
-    start.solved.part = adjust_cleanly(by_edges, narrowed_to(by_map, part, start.solved.part.tags),
-                                       start.solved.held_tag, start.solved.state);
     improve(by_edges, start.solved, start.cameras);
     return start;
   } catch (const Error&) {

@@ -30,13 +30,11 @@ bool leave_out_faulty(const PartTask& task, const Part& part, const ParallelFor&
   improved.findings = examine_tags(task, part, solved, parallel);
   improved.contradicted = leave_out_contradicted(task, part, solved);
   if (solved.part.tags == tags_before) return false;
-  try {
-    if (solved.contradictions.are_there()) fail_with_contradictions(task.observations, solved.contradictions);
-    // Without them, others' views may leave two poses that had one.
-    leave_out_undecided(task, part, solved, parallel);
-  } catch (const Error& error) {
-    throw NothingLeft(improved.findings, error.cause());
-  }
+  if (solved.contradictions.are_there())
+    throw NothingLeft(improved.findings, contradictory(task.observations, solved.contradictions).cause);
+  // Without them, others' views may leave two poses that had one.
+  if (const auto failure = leave_out_undecided(task, part, solved, parallel))
+    throw NothingLeft(improved.findings, failure->cause);
   return true;
 }
 

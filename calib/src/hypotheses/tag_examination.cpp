@@ -191,11 +191,8 @@ std::optional<AdjustedPart> adjust_without_faults(const PartTask& task, const Pa
   if (!solve_without(task, part, gone, rest, parallel)) throw NothingLeft(faults, kTooLittleLeft);
   if (rest.contradictions.are_there()) return std::nullopt;
   rest.undecided.clear();
-  try {
-    leave_out_undecided(task, part, rest, parallel);
-  } catch (const Error& error) {
-    throw NothingLeft(faults, error.cause());
-  }
+  if (const auto failure = leave_out_undecided(task, part, rest, parallel))
+    throw NothingLeft(faults, failure->cause);
   return rest;
 }
 

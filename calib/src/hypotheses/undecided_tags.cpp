@@ -42,29 +42,28 @@ std::set<int> tags_to_go(const PartTask& task, const AdjustedPart& solved, const
 
 }  // namespace
 
-void leave_out_undecided(const PartTask& task, const Part& part, AdjustedPart& solved,
-                         const ParallelFor& parallel) {
+std::optional<NoMap> leave_out_undecided(const PartTask& task, const Part& part, AdjustedPart& solved,
+                                         const ParallelFor& parallel) {
   std::set<int> gone, open(solved.undecided.begin(), solved.undecided.end());
   std::ranges::set_difference(part.tags, solved.part.tags, std::inserter(gone, gone.end()));
   for (std::set<int> undecided = tags_to_go(task, solved, parallel); !undecided.empty();
        undecided = tags_to_go(task, solved, parallel)) {
     const TagKey& held = task.observations.tags[static_cast<std::size_t>(solved.held_tag)];
     if (undecided.contains(solved.held_tag) && is_held_by_wish(task, solved.held_tag))
-      throw no_result(
-          "calibrate",
+      return NoMap{
           fmt::format("how {} lies to the other tags is open: its views agree with two poses about "
                       "equally well. Film it from further aside, together with others, or hold "
-                      "another tag (--held-tag)",
-                      to_string(held)));
+                      "another tag",
+                      to_string(held))};
     gone.insert(undecided.begin(), undecided.end());
     open.insert(undecided.begin(), undecided.end());
     if (!adjust_without(task, part, gone, solved))
-      throw no_result(
-          "calibrate",
+      return NoMap{
           "how the tags lie to each other is open: their views agree with two poses about equally "
-          "well; film them from further aside, and nearer");
+          "well; film them from further aside, and nearer"};
   }
   solved.undecided.assign(open.begin(), open.end());
+  return std::nullopt;
 }
 
 }  // namespace apriltrack

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
-#include "apriltrack/base/error.h"
 #include "apriltrack/calib/calibration_options.h"
 #include "initialise/mirror_test.h"
 #include "initialise/mirrored_frames.h"
@@ -47,26 +47,26 @@ std::vector<std::size_t> gross_outliers(const Observations& observations,
   return gross;
 }
 
-[[noreturn]] void fail_as_contradictory(const Observations& observations, int held_tag) {
-  throw no_result("calibrate", fmt::format("the observations around {} contradict each other: {}",
-                                           to_string(observations.tags[static_cast<std::size_t>(held_tag)]),
-                                           kWhatToCheck));
+NoMap contradictory_around(const Observations& observations, int held_tag) {
+  return {fmt::format("the observations around {} contradict each other: {}",
+                      to_string(observations.tags[static_cast<std::size_t>(held_tag)]), kWhatToCheck)};
 }
 
-void adjust_robustly(const Observations& observations, const Part& part, int held_tag,
-                     const CalibrationOptions& options, MapState& state) {
+/// What keeps it from being usable, if anything does.
+std::optional<NoMap> adjust_robustly(const Observations& observations, const Part& part, int held_tag,
+                                     const CalibrationOptions& options, MapState& state) {
   // Steps that run out here are no failure yet: the clean adjustment must converge.
-  const auto adjust_with_loss = [&](double loss_scale) {
+  const auto adjust_with_loss = [&](double loss_scale) -> std::optional<NoMap> {
     const AdjustmentSummary summary = adjust(observations, part.views, free_tags(part, held_tag),
                                              adjustment_options(options, loss_scale), state);
-    if (!summary.is_usable)
-      throw no_result("calibrate", fmt::format("the robust adjustment of {} tags failed ({}); {}",
-                                               part.tags.size(), summary.message, kWhatToCheck));
+    if (summary.is_usable) return std::nullopt;
+    return NoMap{fmt::format("the robust adjustment of {} tags failed ({}); {}", part.tags.size(),
+                             summary.message, kWhatToCheck)};
   };
   state.noise = {};
-  adjust_with_loss(kCoarseLoss);
+  if (auto failure = adjust_with_loss(kCoarseLoss)) return failure;
   state.noise = measure_noise(observations, part.views, state);
-  adjust_with_loss(kFineLoss);
+  return adjust_with_loss(kFineLoss);
 }
 
 }  // namespace
@@ -87,14 +87,14 @@ std::vector<std::size_t> inliers(const Observations& observations, const std::ve
   return kept;
 }
 
-Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state) {
+Outcome<Part> adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state) {
   const auto& [observations, candidates, options] = task;
   Part kept;
   for (int round = 0; round < kMaxRounds; ++round) {
     state.noise = measure_noise(observations, part.views, state);
     Part next =
         connected_to(observations, inliers(observations, part.views, state), held_tag, options.min_views);
-    if (next.tags.size() < 2) fail_as_contradictory(observations, held_tag);
+    if (next.tags.size() < 2) return contradictory_around(observations, held_tag);
     state.noise.of_view = measure_view_noise(observations, next.views, state);
     state.noise.of_frame = measure_frame_noise(observations, next.views, state);
     if (next.views == kept.views) return kept;
@@ -102,10 +102,10 @@ Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapSta
     const AdjustmentSummary summary =
         adjust(observations, kept.views, free_tags(kept, held_tag), adjustment_options(options), state);
     if (!summary.is_usable || !summary.has_converged)
-      throw no_result("calibrate",
-                      fmt::format("the adjustment of {} tags did not converge ({}); more views of each tag, "
-                                  "from more sides, usually help; else {}",
-                                  kept.tags.size(), summary.message, kWhatToCheck));
+      return NoMap{
+          fmt::format("the adjustment of {} tags did not converge ({}); more views of each tag, "
+                      "from more sides, usually help; else {}",
+                      kept.tags.size(), summary.message, kWhatToCheck)};
   }
   return kept;
 }
@@ -123,31 +123,39 @@ Contradictions contradictions_of(const PartTask& task, const Part& part, const M
   return find_contradictions(task.observations, part, gross_outliers(task.observations, part.views, state));
 }
 
-AdjustedPart adjust_part(const PartTask& task, const Part& offered, int held_tag, const ParallelFor& parallel,
-                         MirrorTests tests) {
+Outcome<AdjustedPart> adjust_part(const PartTask& task, const Part& offered, int held_tag,
+                                  const ParallelFor& parallel, MirrorTests tests) {
   const auto& [observations, candidates, options] = task;
   const Part part = with_poses(task, offered, held_tag);
-  if (part.tags.size() < 2) fail_as_contradictory(observations, held_tag);
+  if (part.tags.size() < 2) return contradictory_around(observations, held_tag);
   AdjustedPart result{.held_tag = held_tag,
                       .part = {},
                       .state = start_state(observations, part, held_tag, candidates, parallel),
                       .contradictions = {}};
-  adjust_robustly(observations, part, held_tag, options, result.state);
+  const auto adjust_again = [&]() -> std::optional<NoMap> {  // result.part: the views that fit
+    Outcome<Part> kept = adjust_cleanly(task, part, held_tag, result.state);
+    if (!kept) return kept.why();
+    result.part = std::move(*kept);
+    return std::nullopt;
+  };
+  if (auto failure = adjust_robustly(observations, part, held_tag, options, result.state)) return *failure;
   for (int round = 0; round < kMaxRounds; ++round) {
     if (!turn_mirrored_groups(task, part, held_tag, result.state, parallel)) {
-      result.part = adjust_cleanly(task, part, held_tag, result.state);
+      if (auto failure = adjust_again()) return *failure;
       if (tests == MirrorTests::kBefore ||
           !turn_mirrored_groups(task, part, held_tag, result.state, parallel))
         break;
     }
-    adjust_robustly(observations, part, held_tag, options, result.state);
+    if (auto failure = adjust_robustly(observations, part, held_tag, options, result.state)) return *failure;
     result.part = {};
   }
-  if (result.part.tags.empty()) result.part = adjust_cleanly(task, part, held_tag, result.state);
+  if (result.part.tags.empty()) {
+    if (auto failure = adjust_again()) return *failure;
+  }
   for (int round = 0; round < kMaxRounds; ++round) {
     const Part kept_tags = narrowed_to(observations, part, result.part.tags);
     if (!turn_mirrored_frames(task, kept_tags, result.state, parallel)) break;
-    result.part = adjust_cleanly(task, part, held_tag, result.state);
+    if (auto failure = adjust_again()) return *failure;
   }
   result.contradictions = contradictions_of(task, part, result.state);
   return result;

@@ -4,6 +4,7 @@
 
 #include "apriltrack/base/parallel.h"
 #include "model/adjusted_part.h"
+#include "model/outcome.h"
 #include "model/solve_context.h"
 
 namespace apriltrack {
@@ -17,12 +18,14 @@ Part with_poses(const PartTask& task, const Part& part, int held_tag);
 enum class MirrorTests { kBeforeAndAfter, kBefore };
 
 /// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment; of what has poses to
-/// start from. Throws Error(kNoResult) when it does not converge, or when nothing fits.
-AdjustedPart adjust_part(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel,
-                         MirrorTests tests = MirrorTests::kBeforeAndAfter);
+/// start from. No map where it does not converge, or nothing fits.
+Outcome<AdjustedPart> adjust_part(const PartTask& task, const Part& part, int held_tag,
+                                  const ParallelFor& parallel,
+                                  MirrorTests tests = MirrorTests::kBeforeAndAfter);
 
-/// Least squares over the inliers, which are chosen anew until they stay the same; these are returned.
-Part adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state);
+/// Least squares over the inliers, which are chosen anew until they stay the same; these are returned. No map
+/// where nothing fits, or it does not converge: `state` is then of no use.
+Outcome<Part> adjust_cleanly(const PartTask& task, const Part& part, int held_tag, MapState& state);
 
 /// Those that agree with the map, by the noise that it has.
 std::vector<std::size_t> inliers(const Observations& observations, const std::vector<std::size_t>& views,
