@@ -31,6 +31,7 @@
 #include "corner_claims.h"
 #include "failure.h"
 #include "inputs.h"
+#include "option_hints.h"
 #include "replaced_pattern.h"
 #include "topics.h"
 
@@ -127,12 +128,23 @@ CalibrationResult solve(CalibrateOptions& a, const Sightings& sightings, const C
     const LogSink log = [&, to_console = a.console.log()](LogLevel level, std::string_view message) {
       if (!told.contains(std::string(message))) to_console(level, message);
     };
-    CalibrationResult result = calibrate_map(sightings.frames, rig, sizes, a.calibration, log);
-    std::erase_if(result.warnings, [&](const std::string& warning) { return told.contains(warning); });
-    return result;
+    return calibrate_map(sightings.frames, rig, sizes, a.calibration, log);
   } catch (const Stopped&) {
     throw no_result("calibrate", "interrupted while the map was solved: no map was written");
+  } catch (const ConstraintError&) {
+    throw;
+  } catch (const Error& error) {
+    throw with_options(error);
   }
+}
+
+/// What was found, but for what was said with file and line already.
+std::vector<std::string> warnings_of(const std::vector<CalibrationFinding>& found,
+                                     const std::set<std::string>& told) {
+  std::vector<std::string> warnings;
+  for (const CalibrationFinding& finding : found)
+    if (!told.contains(finding.message)) warnings.push_back(message_with_options(finding));
+  return warnings;
 }
 
 /// On the tags' pictures, where there are any; the map of `result` is then the refined one.
@@ -142,13 +154,7 @@ std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sig
   a.refinement.num_threads = a.num_threads;
   RefinementResult refinement =
       refine_map(result, sightings.frames, result.rig, a.refinement, a.console.log());
-  if (refinement.is_stopped)
-    refinement.warnings.emplace_back(
-        "interrupted: the map is as the corners have it, not refined on pictures");
-  else if (!refinement.is_accepted)
-    refinement.warnings.push_back("not refined on the tags' pictures: " + refinement.reason);
   result.findings = refinement.findings;
-  result.warnings = refinement.warnings;
   result.map = refinement.map;
   result.gauge = refinement.gauge;
   result.constraint_audits = refinement.constraint_audits;
@@ -207,7 +213,12 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
   if (!a.held_tag.empty()) a.calibration.held_tag = parse_held_tag(a, sightings);
   CalibrationResult result = solve(a, sightings, rig, sizes);
   const std::optional<RefinementResult> refinement = refine(a, sightings, result);
-  for (const std::string& warning : result.warnings) a.console.warning(warning);
+  for (const std::string& warning : warnings_of(result.findings, told_already(sightings, rig)))
+    a.console.warning(warning);
+  if (refinement && refinement->is_stopped)
+    a.console.warning("interrupted: the map is as the corners have it, not refined on pictures");
+  else if (refinement && !refinement->is_accepted)
+    a.console.warning("not refined on the tags' pictures: " + refinement->reason);
   const CalibrationFindings findings = find(result, refinement, sightings.frames);
   const CalibrationFiles files = write_calibration(a, camera, sightings, sizes, responses, refinement,
                                                    findings, command_line_of(command), result);

@@ -50,9 +50,9 @@ void require_sizes(const Observations& observations, const std::vector<Part>& pa
   }
   std::sort(missing.begin(), missing.end());
   if (!missing.empty())
-    throw invalid_input("calibrate",
-                        fmt::format("no size is given for {}; use --tag-size METRES for all tags, or name "
-                                    "them in the file of --tag-sizes",
+    throw invalid_input("sizes",
+                        fmt::format("no size is given for {}; give one for all tags, and one of its own to "
+                                    "each that differs",
                                     list_tags(missing)));
 }
 
@@ -80,7 +80,7 @@ std::vector<Part> solvable_parts(const Observations& observations, const Calibra
   leave_out(
       CalibrationFinding::Kind::kRarelyWithOthers, observations, connectivity.rare_tags,
       fmt::format("seen in fewer than {} frames together with other tags, those of one place counted once "
-                  "(--min-views)",
+                  "(min_views)",
                   options.min_views),
       findings);
   return connectivity.parts;
@@ -102,7 +102,7 @@ std::string way_to_connect(const Observations& observations, int min_views) {
     return "move so that every tag shares some frames with another, in a chain that reaches all of them";
   return fmt::format(
       "{} two tags or more together. A tag is mapped from {} such frames or more, from different places "
-      "(--min-views); where those with fewer are taken away, none is left: film on the move, or take more "
+      "(min_views); where those with fewer are taken away, none is left: film on the move, or take more "
       "pictures of the same tags, from several sides",
       joint == 1 ? "only 1 frame shows" : fmt::format("{} frames show", joint), min_views);
 }
@@ -131,7 +131,7 @@ void choose_gauge(const Observations& observations, const CalibrationOptions& op
                       to_string(*options.held_tag), list_tags(keys_of(observations, parts.front().tags))));
     const auto seen = std::lower_bound(observations.tags.begin(), observations.tags.end(), *options.held_tag);
     if (seen == observations.tags.end() || *seen != *options.held_tag)
-      throw invalid_input("--held-tag",
+      throw invalid_input("held_tag",
                           fmt::format("{} was never seen; seen were: {}", to_string(*options.held_tag),
                                       list_tags(observations.tags)));
     const int held = static_cast<int>(seen - observations.tags.begin());

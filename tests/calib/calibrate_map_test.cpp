@@ -243,7 +243,7 @@ TEST(CalibrateMap, NamesTagsWithoutASize) {
     calibrate_map(test::exact_detections(world), world.rig, incomplete, {});
   });
   EXPECT_THAT(message, HasSubstr("tag36h11/7"));
-  EXPECT_THAT(message, HasSubstr("--tag-size"));
+  EXPECT_THAT(message, HasSubstr("give one for all tags"));
 }
 
 TEST(CalibrateMap, SaysWhenNothingIsSeenOrNothingConnects) {

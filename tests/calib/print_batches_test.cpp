@@ -168,7 +168,7 @@ TEST(PrintBatches, AreToldAndCountedWhicheverIsAsStated) {
     EXPECT_THAT(
         result.warnings,
         Contains(AllOf(HasSubstr("tag36h11/13, tag36h11/15, tag36h11/17, tag36h11/19, tag36h11/21 are 1."),
-                       HasSubstr("state both by --tag-sizes"))));
+                       HasSubstr("state both: the map"))));
     const double error = test::mean_normalised_error(printed.truth, result);
     EXPECT_LT(error, 2.0);
     EXPECT_GT(error, 0.05) << "claims far less than it knows";

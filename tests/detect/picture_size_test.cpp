@@ -85,7 +85,7 @@ TEST(PictureSize, MixedPicturesAreRefusedAndNameThePlaceOfTheFirst) {
 
 TEST(PictureSize, OfPicturesThatAreNoScaledOnesNoScaleIsTold) {
   EXPECT_THAT(message_of([&] { check_picture_sizes(frames_of(480, 1900), rig_of(640, 480)); }),
-              AllOf(HasSubstr("Give --camera"), Not(HasSubstr("intrinsics:"))));
+              AllOf(HasSubstr("Give the camera file"), Not(HasSubstr("intrinsics:"))));
 }
 
 TEST(PictureSize, AStrayFrameIsWarnedOf) {

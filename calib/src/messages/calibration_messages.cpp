@@ -315,7 +315,7 @@ void report_unusual_sizes(const Observations& observations, const std::vector<Pa
   findings.push_back(to_finding(
       Kind::kUnusualSize,
       fmt::format("{} given a size of {:.3g} m: sizes are in metres, of the square whose corners are "
-                  "detected. All distances of the map are in proportion to them (--tag-size, --tag-sizes)",
+                  "detected. All distances of the map are in proportion to them",
                   unusual.size() == 1 ? list_tags(unusual) + " is" : list_tags(unusual) + " are", size_m)));
   findings.back().tags = unusual;
   findings.back().value = size_m;

@@ -72,8 +72,8 @@ std::string open_cameras_in_words(const Observations& observations, const Better
                ? ""
                : fmt::format(
                      "the cameras look as if they sat at other places than the camera file's ({}): the map "
-                     "is without it, and its covariances count it. Check T_cn_cnm1, or take what fits by "
-                     "--extrinsics refine",
+                     "is without it, and its covariances count it. Check T_cn_cnm1, or let the extrinsics be "
+                     "refined",
                      fmt::join(places, "; "));
   const bool are_places_open = std::ranges::any_of(
       cameras.open->estimates, [](const EstimatedParameter& one) { return one.parameter.is_of_place(); });
@@ -94,7 +94,7 @@ std::string open_cameras_in_words(const Observations& observations, const Better
   return fmt::format(
       "corners look as if edges lay inside the true ones, or outside ({}), which moves tags and "
       "scales the map, {}. Film more frames, from near and far; for corners without such an "
-      "error --edge-offset-sigma 0",
+      "error set the sigma of edge offsets to 0",
       fmt::join(edges, "; "), is_counted);
 }
 
@@ -131,17 +131,16 @@ std::vector<CalibrationFinding> doubts_of_cameras(const Observations& observatio
   if (const auto& lens = cameras.lens_not_taken)
     doubts.push_back(finding_of(
         Kind::kOtherLens, names_of(observations, *lens),
-        fmt::format(
-            "the camera file does not fit: with other intrinsics, {}. It is kept, as --intrinsics keep "
-            "says: calibrate the camera anew, or leave that option away",
-            gain_of(*lens))));
+        fmt::format("the camera file does not fit: with other intrinsics, {}. It is kept, as was asked "
+                    "for: calibrate the camera anew, or let the intrinsics be refined",
+                    gain_of(*lens))));
   if (const auto& places = cameras.places_not_taken)
     doubts.push_back(finding_of(
         Kind::kOtherPlaces, names_of(observations, *places),
         fmt::format(
             "the rig of the camera file does not fit: with the cameras at other places ({} from the "
             "file's), {}. Check T_cn_cnm1 (metres; of a point in camera n-1 it makes one in camera n), "
-            "or take what fits by --extrinsics refine",
+            "or let the extrinsics be refined",
             places_in_words(observations, *places), gain_of(*places))));
   if (std::string open = open_cameras_in_words(observations, cameras); !open.empty())
     doubts.push_back(finding_of(Kind::kOpenCamera, names_of(observations, *cameras.open), std::move(open)));
@@ -169,7 +168,8 @@ CalibrationFinding reported(const CameraRefinement& cameras,
       CalibrationFinding::Kind::kCameraCorrected, std::move(names),
       fmt::format("the camera file does not fit: {}. The map rests on these {}: {}. Track with the refined "
                   "camera, or calibrate it anew{}",
-                  why, what, words, has_lens ? "; --intrinsics keep takes the file as it is" : ""));
+                  why, what, words,
+                  has_lens ? "; the intrinsics can be kept as the file has them, too" : ""));
 }
 
 std::string message_of(const Observations& observations, const LensDoubt& doubt) {
@@ -181,7 +181,7 @@ CalibrationFinding reported(const Observations& observations, const LensDoubt& d
                             const CalibrationOptions& options) {
   const std::string why =
       doubt.why == LensDoubt::Why::kKeptByOption
-          ? "It is kept, as --intrinsics keep says: calibrate the camera anew, or leave that option away"
+          ? "It is kept, as was asked for: calibrate the camera anew, or let the intrinsics be refined"
           : fmt::format(
                 "It is kept, for maps of more than {} tags keep their cameras: map some of the tags "
                 "first, and give the refined camera",
@@ -200,9 +200,10 @@ std::vector<CalibrationFinding> unusual_edges(const std::vector<CameraCorrection
     findings.push_back(finding_of(
         CalibrationFinding::Kind::kEdgeOffset, {one.camera},
         fmt::format("{}: edges are found {:.2f} px aside of where the detector has them (edge offset, sigma "
-                    "{:.2f}), more than is usual (--edge-offset-sigma {:.3g}): if that is wrong, so is the "
+                    "{:.2f}), more than is usual (sigma {:.3g}): if that is wrong, so is the "
                     "scale of the map. Film from nearer and from further aside, give a measured distance "
-                    "(--constraints), or refuse it (--edge-offset-sigma 0)",
+                    "as a constraint, or refuse it: a sigma of 0"
+                    " estimates none",
                     one.camera, one.value, one.sigma, options.edge_offset_sigma_px)));
     findings.back().value = one.value;
     findings.back().sigma = one.sigma;

@@ -12,9 +12,7 @@ std::string cause_of_held_tag(const Observations& observations, const HeldTagAtF
   const std::string fault = error.finding() ? message_of(observations, *error.finding())
                                             : fmt::format("The views of {} contradict those of all others",
                                                           to_string(key_of(observations, error.tag())));
-  return fmt::format(
-      "no map is held by a tag that is at fault. {}. --held-tag names it: mend it, or hold another tag",
-      fault);
+  return fmt::format("no map is held by a tag that is at fault. {}. Mend it, or hold another tag", fault);
 }
 
 std::string cause_after(const Observations& observations, const NothingLeft& error) {

@@ -32,8 +32,8 @@ std::string message_of(const TimeError& error) {
 std::string message_of(const PrintBatches& batches) {
   return fmt::format(
       "the tags look like two prints of different size: {} are {:.1f} % (sigma {:.2f}) larger, beside their "
-      "stated sizes, than {}. Measure a tag of each, and state both by --tag-sizes: the map is by the sizes "
-      "as stated, and its covariances count that either print may not be",
+      "stated sizes, than {}. Measure a tag of each, and state both: the map is by the sizes as "
+      "stated, and its covariances count that either print may not be",
       list_tags(batches.larger), 100.0 * std::expm1(batches.log_ratio), 100.0 * batches.sigma,
       list_tags(batches.smaller));
 }
@@ -42,7 +42,7 @@ std::string message_of_print_aspect(double print_aspect) {
   return fmt::format(
       "it may be the print, and not the lens: tags that are {:.1f} % {} look like a lens whose fy / fx is "
       "not the camera file's, and pixels are seldom so far from square. Measure a tag both ways: if it is, "
-      "print anew, and keep the file by --intrinsics keep. The covariances count either",
+      "print anew, and keep the camera file as it is. The covariances count either",
       100.0 * std::abs(print_aspect), print_aspect > 0.0 ? "wider than high" : "higher than wide");
 }
 

@@ -21,8 +21,8 @@ std::string message_of_size(const ShapeError& shape, const std::string& name) {
   const double scale = std::exp(shape.log_scale);
   return fmt::format(
       "{} looks {:.1f} % {} than its stated size of {:.4g} m (sigma {:.1f} %): a wrong size was given, or it "
-      "was printed at another scale; measure it (about {:.4g} m), and correct --tag-size or --tag-sizes. It "
-      "is left out",
+      "was printed at another scale; measure it (about {:.4g} m), and correct its stated size. It is left "
+      "out",
       name, 100.0 * std::abs(scale - 1.0), scale > 1.0 ? "larger" : "smaller", shape.size_m,
       100.0 * shape.scale_sigma, scale * shape.size_m);
 }

@@ -11,7 +11,7 @@
 namespace apriltrack {
 
 inline constexpr std::string_view kWhatToCheck =
-    "check the tag family (--family) and the tag sizes, the camera file, that all pictures have its size, "
+    "check the tag family and the tag sizes, the camera file, that all pictures have its size, "
     "and that no tag was moved while filming";
 
 /// Everything that the solving of a part needs besides the part.

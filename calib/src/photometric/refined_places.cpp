@@ -103,8 +103,7 @@ class RefinedPlaces {
     const bool has_prints = calibration_.print_batches || calibration_.print_aspect;
     if (calibration_.constraints.empty() && !has_cameras && !has_prints) return "";
     return fmt::format(
-        "too few pictures of the held tag {} can be used, and {} weigh against them: hold another tag "
-        "(--held-tag)",
+        "too few pictures of the held tag {} can be used, and {} weigh against them: hold another tag",
         to_string(calibration_.held_tag),
         !calibration_.constraints.empty() ? "constraints"
         : has_cameras                     ? "cameras that are not as their file says"

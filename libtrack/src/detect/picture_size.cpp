@@ -100,7 +100,7 @@ std::string advice_on_larger(const Camera& camera, const Eigen::Vector2d& reach_
     return fmt::format("They fit pictures of {} x {}: {}", size->x(), size->y(),
                        advice_on_resolution(camera, size->x(), size->y()));
   }
-  return "Give --camera the file of the pictures' resolution";
+  return "Give the camera file of the pictures' resolution";
 }
 
 /// Short, whatever a damaged file has.
