@@ -5,7 +5,7 @@
 #include <bit>
 #include <utility>
 
-#include "blank_images.h"
+#include "apriltrack/image/blank.h"
 
 namespace apriltrack::app {
 namespace {

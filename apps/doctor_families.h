@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "apriltrack/detect/detector.h"
+#include "apriltrack/image/even_sample.h"
 #include "apriltrack/image/image.h"
 #include "console.h"
 #include "doctor_facts.h"
-#include "doctor_sample.h"
 
 namespace apriltrack::app {
 

@@ -11,7 +11,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/base/parallel.h"
-#include "blank_images.h"
+#include "apriltrack/image/blank.h"
 #include "copied_frames.h"
 
 namespace apriltrack::app {

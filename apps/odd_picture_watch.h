@@ -6,7 +6,7 @@
 #include <string>
 
 #include "apriltrack/detect/odd_pictures.h"
-#include "doctor_sample.h"
+#include "apriltrack/image/even_sample.h"
 
 namespace apriltrack::app {
 

@@ -8,20 +8,21 @@
 #include "apriltrack/image/image.h"
 #include "apriltrack/image/reduced.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 
-/// Small copies of a few images of many, evenly spread, though nobody knows beforehand how many there will
-/// be: whenever there are too many, every other one goes, and from then on only half as many are taken.
+/// Keeps small copies of a few images of a stream, evenly spread over it, without knowing its length
+/// beforehand: when the sample is full, every other copy is dropped and the step between kept images doubles.
 class EvenSample {
  public:
-  /// Enough to see which tags are there, if not the smallest: 1920 x 1080 is kept, 4000 x 3000 becomes
-  /// 1000 x 750.
+  /// Default size limit of a copy in pixels: 1920 x 1080 is kept as it is, 4000 x 3000 becomes 1000 x 750.
+  /// Enough to read all but the smallest tags.
   static constexpr std::int64_t kMostPixels = 1 << 21;
 
-  /// most: even, and at least 2. most_pixels: of a copy.
+  /// most: number of copies kept at most; even, and at least 2. most_pixels: size limit of a copy.
   explicit EvenSample(std::size_t most, std::int64_t most_pixels = kMostPixels)
       : most_(most), most_pixels_(most_pixels) {}
 
+  /// The next image of the stream.
   void offer(const GrayView& image) {
     if (num_offered_++ % step_ != 0) return;
     if (images_.size() == most_) {
@@ -31,6 +32,7 @@ class EvenSample {
     images_.push_back(reduced_copy(image, most_pixels_));
   }
 
+  /// In the order of the stream.
   const std::vector<GrayImage>& images() const { return images_; }
 
  private:
@@ -47,4 +49,4 @@ class EvenSample {
   std::size_t step_ = 1;
 };
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack
