@@ -161,7 +161,7 @@ void tell_of_odd_pictures(const CalibrateOptions& a, const Sightings& sightings)
   if (!has_tags && !sightings.odd_pictures.empty())
     throw no_result("calibrate", sightings.odd_pictures.front());
   for (const std::string& odd : sightings.odd_pictures) a.console.warning(odd);
-  if (!has_tags && !sightings.left_out.is_empty()) a.console.warning(sightings.left_out.told());
+  if (!has_tags && !sightings.left_out.is_empty()) a.console.warning(sightings.left_out.message());
 }
 
 void make_map(CLI::App& command, CalibrateOptions& a) {

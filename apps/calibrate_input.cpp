@@ -11,11 +11,11 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/estimate_response.h"
+#include "apriltrack/detect/odd_picture_watch.h"
+#include "apriltrack/detect/patch_keeper.h"
 #include "frame_loop.h"
 #include "frame_options.h"
 #include "inputs.h"
-#include "odd_picture_watch.h"
-#include "patch_keeper.h"
 #include "rig_detections.h"
 #include "takes.h"
 
@@ -96,7 +96,7 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
       if (with_patches) keeper.keep(frame.source.frame().image, frames.back());
     });
     takes.add(recording.name(), {camera.name}, std::move(frames));
-    if (const auto odd = watch.told(*options.detector))
+    if (const auto odd = is_interrupted() ? std::nullopt : watch.message(*options.detector))
       all.odd_pictures.push_back(recording.name() + ": " + *odd);
     if (counts.value_range) all.value_ranges.emplace(recording.name(), *counts.value_range);
     all.counts.readable += counts.readable;

@@ -7,10 +7,10 @@
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detection.h"
 #include "apriltrack/detect/detector.h"
+#include "apriltrack/detect/left_out_tags.h"
 #include "apriltrack/source/frame_source.h"
 #include "console.h"
 #include "frame_loop.h"
-#include "left_out_tags.h"
 
 namespace apriltrack::app {
 

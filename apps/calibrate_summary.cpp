@@ -8,6 +8,7 @@
 #include "constraint_table.h"
 #include "corner_claims.h"
 #include "frame_loop.h"
+#include "left_out_words.h"
 
 namespace apriltrack::app {
 namespace {
@@ -96,7 +97,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
                             {"observations_rejected", result.observations_rejected},
                             {"residual_rms_px", result.residual_rms_px},
                             {"left_out", told_keys(result.left_out)},
-                            {"readings_left_out", sightings.left_out.json()},
+                            {"readings_left_out", json_of(sightings.left_out)},
                             {"other_parts", other_parts},
                             {"part_files", files.parts},
                             {"gauge", result.gauge},
@@ -126,7 +127,7 @@ void tell_calibration(const CalibrateOptions& a, const Sightings& sightings,
       "origin: {}\nmap: {}",
       result.map.tags.size(), result.frames_used, sightings.counts.readable, sightings.counts.unreadable,
       result.observations_used, result.observations_rejected, result.residual_rms_px, result.gauge, a.output);
-  if (!sightings.left_out.is_empty()) text += "\n" + sightings.left_out.told();
+  if (!sightings.left_out.is_empty()) text += "\n" + sightings.left_out.message();
   if (files.observations) text += "\nobservations: " + files.observations->string();
   text += constraint_table(result.constraint_audits);
   if (refinement && refinement->is_accepted) text += "\n" + words_of(*refinement);

@@ -9,6 +9,8 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/detect/detections_csv.h"
+#include "apriltrack/detect/odd_picture_watch.h"
+#include "apriltrack/detect/patch_keeper.h"
 #include "apriltrack/io/numbers.h"
 #include "apriltrack/source/bag_input.h"
 #include "blank_images.h"
@@ -18,11 +20,9 @@
 #include "frame_loop.h"
 #include "frame_options.h"
 #include "inputs.h"
-#include "left_out_tags.h"
-#include "odd_picture_watch.h"
+#include "left_out_words.h"
 #include "option_checks.h"
 #include "outputs.h"
-#include "patch_keeper.h"
 #include "topics.h"
 
 namespace apriltrack::app {
@@ -137,7 +137,7 @@ Record detect_with(const DetectArguments& arguments, const SourceOptions& source
     if (frame.source.is_readable()) keeper.keep(frame.source.pixels.view(), tags);
     record.add(std::move(tags));
   });
-  record.odd_pictures = watch.told(*options.detector);
+  if (!is_interrupted()) record.odd_pictures = watch.message(*options.detector);
   return record;
 }
 
@@ -175,7 +175,7 @@ void check_result(const DetectArguments& arguments, const Record& record) {
       fmt::format("no tag of family {} in any of {} frames{}; try the family that is printed (--family), "
                   "--decimate 1, a lower --min-margin; tags need a white margin and about 12 px of width",
                   fmt::join(arguments.detector.families, ", "), record.counts.readable,
-                  record.left_out.told_after()));
+                  told_after(record.left_out)));
 }
 
 void finish(const DetectArguments& arguments, const Record& record) {
@@ -186,7 +186,7 @@ void finish(const DetectArguments& arguments, const Record& record) {
                                   {"unreadable", record.counts.unreadable},
                                   {"detections", record.num_detections},
                                   {"tags", tags},
-                                  {"readings_left_out", record.left_out.json()},
+                                  {"readings_left_out", json_of(record.left_out)},
                                   {"response", json_of(record.response)},
                                   {"value_range", value_range_json(record.counts.value_range)},
                                   {"interrupted", record.counts.is_interrupted},
@@ -195,7 +195,7 @@ void finish(const DetectArguments& arguments, const Record& record) {
       summary, fmt::format("{} of {} frames with tags, {} unreadable; {} detections of {} tags{}\n"
                            "response: {}\ndetections: {}",
                            record.frames.size(), record.counts.readable, record.counts.unreadable,
-                           record.num_detections, record.tags.size(), record.left_out.told_after(),
+                           record.num_detections, record.tags.size(), told_after(record.left_out),
                            words_of(record.response), arguments.output));
 }
 

@@ -9,11 +9,11 @@
 #include "apriltrack/base/timestamp.h"
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/detect/detection.h"
+#include "apriltrack/detect/left_out_tags.h"
 #include "apriltrack/detect/odd_pictures.h"
 #include "apriltrack/source/frame_source.h"
 #include "apriltrack/tags/tag_key.h"
 #include "camera_response.h"
-#include "left_out_tags.h"
 
 namespace apriltrack::app {
 

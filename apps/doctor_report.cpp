@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "frame_loop.h"
+#include "left_out_words.h"
 
 namespace apriltrack::app {
 namespace {
@@ -159,7 +160,7 @@ nlohmann::json json_of(const RecordingFacts& recording) {
             {"frames_blurred", blur.blurred},
             {"frames_unread", blur.unread}}},
           {"response", json_of(recording.response)},
-          {"readings_left_out", recording.left_out.json()},
+          {"readings_left_out", app::json_of(recording.left_out)},
           {"frames_sampled", recording.sampled},
           {"other_families", families}};
 }

@@ -9,10 +9,10 @@
 #include <map>
 
 #include "apriltrack/detect/chance_readings.h"
+#include "apriltrack/detect/odd_picture_watch.h"
 #include "apriltrack/eval/statistics.h"
 #include "apriltrack/tags/tag_family.h"
 #include "doctor_findings.h"
-#include "odd_picture_watch.h"
 
 namespace apriltrack::app {
 namespace {
@@ -249,9 +249,9 @@ std::vector<Finding> find_in_odd_pictures(const RecordingFacts& recording,
                         odd->are_mirrored && odd->are_inverted ? "mirrored_and_inverted"
                         : odd->are_mirrored                    ? "mirrored"
                                                                : "inverted",
-                        told(*odd, families, !recording.are_some_good)});
+                        message_of(*odd, families, !recording.are_some_good)});
   if (!recording.left_out.is_empty())
-    findings.push_back({Severity::kNote, "readings_left_out", recording.left_out.told()});
+    findings.push_back({Severity::kNote, "readings_left_out", recording.left_out.message()});
   return findings;
 }
 

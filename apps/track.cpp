@@ -9,6 +9,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/auto_response.h"
+#include "apriltrack/detect/odd_picture_watch.h"
 #include "camera_response.h"
 #include "command_help.h"
 #include "command_line.h"
@@ -19,7 +20,6 @@
 #include "frame_options.h"
 #include "frame_sinks.h"
 #include "inputs.h"
-#include "odd_picture_watch.h"
 #include "rig_detections.h"
 #include "still_background.h"
 #include "topics.h"
@@ -165,7 +165,8 @@ bool track_images(const TrackArguments& arguments, const SourceOptions& source_o
   const FrameCounts counts = detect_frames(*source, options, arguments.console, track);
   if (counts.are_all_blank()) record.found_all_blank();
   record.set_value_range(counts.value_range);
-  if (const auto odd = watch.told(method.looks_for)) record.are_odd(*odd);
+  if (const auto odd = is_interrupted() ? std::nullopt : watch.message(method.looks_for))
+    record.are_odd(*odd);
   record.found_copies(counts.copies);
   if (const auto told = background.told(); told && arguments.mode == "ego") arguments.console.warning(*told);
   return counts.is_interrupted;

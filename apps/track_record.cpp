@@ -12,6 +12,7 @@
 #include "apriltrack/eval/statistics.h"
 #include "blank_images.h"
 #include "frame_loop.h"
+#include "left_out_words.h"
 
 namespace apriltrack::app {
 namespace {
@@ -156,7 +157,7 @@ std::string TrackRecord::why_no_pose(const TagMap& map) const {
   const std::set<TagKey> seen = read_tags();
   std::string why = why_without_pose(MapContents(map), seen, num_lost(), lost_reasons_);
   // The edges of their tags may be smeared over more pixels than the search spans.
-  if (seen.empty()) why += left_out_.told_after();
+  if (seen.empty()) why += told_after(left_out_);
   if (seen.empty() && searches_large_images_) why += " The images are large: try --decimate 4";
   return why;
 }
@@ -210,7 +211,7 @@ nlohmann::json TrackRecord::summary() const {
                             {"copied_frames", num_copies_},
                             {"lost_reasons", lost_reasons_},
                             {"tags_seen", frames_by_tag_.size()},
-                            {"readings_left_out", left_out_.json()},
+                            {"readings_left_out", json_of(left_out_)},
                             {"value_range", value_range_json(value_range_)},
                             {"mapped_tags_in_view_never_seen", never_seen_tags().size()},
                             {"latency_p50_ms", latency_ms(0.50)},

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "apriltrack/detect/detection.h"
+#include "apriltrack/detect/left_out_tags.h"
 #include "apriltrack/eval/frame_log.h"
 #include "apriltrack/eval/trajectory.h"
 #include "apriltrack/source/frame_source.h"
 #include "apriltrack/tags/tag_map.h"
 #include "apriltrack/tracker/track_result.h"
-#include "left_out_tags.h"
 #include "tag_tally.h"
 
 namespace apriltrack::app {

@@ -1,10 +1,10 @@
-#include "patch_keeper.h"
+#include "apriltrack/detect/patch_keeper.h"
 
 #include <algorithm>
 #include <bit>
 #include <utility>
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
 /// From so many frames on every second is kept, from twice as many on every fourth, and so on.
@@ -36,4 +36,4 @@ void PatchKeeper::keep(const GrayView& image, FrameDetections& frame) {
   }
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack

@@ -1,23 +1,12 @@
-#include "left_out_tags.h"
+#include "apriltrack/detect/left_out_tags.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <nlohmann/json.hpp>
 #include <vector>
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
-
-const char* word_of(LeftOutReason reason) {
-  switch (reason) {
-    case LeftOutReason::kEdgesNotFitted:
-      return "edges_not_fitted";
-    case LeftOutReason::kMayBeChance:
-      return "may_be_chance";
-  }
-  return "";
-}
 
 const char* sentence_of(LeftOutReason reason) {
   switch (reason) {
@@ -33,7 +22,7 @@ const char* sentence_of(LeftOutReason reason) {
   return "";
 }
 
-std::string list_of(const std::set<TagKey>& tags) {
+std::string names_of_left_out(const std::set<TagKey>& tags) {
   constexpr std::size_t kMostNamed = 8;
   std::vector<std::string> names;
   for (const TagKey& tag : tags)
@@ -60,28 +49,14 @@ void LeftOutTags::add(const LeftOutTags& others) {
   }
 }
 
-std::string LeftOutTags::told() const {
+std::string LeftOutTags::message() const {
   std::vector<std::string> sentences;
   for (const auto& [reason, readings] : by_reason_)
     sentences.push_back(fmt::format(
         "{} ({}) {} left out {}",
         readings.count == 1 ? "1 reading of a tag" : fmt::format("{} readings of tags", readings.count),
-        list_of(readings.tags), readings.count == 1 ? "was" : "were", sentence_of(reason)));
+        names_of_left_out(readings.tags), readings.count == 1 ? "was" : "were", sentence_of(reason)));
   return fmt::format("{}", fmt::join(sentences, "; "));
 }
 
-std::string LeftOutTags::told_after() const {
-  return is_empty() ? "" : "; " + told();
-}
-
-nlohmann::json LeftOutTags::json() const {
-  nlohmann::json list = nlohmann::json::array();
-  for (const auto& [reason, readings] : by_reason_) {
-    nlohmann::json tags = nlohmann::json::array();
-    for (const TagKey& tag : readings.tags) tags.push_back(to_string(tag));
-    list.push_back({{"reason", word_of(reason)}, {"readings", readings.count}, {"tags", tags}});
-  }
-  return list;
-}
-
-}  // namespace apriltrack::app
+}  // namespace apriltrack

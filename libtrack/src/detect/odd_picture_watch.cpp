@@ -1,4 +1,4 @@
-#include "odd_picture_watch.h"
+#include "apriltrack/detect/odd_picture_watch.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "console.h"
-
-namespace apriltrack::app {
+namespace apriltrack {
 
 void OddPictureWatch::add(const GrayView& image, std::span<const Detection> detections) {
   ++num_frames_;
@@ -32,14 +30,13 @@ std::optional<OddPictures> OddPictureWatch::look_among_good(const DetectorOption
   return odd;
 }
 
-std::optional<std::string> OddPictureWatch::told(const DetectorOptions& detector) const {
-  if (is_interrupted()) return std::nullopt;
+std::optional<std::string> OddPictureWatch::message(const DetectorOptions& detector) const {
   const auto odd = look(detector);
   if (!odd) return std::nullopt;
-  return app::told(*odd, detector.families);
+  return message_of(*odd, detector.families);
 }
 
-std::string told(const OddPictures& odd, std::span<const std::string> families, bool are_all) {
+std::string message_of(const OddPictures& odd, std::span<const std::string> families, bool are_all) {
   const std::string tags =
       odd.tags.size() == 1 ? to_string(*odd.tags.begin())
                            : fmt::format("{} and {} more", to_string(*odd.tags.begin()), odd.tags.size() - 1);
@@ -67,4 +64,4 @@ std::string told(const OddPictures& odd, std::span<const std::string> families, 
                      give, inverted);
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack
