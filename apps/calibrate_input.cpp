@@ -13,17 +13,17 @@
 #include "apriltrack/detect/estimate_response.h"
 #include "apriltrack/detect/odd_picture_watch.h"
 #include "apriltrack/detect/patch_keeper.h"
+#include "apriltrack/source/session_clocks.h"
 #include "frame_loop.h"
 #include "frame_options.h"
 #include "inputs.h"
 #include "rig_detections.h"
-#include "takes.h"
 
 namespace apriltrack::app {
 namespace {
 
-void bring_to_one_clock(Takes& takes, Sightings& all) {
-  Takes::OneClock result = takes.take_all();
+void bring_to_one_clock(SessionClocks& sessions, Sightings& all) {
+  SessionClocks::Aligned result = sessions.align();
   all.frames = std::move(result.frames);
   if (result.warning) all.warnings.push_back(*result.warning);
 }
@@ -66,15 +66,15 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
                     const DetectorOptions& detector, const SourceOptions& source_options, int num_threads,
                     bool with_patches, const Console& console) {
   Sightings all;
-  Takes takes;
+  SessionClocks sessions;
   for (const Recording& recording : recordings) {
     const Camera& camera = rig.find(recording.camera);
-    if (all.counts.is_interrupted) {  // what was to come tells still whose takes there are
-      takes.add(recording.name(), {camera.name}, {});
+    if (all.counts.is_interrupted) {  // what was to come tells still which sessions there are
+      sessions.add(recording.name(), {camera.name}, {});
       continue;
     }
-    FrameLoopOptions options{detector, &camera, num_threads, "detect " + recording.name(),
-                             source_options.skip};
+    DetectFramesOptions options{detector, &camera, num_threads, source_options.skip,
+                                "detect " + recording.name()};
     options.detector->response = camera.response;
     options.detector->rival_response = rival_response(camera.response, camera.response_origin);
     options.detector->camera_model = camera.model;
@@ -95,7 +95,7 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
       frames.back().exposure_s = frame.source.exposure_s;
       if (with_patches) keeper.keep(frame.source.frame().image, frames.back());
     });
-    takes.add(recording.name(), {camera.name}, std::move(frames));
+    sessions.add(recording.name(), {camera.name}, std::move(frames));
     if (const auto odd = is_interrupted() ? std::nullopt : watch.message(*options.detector))
       all.odd_pictures.push_back(recording.name() + ": " + *odd);
     if (counts.value_range) all.value_ranges.emplace(recording.name(), *counts.value_range);
@@ -105,7 +105,7 @@ Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& r
     all.counts.copies += counts.copies;
     all.counts.is_interrupted = counts.is_interrupted;
   }
-  bring_to_one_clock(takes, all);
+  bring_to_one_clock(sessions, all);
   return all;
 }
 
@@ -113,7 +113,7 @@ Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig&
                          const std::string& camera_name) {
   if (!camera_name.empty()) camera_named(rig, camera_name, "--camera-name");
   Sightings all;
-  Takes takes;
+  SessionClocks sessions;
   for (const std::string& path : paths) {
     std::vector<FrameDetections> frames = read_rig_detections(path, rig);
     if (!camera_name.empty())
@@ -125,9 +125,9 @@ Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig&
       if (!odd_corners.empty()) all.cameras_told.insert(camera);
       std::ranges::move(odd_corners, std::back_inserter(all.warnings));
     }
-    takes.add(path, {cameras.begin(), cameras.end()}, std::move(frames));
+    sessions.add(path, {cameras.begin(), cameras.end()}, std::move(frames));
   }
-  bring_to_one_clock(takes, all);
+  bring_to_one_clock(sessions, all);
   all.counts.readable = all.frames.size();
   if (!camera_name.empty() && all.frames.empty())
     throw no_result("calibrate", fmt::format("the detection files have no rows of camera {}", camera_name));

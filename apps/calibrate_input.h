@@ -31,7 +31,7 @@ struct Recording {
 
 /// Everything that was found in all inputs.
 struct Sightings {
-  std::vector<FrameDetections> frames;  ///< In the order of time, by one clock (see Takes).
+  std::vector<FrameDetections> frames;  ///< In the order of time, by one clock (SessionClocks).
   FrameCounts counts;                   ///< Of all recordings; no range.
   std::map<std::string, ValueRange>
       value_ranges;  ///< By name of the recording, of those with 16-bit pictures.
@@ -54,13 +54,13 @@ std::vector<Recording> parse_recordings(const std::vector<std::string>& inputs, 
 
 /// Detects in every frame of every recording. with_patches: pictures of the tags are kept, of films with
 /// thousands of frames of some hundred only. Throws Error(kIo) when one cannot be read at all,
-/// Error(kInvalidInput) when images do not fit the camera, or as Takes does.
+/// Error(kInvalidInput) when images do not fit the camera, or as SessionClocks does.
 Sightings detect_in(const std::vector<Recording>& recordings, const CameraRig& rig,
                     const DetectorOptions& detector, const SourceOptions& source_options, int num_threads,
                     bool with_patches, const Console& console);
 
 /// Reads detection files with read_rig_detections. camera_name: only this camera's rows; empty: all. Throws
-/// as Takes, check_cameras_and_tags and check_picture_sizes do.
+/// as SessionClocks, check_cameras_and_tags and check_picture_sizes do.
 Sightings read_sightings(const std::vector<std::string>& paths, const CameraRig& rig,
                          const std::string& camera_name);
 

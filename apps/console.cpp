@@ -144,6 +144,13 @@ void Progress::advance(std::size_t by) {
   draw(false);
 }
 
+ProgressSink progress_on(const Console& console) {
+  return [&console](const std::string& task, std::optional<std::size_t> steps) {
+    const auto progress = std::make_shared<Progress>(console, task, steps);
+    return ProgressStep([progress] { progress->advance(); });
+  };
+}
+
 void Progress::draw(bool is_last) {
   if (is_quiet_) return;
   const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();

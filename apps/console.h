@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "apriltrack/base/log.h"
+#include "apriltrack/base/progress.h"
 
 namespace CLI {
 class App;
@@ -90,6 +91,9 @@ class Progress {
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point last_drawn_;
 };
+
+/// Shows work of the library as Progress does; `console` must outlive it.
+ProgressSink progress_on(const Console& console);
 
 /// True once the user pressed Ctrl-C: loops end early and keep what is done. A second Ctrl-C ends the
 /// program.

@@ -122,8 +122,8 @@ std::optional<ResponseCurve> stated_response(const DetectArguments& arguments,
 Record detect_with(const DetectArguments& arguments, const SourceOptions& source_options,
                    const std::optional<Camera>& camera, const std::string& name,
                    const ResponseCurve& response, const std::optional<ResponseCurve>& rival) {
-  FrameLoopOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
-                              arguments.num_threads, "detect", source_options.skip};
+  DetectFramesOptions options = {detector_options(arguments, camera), camera ? &*camera : nullptr,
+                                 arguments.num_threads, source_options.skip, "detect"};
   options.detector->response = response;
   options.detector->rival_response = rival;
   const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options);
@@ -156,7 +156,8 @@ Record detect(const DetectArguments& arguments) {
       [&](const ResponseCurve& curve, const std::optional<ResponseCurve>& rival) {
         record = detect_with(arguments, of_source, camera, asked.name, curve, rival);
         return std::span<const FrameDetections>(record.frames);
-      });
+      },
+      is_interrupted);
   record.response = std::move(response);
   return record;
 }

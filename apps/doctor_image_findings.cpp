@@ -8,7 +8,7 @@
 #include <map>
 
 #include "apriltrack/eval/statistics.h"
-#include "copied_frames.h"
+#include "apriltrack/source/copied_frames.h"
 #include "doctor_findings.h"
 #include "inputs.h"
 
@@ -50,8 +50,8 @@ void find_in_times(const RecordingFacts& recording, std::vector<Finding>& findin
   const auto copies = static_cast<std::size_t>(std::ranges::count_if(recording.frames, &FrameFacts::is_copy));
   if (copies > 0) {
     const auto first = std::ranges::find_if(recording.frames, &FrameFacts::is_copy);
-    findings.push_back(
-        {Severity::kWarning, "copied_frames", told_of_copies(copies, recording.frames.size(), first->name)});
+    findings.push_back({Severity::kWarning, "copied_frames",
+                        message_of_copies(copies, recording.frames.size(), first->name)});
   }
   const FrameTimes times = frame_times(recording.frames);
   if (times.not_forward > 0)

@@ -16,11 +16,11 @@
 #include "apriltrack/detect/patch_keeper.h"
 #include "apriltrack/image/blank.h"
 #include "apriltrack/source/bag_input.h"
+#include "apriltrack/source/session_clocks.h"
 #include "doctor_families.h"
 #include "doctor_places.h"
 #include "frame_loop.h"
 #include "inputs.h"
-#include "takes.h"
 #include "topics.h"
 
 namespace apriltrack::app {
@@ -141,7 +141,7 @@ KeptPictures look_with(const SampledInput& input, const DetectorOptions& detecto
   KeptPictures kept;
   PatchKeeper keeper;
   const FrameCounts counts = detect_frames(
-      *source, {detector, nullptr, options.num_threads, "look at " + facts.input, input.source.skip}, console,
+      *source, {detector, nullptr, options.num_threads, input.source.skip, "look at " + facts.input}, console,
       [&](DetectedFrame frame) {
         if (!frame.source.is_readable()) return;
         kept.for_families.offer(frame.source.pixels.view(), frame.detections);
@@ -191,13 +191,15 @@ RecordingFacts look_at_one(const Recording& named, const LookOptions& options, c
   std::optional<KeptPictures> kept;
   facts.response = run_with_response(
       camera_to_ask(facts), facts.camera ? facts.camera->response_origin : ResponseOrigin::kAssumed, sampled,
-      detector, options.num_threads, [&](const ResponseCurve& response, const std::optional<ResponseCurve>&) {
+      detector, options.num_threads,
+      [&](const ResponseCurve& response, const std::optional<ResponseCurve>&) {
         // A rival would change covariances alone, which nobody asks for.
         const bool is_seen = kept && detector.response.name() == response.name();
         detector.response = response;
         if (!is_seen) kept = look_with(sampled, detector, options, console, is_interrupted, facts);
         return std::span<const FrameDetections>(kept->tags);
-      });
+      },
+      app::is_interrupted);
   if (!is_interrupted) look_for_what_was_not_asked(*kept, detector, options, console, facts);
   return facts;
 }
@@ -220,7 +222,7 @@ std::vector<Recording> recordings_of(const std::vector<std::string>& inputs, con
 
 /// Frames of several cameras belong to one moment where their times are equal.
 std::vector<Moment> moments_of(const std::vector<RecordingFacts>& recordings) {
-  Takes takes;
+  SessionClocks sessions;
   for (const RecordingFacts& recording : recordings) {
     std::vector<FrameDetections> frames;
     for (const FrameFacts& frame : recording.frames) {
@@ -229,11 +231,11 @@ std::vector<Moment> moments_of(const std::vector<RecordingFacts>& recordings) {
       for (const SeenTag& seen : frame.tags)
         frames.back().detections.push_back({seen.tag, seen.corners_px, std::nullopt, std::nullopt});
     }
-    takes.add(recording.input, {recording.camera_name}, std::move(frames));
+    sessions.add(recording.input, {recording.camera_name}, std::move(frames));
   }
   std::vector<Moment> moments;
   Moment moment;
-  const std::vector<FrameDetections> frames = takes.take_all().frames;
+  const std::vector<FrameDetections> frames = sessions.align().frames;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     for (const Detection& detection : frames[i].detections)
       moment.push_back({frames[i].camera, detection.tag, detection.corners_px});

@@ -26,7 +26,7 @@ struct LookOptions {
 /// read, for tags in the mirror image and the negative of up to 4. Ctrl-C ends it, with the facts until then.
 ///
 /// Images whose names are no times are taken at one a second where no rate is given. Throws as open_source,
-/// read_cameras and Takes do.
+/// read_cameras and SessionClocks do.
 Facts look_at(const std::vector<std::string>& inputs, const LookOptions& options, const Console& console);
 
 }  // namespace apriltrack::app

@@ -126,8 +126,8 @@ ResponseFinding find_response(const TrackArguments& arguments, const TagMap& map
 bool track_images(const TrackArguments& arguments, const SourceOptions& source_options,
                   const SightContext& context, const Method& method, TrackRecord& record, FrameSinks& sinks) {
   const Camera& camera = context.camera;
-  const FrameLoopOptions options{method.detector, &camera, arguments.options.num_threads, "track",
-                                 source_options.skip};
+  const DetectFramesOptions options{method.detector, &camera, arguments.options.num_threads,
+                                    source_options.skip, "track"};
   const std::unique_ptr<FrameSource> source = open_source(arguments.input, source_options);
   const std::string exposure_of_camera =
       fmt::format("{}: {}.exposure_time", camera_file(arguments).string(), camera.name);

@@ -1,4 +1,4 @@
-#include "copied_frames.h"
+#include "apriltrack/source/copied_frames.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "apriltrack/image/blank.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
 /// FNV-1a's idea, on pixels that are spread over 64 bits; equal by chance once in 10^19 pictures.
@@ -31,7 +31,7 @@ bool CopyWatch::is_copy(const SourceFrame& frame) {
   return is_same && !is_blank(frame.pixels.view());
 }
 
-std::string told_of_copies(std::size_t copies, std::size_t frames, const std::string& first) {
+std::string message_of_copies(std::size_t copies, std::size_t frames, const std::string& first) {
   return fmt::format(
       "{} of {} frames {} of the frame before, pixel by pixel, under a time of {} own; the first: {}. A "
       "recorder or a "
@@ -39,4 +39,4 @@ std::string told_of_copies(std::size_t copies, std::size_t frames, const std::st
       copies, frames, copies == 1 ? "is a copy" : "are copies", copies == 1 ? "its" : "their", first);
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack

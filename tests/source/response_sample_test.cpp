@@ -1,14 +1,16 @@
 // Which frames a camera's response is asked of before a run.
 
+#include "apriltrack/source/response_sample.h"
+
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <filesystem>
 #include <set>
 
-#include "camera_response.h"
+#include "response_rounds.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
 /// Frames of the recording that SourceOptions name.
@@ -61,4 +63,4 @@ TEST(ResponseSample, LeavesCamerasAndPipesToTheRun) {
 }
 
 }  // namespace
-}  // namespace apriltrack::app
+}  // namespace apriltrack

@@ -1,4 +1,4 @@
-#include "takes.h"
+#include "apriltrack/source/session_clocks.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,11 +11,11 @@
 
 #include "apriltrack/base/error.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
-using Input = Takes::Input;
-using Span = Takes::Span;
+using Input = SessionClocks::Input;
+using Span = SessionClocks::Span;
 
 /// A minute: no time in which a camera is taken to have gone on from where it was.
 constexpr std::int64_t kGap_ns = 60'000'000'000;
@@ -138,23 +138,23 @@ std::vector<std::string> move_apart(std::vector<Input>& inputs, const std::vecto
 
 }  // namespace
 
-std::optional<Span> Takes::Input::span_of(const std::string& camera) const {
+std::optional<Span> SessionClocks::Input::span_of(const std::string& camera) const {
   std::optional<Span> span_of_camera;
   for (const FrameDetections& frame : frames)
     if (frame.camera == camera) extend(span_of_camera, {frame.timestamp, frame.timestamp});
   return span_of_camera;
 }
 
-void Takes::add(const std::string& name, const std::set<std::string>& cameras,
-                std::vector<FrameDetections> frames) {
+void SessionClocks::add(const std::string& name, const std::set<std::string>& cameras,
+                        std::vector<FrameDetections> frames) {
   Input input{name, cameras, std::move(frames), std::nullopt};
   for (const FrameDetections& frame : input.frames) extend(input.span, {frame.timestamp, frame.timestamp});
   inputs_.push_back(std::move(input));
 }
 
-Takes::OneClock Takes::take_all() {
+SessionClocks::Aligned SessionClocks::align() {
   std::vector<Input> inputs = std::exchange(inputs_, {});
-  OneClock all;
+  Aligned all;
   if (const auto restart = find_restart(inputs)) {
     const std::vector<std::string> moved = move_apart(inputs, assign_takes(inputs, *restart));
     all.warning = fmt::format(
@@ -169,4 +169,4 @@ Takes::OneClock Takes::take_all() {
   return all;
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack
