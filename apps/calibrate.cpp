@@ -14,6 +14,7 @@
 #include "apriltrack/calib/calibrate_map.h"
 #include "apriltrack/calib/refine_map.h"
 #include "apriltrack/camera/auto_response.h"
+#include "apriltrack/camera/rolling_shutter.h"
 #include "apriltrack/detect/picture_size.h"
 #include "apriltrack/io/yaml_reader.h"
 #include "blank_images.h"

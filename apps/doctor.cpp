@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/inspect/findings.h"
 #include "command_help.h"
 #include "commands.h"
-#include "doctor_findings.h"
 #include "doctor_look.h"
 #include "doctor_report.h"
 #include "inputs.h"
@@ -35,9 +35,9 @@ struct DoctorOptions {
 };
 
 void check(DoctorOptions& options) {
-  check_families(options.look.detector.families);
-  options.look.detector.check();
-  options.look.tries_other_families = !options.no_other_families;
+  check_families(options.look.inspection.detector.families);
+  options.look.inspection.detector.check();
+  options.look.inspection.tries_other_families = !options.no_other_families;
   for (const std::string& input : options.inputs) {
     const Recording recording = split_input(input);
     refuse_pipe(recording.input);
@@ -49,23 +49,23 @@ void check(DoctorOptions& options) {
   }
 }
 
-bool has_tags(const Facts& facts) {
+bool has_tags(const InspectionFacts& facts) {
   return !facts.places.empty();
 }
 
 void run(DoctorOptions& options) {
   check(options);
   const Console& console = options.console;
-  const Facts facts = look_at(options.inputs, options.look, console);
-  const std::vector<Finding> findings = find_all(facts);
-  const Verdict verdict = verdict_of(findings, has_tags(facts));
+  const InspectionFacts facts = look_at(options.inputs, options.look, console);
+  const std::vector<RecordingFinding> findings = inspection_findings(facts);
+  const CalibrationVerdict verdict = verdict_of(findings, has_tags(facts));
   const auto first_stop = findings.begin();  // the verdict tells it
   for (auto finding = findings.begin(); finding != findings.end(); ++finding) {
-    const bool is_told_at_the_end = finding == first_stop && finding->severity == Severity::kStops;
-    if (finding->severity != Severity::kNote && !is_told_at_the_end) console.warning(finding->text);
+    const bool is_told_at_the_end = finding == first_stop && finding->severity == FindingSeverity::kStops;
+    if (finding->severity != FindingSeverity::kNote && !is_told_at_the_end) console.warning(finding->text);
   }
   console.finish(json_of(facts, findings, verdict), told_facts(facts, findings, verdict));
-  if (verdict.readiness != Readiness::kNotReady) return;
+  if (verdict.readiness != CalibrationReadiness::kNotReady) return;
   throw no_result("doctor", console.is_json() ? verdict.text : "the verdict above says why, and what to do");
 }
 
@@ -85,18 +85,22 @@ void add_doctor_command(CLI::App& app) {
                      "Camera file; by default a sequence folder's own, or what a bag says of its camera");
   command.add_option("--camera-name", look.camera_name,
                      "Which camera of the file, and of a EuRoC recording; else the first");
-  command.add_option("--family", look.detector.families, "Tag family; may be given several times")
+  command.add_option("--family", look.inspection.detector.families, "Tag family; may be given several times")
       ->allow_extra_args(false)
       ->check(known_family())
       ->capture_default_str();
   command.add_flag("--no-other-families", options->no_other_families,
                    "Do not look for the families that --family does not name in a sample of the frames");
-  command.add_option("--decimate", look.detector.decimate, "Search tags in an image this many times smaller")
+  command
+      .add_option("--decimate", look.inspection.detector.decimate,
+                  "Search tags in an image this many times smaller")
       ->check(decimation())
       ->capture_default_str();
   add_frame_options(command, look.frames);
   add_config_option(command, options->config);
-  command.add_option("--threads", look.num_threads, "0 = as many as there are cores; changes no result")
+  command
+      .add_option("--threads", look.inspection.num_threads,
+                  "0 = as many as there are cores; changes no result")
       ->check(threads())
       ->capture_default_str();
   options->console.add_options(command);

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "apriltrack/inspect/recording_summary.h"
+#include "apriltrack/inspect/tag_summary.h"
+#include "camera_response.h"
 #include "frame_loop.h"
 #include "left_out_words.h"
 
@@ -23,7 +26,7 @@ double percent(std::size_t some, std::size_t all) {
 
 std::string told_images(const RecordingFacts& recording) {
   std::vector<std::string> sizes;
-  for (const ImageSize& size : image_sizes(recording.frames))
+  for (const ImageSizeCount& size : image_sizes(recording.frames))
     sizes.push_back(fmt::format("{} x {}", size.width, size.height));
   std::string text =
       fmt::format("{}: {} frames of {}", recording.input, recording.frames.size(), fmt::join(sizes, ", "));
@@ -69,8 +72,8 @@ std::string told_blur(const RecordingFacts& recording) {
   std::string text = fmt::format(
       "  blur of the tags' edges: median {:.1f} px, at most {:.1f}; of the frames with tags {:.0f} % are "
       "sharp (below {:g} px), {:.0f} % soft, {:.0f} % blurred ({:g} px and more)\n",
-      *counts.median_px, *counts.worst_px, percent(counts.sharp, all), kSharp_px, percent(counts.soft, all),
-      percent(counts.blurred, all), kBlurred_px);
+      *counts.median_px, *counts.worst_px, percent(counts.sharp, all), kSharpBelow_px,
+      percent(counts.soft, all), percent(counts.blurred, all), kBlurredFrom_px);
   if (counts.unread > 0)
     text += fmt::format("  no tag can be read in {} frames between these\n", counts.unread);
   return text;
@@ -96,31 +99,31 @@ std::string told_parts(std::span<const std::vector<TagKey>> parts) {
   return "";
 }
 
-std::size_t num_frames(const Facts& facts) {
+std::size_t num_frames(const InspectionFacts& facts) {
   std::size_t frames = 0;
   for (const RecordingFacts& recording : facts.recordings) frames += recording.frames.size();
   return frames;
 }
 
-const char* word_of(Severity severity) {
+const char* word_of(FindingSeverity severity) {
   switch (severity) {
-    case Severity::kStops:
+    case FindingSeverity::kStops:
       return "stops";
-    case Severity::kWarning:
+    case FindingSeverity::kWarning:
       return "warning";
-    case Severity::kNote:
+    case FindingSeverity::kNote:
       return "note";
   }
   return "";
 }
 
-const char* word_of(Readiness readiness) {
+const char* word_of(CalibrationReadiness readiness) {
   switch (readiness) {
-    case Readiness::kReady:
+    case CalibrationReadiness::kReady:
       return "ready";
-    case Readiness::kReadyWithWarnings:
+    case CalibrationReadiness::kReadyWithWarnings:
       return "ready_with_warnings";
-    case Readiness::kNotReady:
+    case CalibrationReadiness::kNotReady:
       return "not_ready";
   }
   return "";
@@ -132,7 +135,7 @@ nlohmann::json or_null(const std::optional<double>& value) {
 
 nlohmann::json json_of(const RecordingFacts& recording) {
   nlohmann::json sizes = nlohmann::json::array();
-  for (const ImageSize& size : image_sizes(recording.frames))
+  for (const ImageSizeCount& size : image_sizes(recording.frames))
     sizes.push_back({{"width", size.width}, {"height", size.height}, {"frames", size.frames}});
   const FrameTimes times = frame_times(recording.frames);
   const BlurCounts blur = count_blur(recording.frames);
@@ -159,7 +162,7 @@ nlohmann::json json_of(const RecordingFacts& recording) {
             {"frames_soft", blur.soft},
             {"frames_blurred", blur.blurred},
             {"frames_unread", blur.unread}}},
-          {"response", json_of(recording.response)},
+          {"response", app::json_of(recording.response)},
           {"readings_left_out", app::json_of(recording.left_out)},
           {"frames_sampled", recording.sampled},
           {"other_families", families}};
@@ -177,18 +180,20 @@ nlohmann::json json_of(const TagSummary& tag) {
 
 }  // namespace
 
-std::string told_facts(const Facts& facts, std::span<const Finding> findings, const Verdict& verdict) {
+std::string told_facts(const InspectionFacts& facts, std::span<const RecordingFinding> findings,
+                       const CalibrationVerdict& verdict) {
   std::string text;
   for (const RecordingFacts& recording : facts.recordings)
     text += told_images(recording) + told_camera(recording) + told_response(recording) + told_blur(recording);
   text += told_tags(summarise_tags(facts), num_frames(facts));
   text += told_parts(joined_parts(facts.places));
-  for (const Finding& finding : findings)
-    if (finding.severity == Severity::kNote) text += "note: " + finding.text + "\n";
+  for (const RecordingFinding& finding : findings)
+    if (finding.severity == FindingSeverity::kNote) text += "note: " + finding.text + "\n";
   return text + "verdict: " + verdict.text;
 }
 
-nlohmann::json json_of(const Facts& facts, std::span<const Finding> findings, const Verdict& verdict) {
+nlohmann::json json_of(const InspectionFacts& facts, std::span<const RecordingFinding> findings,
+                       const CalibrationVerdict& verdict) {
   nlohmann::json recordings = nlohmann::json::array(), tags = nlohmann::json::array(),
                  groups = nlohmann::json::array(), found = nlohmann::json::array();
   for (const RecordingFacts& recording : facts.recordings) recordings.push_back(json_of(recording));
@@ -197,7 +202,7 @@ nlohmann::json json_of(const Facts& facts, std::span<const Finding> findings, co
     groups.push_back(nlohmann::json::array());
     for (const TagKey& tag : part) groups.back().push_back(to_string(tag));
   }
-  for (const Finding& finding : findings)
+  for (const RecordingFinding& finding : findings)
     found.push_back(
         {{"about", finding.about}, {"severity", word_of(finding.severity)}, {"text", finding.text}});
   return {{"verdict", word_of(verdict.readiness)},

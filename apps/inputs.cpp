@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cmath>
-
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/auto_response.h"
 #include "apriltrack/camera/response_tables.h"
@@ -97,22 +95,6 @@ CameraFile read_camera_input(const std::string& input, const std::string& topic,
   if (!topic.empty())
     throw invalid_input("--topic", fmt::format("is of a bag, and {} is none: leave it out", input));
   return read_camera_file(input, console.log(), beyond);
-}
-
-std::optional<std::string> rolling_shutter_warning(const Camera& camera) {
-  if (camera.line_delay_s == 0.0) return std::nullopt;
-  std::string text = fmt::format(
-      "camera '{}' has a rolling shutter (line_delay {:g} us), which is not modelled yet: all rows "
-      "are taken for one moment's, so that in motion corners far from the middle row are wrong",
-      camera.name, 1e6 * camera.line_delay_s);
-  if (camera.height == 0) return text;
-  constexpr double kMotion_px = 10.0;  // between frames, for an example
-  constexpr double kRate_hz = 30.0;
-  const double half_readout_s = 0.5 * camera.height * std::abs(camera.line_delay_s);
-  return text +
-         fmt::format(
-             " by up to what the picture moves in {:.1f} ms (at {:g} px a frame and {:g} Hz: {:.1f} px)",
-             1e3 * half_readout_s, kMotion_px, kRate_hz, kMotion_px * kRate_hz * half_readout_s);
 }
 
 namespace {

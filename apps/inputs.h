@@ -65,9 +65,6 @@ UnestimatedRig read_rig(const CameraSource& source, const std::string& topic, co
 CameraFile read_camera_input(const std::string& input, const std::string& topic, const Console& console,
                              BeyondOurLenses beyond = BeyondOurLenses::kRefuse);
 
-/// What users of a camera with a rolling shutter must know; nullopt for a global one.
-std::optional<std::string> rolling_shutter_warning(const Camera& camera);
-
 /// A camera file may leave out the resolution (WPILib's do): then that of the first readable image holds.
 /// input and topic: as for open_source; a camera whose resolution is known is not compared with it.
 Camera with_resolution_of_images(Camera camera, const std::string& input, const std::string& topic = "");

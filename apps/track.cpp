@@ -9,6 +9,7 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/camera/auto_response.h"
+#include "apriltrack/camera/rolling_shutter.h"
 #include "apriltrack/detect/odd_picture_watch.h"
 #include "camera_response.h"
 #include "command_help.h"

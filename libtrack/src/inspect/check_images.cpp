@@ -7,15 +7,14 @@
 #include <cmath>
 #include <map>
 
-#include "apriltrack/eval/statistics.h"
+#include "apriltrack/camera/rolling_shutter.h"
+#include "apriltrack/inspect/recording_summary.h"
 #include "apriltrack/source/copied_frames.h"
-#include "doctor_findings.h"
-#include "inputs.h"
+#include "checks.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
-constexpr double kGapFactor = 2.5;
 constexpr double kMuchWhite = 0.25;  ///< Of the pixels of a frame without tags.
 constexpr int kDark_level = 40;
 /// Of the frames: fewer with a fault are no word on the recording.
@@ -33,16 +32,16 @@ bool is_overexposed(const FrameFacts& frame) {
   return 2 * clipped >= std::ssize(frame.tags);
 }
 
-std::string told_sizes(std::span<const ImageSize> sizes) {
+std::string told_sizes(std::span<const ImageSizeCount> sizes) {
   std::vector<std::string> told;
-  for (const ImageSize& size : sizes)
+  for (const ImageSizeCount& size : sizes)
     told.push_back(fmt::format("{} of {} x {}", size.frames, size.width, size.height));
   return fmt::format("{}", fmt::join(told, ", "));
 }
 
-void find_in_times(const RecordingFacts& recording, std::vector<Finding>& findings) {
+void check_times(const RecordingFacts& recording, std::vector<RecordingFinding>& findings) {
   if (!recording.tells_times) {
-    findings.push_back({Severity::kNote, "no_times",
+    findings.push_back({FindingSeverity::kNote, "no_times",
                         "the images' names are no times: calibrate and track need --rate HZ, the frames a "
                         "second at which they were taken (1 was taken here)"});
     return;
@@ -50,25 +49,25 @@ void find_in_times(const RecordingFacts& recording, std::vector<Finding>& findin
   const auto copies = static_cast<std::size_t>(std::ranges::count_if(recording.frames, &FrameFacts::is_copy));
   if (copies > 0) {
     const auto first = std::ranges::find_if(recording.frames, &FrameFacts::is_copy);
-    findings.push_back({Severity::kWarning, "copied_frames",
+    findings.push_back({FindingSeverity::kWarning, "copied_frames",
                         message_of_copies(copies, recording.frames.size(), first->name)});
   }
   const FrameTimes times = frame_times(recording.frames);
   if (times.not_forward > 0)
-    findings.push_back({Severity::kWarning, "times_not_forward",
+    findings.push_back({FindingSeverity::kWarning, "times_not_forward",
                         fmt::format("{} frames are no later than the frame before: the clock went back, or "
                                     "frames were copied",
                                     times.not_forward)});
   if (times.gaps > 0 && times.rate_hz)
     findings.push_back(
-        {Severity::kNote, "time_gaps",
+        {FindingSeverity::kNote, "time_gaps",
          fmt::format("{} between frames, the longest {:.2f} s, at {:.3g} frames a second elsewhere: "
                      "calibrate does not mind, track may lose its pose there",
                      times.gaps == 1 ? "1 gap" : fmt::format("{} gaps", times.gaps), times.longest_gap_s,
                      *times.rate_hz)});
 }
 
-void find_in_light(const RecordingFacts& recording, std::vector<Finding>& findings) {
+void check_light(const RecordingFacts& recording, std::vector<RecordingFinding>& findings) {
   std::size_t blank = 0, dark = 0, white = 0;
   for (const FrameFacts& frame : recording.frames) {
     blank += frame.is_blank;
@@ -78,17 +77,17 @@ void find_in_light(const RecordingFacts& recording, std::vector<Finding>& findin
   const std::size_t all = recording.frames.size();
   if (blank > 0)
     findings.push_back(
-        {Severity::kWarning, "blank_frames",
+        {FindingSeverity::kWarning, "blank_frames",
          fmt::format("{} of {} frames are of one brightness all over: was the lens covered?", blank, all)});
   if (are_many(dark, all))
     findings.push_back(
-        {Severity::kWarning, "dark_frames",
+        {FindingSeverity::kWarning, "dark_frames",
          fmt::format("{} of {} frames are dark (99 % of the pixels below grey level {}): more light is "
                      "better than a longer exposure, which blurs",
                      dark, all, kDark_level)});
   if (are_many(white, all))
     findings.push_back(
-        {Severity::kWarning, "white_frames",
+        {FindingSeverity::kWarning, "white_frames",
          fmt::format(
              "in {} of {} frames the tags' paper is clipped to white, or a quarter of the picture is: "
              "white grows into black there, and corners with it; expose less",
@@ -97,7 +96,7 @@ void find_in_light(const RecordingFacts& recording, std::vector<Finding>& findin
 
 /// Of cameras that were calibrated as such, the centre is a few percent off, and pixels are square to a
 /// percent.
-void find_in_intrinsics(const Camera& camera, std::vector<Finding>& findings) {
+void check_intrinsics(const Camera& camera, std::vector<RecordingFinding>& findings) {
   constexpr double kFarFromCentre = 0.12;
   constexpr double kMostUnlike = 0.03;
   const Pinhole& pinhole = camera.model.pinhole();
@@ -106,7 +105,7 @@ void find_in_intrinsics(const Camera& camera, std::vector<Finding>& findings) {
     const double off_y = std::abs(pinhole.cy - 0.5 * (camera.height - 1)) / camera.height;
     if (std::max(off_x, off_y) > kFarFromCentre)
       findings.push_back(
-          {Severity::kWarning, "principal_point",
+          {FindingSeverity::kWarning, "principal_point",
            fmt::format("camera '{}' has its principal point at ({:.1f}, {:.1f}), {:.0f} % of the width and "
                        "{:.0f} % of the height from the centre of {} x {} pixels: are cx and cy of another "
                        "resolution? Only pictures that were cropped have it so",
@@ -114,101 +113,71 @@ void find_in_intrinsics(const Camera& camera, std::vector<Finding>& findings) {
                        camera.height)});
   }
   if (std::abs(pinhole.fx / pinhole.fy - 1.0) > kMostUnlike)
-    findings.push_back({Severity::kWarning, "focal_lengths",
+    findings.push_back({FindingSeverity::kWarning, "focal_lengths",
                         fmt::format("camera '{}' has fx / fy = {:.3f}, square pixels have 1: were the images "
                                     "stretched, or fx and fy mistyped?",
                                     camera.name, pinhole.fx / pinhole.fy)});
 }
 
-void find_in_resolution(const Camera& camera, std::span<const ImageSize> sizes,
-                        std::vector<Finding>& findings) {
+void check_resolution(const Camera& camera, std::span<const ImageSizeCount> sizes,
+                      std::vector<RecordingFinding>& findings) {
   if (camera.width == 0 || camera.height == 0 || sizes.empty()) return;
-  const ImageSize& most = sizes.front();
+  const ImageSizeCount& most = sizes.front();
   if (most.width == camera.width && most.height == camera.height) return;
-  const bool some_fit = std::ranges::any_of(sizes, [&](const ImageSize& size) {
+  const bool some_fit = std::ranges::any_of(sizes, [&](const ImageSizeCount& size) {
     return size.width == camera.width && size.height == camera.height;
   });
   findings.push_back(
-      {some_fit ? Severity::kWarning : Severity::kStops, "camera_resolution",
+      {some_fit ? FindingSeverity::kWarning : FindingSeverity::kStops, "camera_resolution",
        fmt::format("{} images are {} x {} pixels, but camera '{}' is calibrated for {} x {}{}: {}",
                    some_fit ? "most" : "the", most.width, most.height, camera.name, camera.width,
                    camera.height, some_fit ? ", and calibrate uses no others" : "",
                    advice_on_resolution(camera, most.width, most.height))});
 }
 
-void find_in_exposure(const RecordingFacts& recording, std::vector<Finding>& findings) {
+void check_exposure(const RecordingFacts& recording, std::vector<RecordingFinding>& findings) {
   const bool is_told = (recording.camera && recording.camera->exposure_s) ||
                        std::ranges::any_of(recording.frames, &FrameFacts::tells_exposure);
   if (is_told) return;
-  findings.push_back({Severity::kNote, "no_exposure",
+  findings.push_back({FindingSeverity::kNote, "no_exposure",
                       "nothing states the exposure: calibrate needs none, track estimates it from the blur; "
                       "if you know it, write exposure_time (seconds) into the camera file"});
 }
 
 }  // namespace
 
-FrameTimes frame_times(std::span<const FrameFacts> frames) {
-  std::vector<double> intervals_s;
-  FrameTimes times;
-  const FrameFacts* before = nullptr;
-  for (const FrameFacts& frame : frames) {
-    if (frame.is_copy) continue;  // whose time is no picture's
-    if (before != nullptr) {
-      intervals_s.push_back(seconds_between(before->time, frame.time));
-      times.not_forward += intervals_s.back() <= 0.0;
-    }
-    before = &frame;
-  }
-  if (intervals_s.empty()) return times;
-  const double usual_s = median(intervals_s);
-  if (usual_s > 0.0) times.rate_hz = 1.0 / usual_s;
-  for (const double interval_s : intervals_s) {
-    if (interval_s <= kGapFactor * usual_s) continue;
-    ++times.gaps;
-    times.longest_gap_s = std::max(times.longest_gap_s, interval_s);
-  }
-  return times;
-}
-
-std::vector<ImageSize> image_sizes(std::span<const FrameFacts> frames) {
-  std::map<std::pair<int, int>, std::size_t> counts;
-  for (const FrameFacts& frame : frames) ++counts[{frame.width, frame.height}];
-  std::vector<ImageSize> sizes;
-  for (const auto& [size, count] : counts) sizes.push_back({size.first, size.second, count});
-  std::ranges::stable_sort(sizes, std::ranges::greater(), &ImageSize::frames);
-  return sizes;
-}
-
-std::vector<Finding> find_in_images(const RecordingFacts& recording) {
-  std::vector<Finding> findings;
-  const std::vector<ImageSize> sizes = image_sizes(recording.frames);
+std::vector<RecordingFinding> check_images(const RecordingFacts& recording) {
+  std::vector<RecordingFinding> findings;
+  const std::vector<ImageSizeCount> sizes = image_sizes(recording.frames);
   if (sizes.size() > 1)
     findings.push_back(
-        {Severity::kWarning, "mixed_resolutions",
+        {FindingSeverity::kWarning, "mixed_resolutions",
          fmt::format("images of {} sizes ({}): a camera file is true of one, and frames of another are left "
                      "out; keep those of one size",
                      sizes.size(), told_sizes(sizes))});
   if (recording.unreadable > 0) {
     // One in twenty is a cable that was touched; more is a fault of the recording.
     const std::size_t all = recording.unreadable + recording.frames.size();
-    findings.push_back({20 * recording.unreadable > all ? Severity::kWarning : Severity::kNote, "unreadable",
+    findings.push_back({20 * recording.unreadable > all ? FindingSeverity::kWarning : FindingSeverity::kNote,
+                        "unreadable",
                         fmt::format("{} of {} frames cannot be read; calibrate and track leave them out, too",
                                     recording.unreadable, all)});
   }
-  find_in_times(recording, findings);
-  find_in_light(recording, findings);
+  check_times(recording, findings);
+  check_light(recording, findings);
   return findings;
 }
 
-std::vector<Finding> find_in_sizes(const Facts& facts) {
+std::vector<RecordingFinding> check_sizes(const InspectionFacts& facts) {
   std::map<std::string, const RecordingFacts*> first_of_camera;
   for (const RecordingFacts& recording : facts.recordings) {
     if (recording.frames.empty()) continue;
     const RecordingFacts& first =
         *first_of_camera.try_emplace(recording.camera_name, &recording).first->second;
-    const ImageSize one = image_sizes(first.frames).front(), other = image_sizes(recording.frames).front();
+    const ImageSizeCount one = image_sizes(first.frames).front(),
+                         other = image_sizes(recording.frames).front();
     if (one.width == other.width && one.height == other.height) continue;
-    return {{Severity::kStops, "camera_sizes",
+    return {{FindingSeverity::kStops, "camera_sizes",
              fmt::format("{} is of {} x {} pixels and {} of {} x {}, but both are said to be of camera '{}', "
                          "and a camera file is true of one size: name the cameras (cam0=PATH cam1=PATH, with "
                          "a file of the rig), or take one of them at a time",
@@ -218,44 +187,44 @@ std::vector<Finding> find_in_sizes(const Facts& facts) {
   return {};
 }
 
-std::vector<Finding> find_in_camera(const RecordingFacts& recording) {
-  std::vector<Finding> findings;
+std::vector<RecordingFinding> check_camera(const RecordingFacts& recording) {
+  std::vector<RecordingFinding> findings;
   if (!recording.camera) {
-    findings.push_back({Severity::kNote, "no_camera",
+    findings.push_back({FindingSeverity::kNote, "no_camera",
                         "no camera file was given, so that it was not held against the images: calibrate and "
                         "track need --camera"});
     return findings;
   }
-  find_in_resolution(*recording.camera, image_sizes(recording.frames), findings);
-  find_in_intrinsics(*recording.camera, findings);
+  check_resolution(*recording.camera, image_sizes(recording.frames), findings);
+  check_intrinsics(*recording.camera, findings);
   if (const auto warning = rolling_shutter_warning(*recording.camera))
-    findings.push_back({Severity::kWarning, "rolling_shutter", *warning});
-  find_in_exposure(recording, findings);
+    findings.push_back({FindingSeverity::kWarning, "rolling_shutter", *warning});
+  check_exposure(recording, findings);
   return findings;
 }
 
-std::vector<Finding> find_in_blur(const RecordingFacts& recording) {
+std::vector<RecordingFinding> check_blur(const RecordingFacts& recording) {
   constexpr double kMuchBlurred = 0.2;
-  std::vector<Finding> findings;
+  std::vector<RecordingFinding> findings;
   const BlurCounts counts = count_blur(recording.frames);
   const auto share = [](std::size_t some, std::size_t all) {
     return all == 0 ? 0.0 : static_cast<double>(some) / static_cast<double>(all);
   };
   if (const double blurred = share(counts.blurred, counts.measured()); blurred > kMuchBlurred)
-    findings.push_back({Severity::kWarning, "blur",
+    findings.push_back({FindingSeverity::kWarning, "blur",
                         fmt::format("in {:.0f} % of the frames the tags are smeared over {:g} px or more (by "
                                     "motion, or out of focus): film more slowly, in more light, or with a "
                                     "shorter exposure",
-                                    100.0 * blurred, kBlurred_px)});
+                                    100.0 * blurred, kBlurredFrom_px)});
   const std::size_t tagged = static_cast<std::size_t>(
       std::ranges::count_if(recording.frames, [](const FrameFacts& frame) { return !frame.tags.empty(); }));
   if (const double unread = share(counts.unread, counts.unread + tagged); unread > kMuchBlurred)
     findings.push_back(
-        {Severity::kWarning, "frames_without_tags",
+        {FindingSeverity::kWarning, "frames_without_tags",
          fmt::format("no tag can be read in {} frames between frames with tags ({:.0f} %): too blurred, or "
                      "the tags were out of view",
                      counts.unread, 100.0 * unread)});
   return findings;
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack

@@ -1,4 +1,4 @@
-#include "doctor_tags.h"
+#include "apriltrack/inspect/tag_summary.h"
 
 #include <algorithm>
 #include <map>
@@ -7,7 +7,7 @@
 #include "apriltrack/base/disjoint_sets.h"
 #include "apriltrack/eval/statistics.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
 /// Values of one tag, over all of its views.
@@ -36,7 +36,7 @@ struct TagViews {
 
 }  // namespace
 
-std::vector<TagSummary> summarise_tags(const Facts& facts) {
+std::vector<TagSummary> summarise_tags(const InspectionFacts& facts) {
   std::map<TagKey, TagViews> tags;
   for (const RecordingFacts& recording : facts.recordings) {
     for (const FrameFacts& frame : recording.frames) {
@@ -82,37 +82,4 @@ std::vector<std::vector<TagKey>> joined_parts(std::span<const std::vector<TagKey
   return parts;
 }
 
-std::optional<double> blur_of_frame_px(const FrameFacts& frame) {
-  std::vector<double> blurs_px;
-  for (const SeenTag& seen : frame.tags)
-    if (seen.blur_px) blurs_px.push_back(*seen.blur_px);
-  if (blurs_px.empty()) return std::nullopt;
-  return median(blurs_px);
-}
-
-BlurCounts count_blur(std::span<const FrameFacts> frames) {
-  BlurCounts counts;
-  std::vector<double> blurs_px;
-  std::size_t since_tag = 0;
-  bool has_begun = false;
-  for (const FrameFacts& frame : frames) {
-    if (frame.tags.empty()) {
-      ++since_tag;
-      continue;
-    }
-    if (has_begun) counts.unread += since_tag;
-    has_begun = true;
-    since_tag = 0;
-    const auto blur_px = blur_of_frame_px(frame);
-    if (!blur_px) continue;
-    blurs_px.push_back(*blur_px);
-    (*blur_px < kSharp_px ? counts.sharp : *blur_px < kBlurred_px ? counts.soft : counts.blurred) += 1;
-  }
-  if (!blurs_px.empty()) {
-    counts.median_px = median(blurs_px);
-    counts.worst_px = *std::ranges::max_element(blurs_px);
-  }
-  return counts;
-}
-
-}  // namespace apriltrack::app
+}  // namespace apriltrack

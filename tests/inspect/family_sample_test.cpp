@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "doctor_families.h"
+#include "other_families.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
 TEST(FamilySample, LooksMostlyAtFramesThatShowNoTagAskedFor) {
@@ -26,4 +26,4 @@ TEST(FamilySample, LooksMostlyAtFramesThatShowNoTagAskedFor) {
 }
 
 }  // namespace
-}  // namespace apriltrack::app
+}  // namespace apriltrack

@@ -1,4 +1,4 @@
-#include "doctor_families.h"
+#include "other_families.h"
 
 #include <algorithm>
 #include <map>
@@ -11,7 +11,7 @@
 #include "apriltrack/eval/statistics.h"
 #include "apriltrack/tags/tag_family.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
 /// All families at once, those asked for among them, lest their tags be taken for another's. One search in
@@ -86,19 +86,19 @@ std::optional<OddPictures> find_odd_pictures_of_any(std::span<const GrayImage> i
 
 std::vector<FamilyReadings> read_other_families(std::span<const GrayImage> images,
                                                 const DetectorOptions& asked, int num_threads,
-                                                const Console& console) {
+                                                const ProgressSink& progress, const ShouldStop& should_stop) {
   if (images.empty()) return {};
   const DetectorOptions options = options_for_all(asked);
   const auto threads = static_cast<std::size_t>(resolved(num_threads, images.size()));
   std::vector<std::vector<Detection>> detections(images.size());
-  Progress progress(console, "try other families", images.size());
+  const ProgressStep advance = begin_progress(progress, "try other families", images.size());
   std::mutex mutex;
   parallel_for(static_cast<int>(threads))(threads, [&](std::size_t thread) {
     Detector detector(options);
-    for (std::size_t i = thread; i < images.size() && !is_interrupted(); i += threads) {
+    for (std::size_t i = thread; i < images.size() && !asks_to_stop(should_stop); i += threads) {
       detections[i] = detector.detect(images[i].view());
       const std::lock_guard lock(mutex);
-      progress.advance();
+      advance();
     }
   });
   std::vector<FamilyReadings> all;
@@ -112,4 +112,4 @@ std::vector<FamilyReadings> read_other_families(std::span<const GrayImage> image
   return all;
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack

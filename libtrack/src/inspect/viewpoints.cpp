@@ -1,4 +1,4 @@
-#include "doctor_places.h"
+#include "viewpoints.h"
 
 #include <map>
 #include <set>
@@ -7,12 +7,12 @@
 #include "apriltrack/calib/calibrate_map.h"
 #include "apriltrack/calib/camera_places.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
 /// In the order in which they come up.
 template <class Key>
-class Numbers {
+class NumbersInOrder {
  public:
   int of(const Key& key) {
     return numbers_.try_emplace(key, static_cast<int>(numbers_.size())).first->second;
@@ -24,24 +24,24 @@ class Numbers {
 
 }  // namespace
 
-std::vector<std::vector<TagKey>> tags_by_place(std::span<const Moment> moments) {
-  Numbers<std::string> cameras;
-  Numbers<TagKey> tags;
+std::vector<std::vector<TagKey>> tags_by_viewpoint(std::span<const RigView> moments) {
+  NumbersInOrder<std::string> cameras;
+  NumbersInOrder<TagKey> tags;
   std::vector<std::vector<TagSight>> numbered;
-  for (const Moment& moment : moments) {
+  for (const RigView& moment : moments) {
     numbered.emplace_back();
-    for (const Sight& sight : moment)
+    for (const ViewedTag& sight : moment)
       numbered.back().push_back({cameras.of(sight.camera), tags.of(sight.tag), sight.corners_px});
   }
   std::vector<std::set<TagKey>> seen;
   const auto places = find_camera_places(numbered, CalibrationOptions{}.same_place_px);
   for (std::size_t m = 0; m < moments.size(); ++m) {
     if (places[m] == seen.size()) seen.emplace_back();
-    for (const Sight& sight : moments[m]) seen[places[m]].insert(sight.tag);
+    for (const ViewedTag& sight : moments[m]) seen[places[m]].insert(sight.tag);
   }
   std::vector<std::vector<TagKey>> result;
   for (const std::set<TagKey>& one : seen) result.emplace_back(one.begin(), one.end());
   return result;
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack

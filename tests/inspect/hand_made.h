@@ -4,11 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "doctor_findings.h"
+#include "apriltrack/inspect/findings.h"
+#include "apriltrack/inspect/recording_summary.h"
+#include "apriltrack/inspect/tag_summary.h"
+#include "checks.h"
 
-// Facts by hand, whose faults are known because they were put there.
+// InspectionFacts by hand, whose faults are known because they were put there.
 
-namespace apriltrack::app {
+namespace apriltrack {
 
 inline TagKey tag36(int id) {
   return {"tag36h11", id};
@@ -50,8 +53,8 @@ inline RecordingFacts recording(const std::vector<std::vector<int>>& ids_of_fram
   return facts;
 }
 
-inline Facts facts_of(const RecordingFacts& film) {
-  Facts facts{.families = {"tag36h11"}, .recordings = {film}};
+inline InspectionFacts facts_of(const RecordingFacts& film) {
+  InspectionFacts facts{.families = {"tag36h11"}, .recordings = {film}};
   for (const FrameFacts& one : film.frames) {
     std::vector<TagKey> tags;
     for (const SeenTag& tag : one.tags) tags.push_back(tag.tag);
@@ -74,10 +77,10 @@ inline std::vector<std::vector<int>> operator+(std::vector<std::vector<int>> a,
   return a;
 }
 
-inline std::vector<std::string> abouts(const std::vector<Finding>& findings) {
+inline std::vector<std::string> abouts(const std::vector<RecordingFinding>& findings) {
   std::vector<std::string> words;
-  for (const Finding& finding : findings) words.push_back(finding.about);
+  for (const RecordingFinding& finding : findings) words.push_back(finding.about);
   return words;
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack

@@ -4,13 +4,14 @@
 #include <span>
 #include <vector>
 
+#include "apriltrack/base/progress.h"
+#include "apriltrack/base/should_stop.h"
 #include "apriltrack/detect/detector.h"
 #include "apriltrack/image/even_sample.h"
 #include "apriltrack/image/image.h"
-#include "console.h"
-#include "doctor_facts.h"
+#include "apriltrack/inspect/recording_facts.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 
 /// Small copies of the frames in which other families are looked for. A frame in which a tag asked for was
 /// read is explained: of these two are looked at, for tags that hang beside; of the others, eight.
@@ -34,9 +35,9 @@ std::optional<OddPictures> find_odd_pictures_of_any(std::span<const GrayImage> i
 
 /// Looks for every family that `asked` does not name, all in one search of each image; what a family asked
 /// for reads as well, or better, does not count. Returns those that were read, chance readings among them
-/// (is_surely_there), in the order of their names. Ctrl-C ends it.
+/// (is_surely_there), in the order of their names. should_stop ends it early.
 std::vector<FamilyReadings> read_other_families(std::span<const GrayImage> images,
                                                 const DetectorOptions& asked, int num_threads,
-                                                const Console& console);
+                                                const ProgressSink& progress, const ShouldStop& should_stop);
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack

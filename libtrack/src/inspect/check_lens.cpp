@@ -8,9 +8,9 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/calib/fit_lenses.h"
-#include "doctor_findings.h"
+#include "checks.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
 /// "intrinsics [521, 520, 322, 237], distortion radtan [-0.28, 0.09, 0, 0]".
@@ -37,15 +37,15 @@ std::optional<CameraRig> fitting_rig(const std::vector<FrameDetections>& frames,
 
 }  // namespace
 
-std::vector<Finding> find_in_response(const RecordingFacts& recording) {
+std::vector<RecordingFinding> check_response(const RecordingFacts& recording) {
   const bool has_tags =
       std::ranges::any_of(recording.frames, [](const FrameFacts& frame) { return !frame.tags.empty(); });
   const auto warning = has_tags ? warning_of(recording.response) : std::nullopt;
   if (!warning) return {};
-  return {{Severity::kWarning, "response", *warning}};
+  return {{FindingSeverity::kWarning, "response", *warning}};
 }
 
-std::vector<Finding> find_in_lens(const RecordingFacts& recording) {
+std::vector<RecordingFinding> check_lens(const RecordingFacts& recording) {
   if (!recording.camera) return {};
   std::vector<FrameDetections> frames;
   for (const FrameFacts& frame : recording.frames) {
@@ -59,7 +59,7 @@ std::vector<Finding> find_in_lens(const RecordingFacts& recording) {
   const auto better = fitting_rig(frames, *recording.camera);
   if (!better) return {};
   return {
-      {Severity::kWarning, "lens",
+      {FindingSeverity::kWarning, "lens",
        fmt::format("by the lens of camera '{}', {}, the tags do not look square; by about {} they do: is the "
                    "camera file of this camera, zoom and resolution? calibrate refines it with the map, and "
                    "writes what it finds",
@@ -67,4 +67,4 @@ std::vector<Finding> find_in_lens(const RecordingFacts& recording) {
                    in_words(better->cameras.front().model))}};
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack
