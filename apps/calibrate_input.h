@@ -11,23 +11,13 @@
 #include "apriltrack/source/frame_source.h"
 #include "console.h"
 #include "frame_loop.h"
+#include "recordings.h"
 
 namespace apriltrack::app {
 
 /// Why there is no map.
 inline constexpr const char* kInterruptedAtOnce =
     "interrupted before the first frame of the map was read: no map was written";
-
-/// One INPUT and the camera that filmed it.
-struct Recording {
-  std::string camera;
-  std::string input;
-  bool is_named = false;   ///< By the user: of a EuRoC recording with several, too, it is this camera.
-  std::string topic = {};  ///< Of a bag; empty: the only one with pictures.
-
-  /// What messages call it.
-  std::string name() const { return topic.empty() ? input : input + " " + topic; }
-};
 
 /// Everything that was found in all inputs.
 struct Sightings {
@@ -43,14 +33,6 @@ struct Sightings {
   /// knows no file and no line.
   std::set<std::string> cameras_told;
 };
-
-/// `cam1=PATH` names the camera. A path in which an = merely occurs has none: something of that very name is
-/// there, or the = is not in its first part. Throws Error(kInvalidInput) when nothing follows the =.
-Recording split_input(const std::string& input);
-
-/// A PATH that names none is camera_name's, or the first camera's where that is empty.
-std::vector<Recording> parse_recordings(const std::vector<std::string>& inputs, const CameraRig& rig,
-                                        const std::string& camera_name);
 
 /// Detects in every frame of every recording. with_patches: pictures of the tags are kept, of films with
 /// thousands of frames of some hundred only. Throws Error(kIo) when one cannot be read at all,

@@ -10,8 +10,8 @@
 #include <set>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/io/staged_files.h"
 #include "apriltrack/tags/tag_key_fault.h"
-#include "calibrate_output.h"
 #include "choice_option.h"
 #include "inputs.h"
 #include "option_checks.h"
@@ -255,6 +255,23 @@ TagKey parse_held_tag(const CalibrateOptions& a, const Sightings& sightings) {
     throw invalid_input("--held-tag", fmt::format("id {} was seen of several families ({}); say family/ID",
                                                   written.id, fmt::join(families, ", ")));
   return {families.empty() ? a.detector.families.front() : *families.begin(), written.id};
+}
+
+std::optional<fs::path> observations_file(const CalibrateOptions& a) {
+  if (is_written_directly(a.output)) return std::nullopt;
+  return fs::path(a.output).replace_extension(".detections.csv");
+}
+
+std::optional<fs::path> refined_camera_file(const CalibrateOptions& a) {
+  if (is_written_directly(a.output)) return std::nullopt;
+  return fs::path(a.output).replace_extension(".camera.yaml");
+}
+
+bool is_detections_input(const CalibrateOptions& a, const fs::path& path) {
+  return std::any_of(a.detections.begin(), a.detections.end(), [&](const std::string& input) {
+    std::error_code ignored;
+    return fs::equivalent(input, path, ignored);
+  });
 }
 
 }  // namespace apriltrack::app

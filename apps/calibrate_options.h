@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,5 +49,13 @@ std::string name_of_intrinsics(Intrinsics intrinsics);
 
 /// ID or family/ID as a key; a bare ID is of the family that was seen with it.
 TagKey parse_held_tag(const CalibrateOptions& options, const Sightings& sightings);
+
+/// Where the observations go: beside the map; nowhere where that is written to what is no file, such as
+/// /dev/null, beside which nobody looks for any.
+std::optional<std::filesystem::path> observations_file(const CalibrateOptions& options);
+/// Where cameras go if they are refined: beside the map, or nowhere, as the observations.
+std::optional<std::filesystem::path> refined_camera_file(const CalibrateOptions& options);
+/// Whether a file is one of --detections.
+bool is_detections_input(const CalibrateOptions& options, const std::filesystem::path& path);
 
 }  // namespace apriltrack::app

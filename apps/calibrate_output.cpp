@@ -165,23 +165,6 @@ std::string words_of_estimated(const ResponseFindings& responses) {
 
 }  // namespace
 
-std::optional<fs::path> observations_file(const CalibrateOptions& a) {
-  if (is_written_directly(a.output)) return std::nullopt;
-  return fs::path(a.output).replace_extension(".detections.csv");
-}
-
-std::optional<fs::path> refined_camera_file(const CalibrateOptions& a) {
-  if (is_written_directly(a.output)) return std::nullopt;
-  return fs::path(a.output).replace_extension(".camera.yaml");
-}
-
-bool is_detections_input(const CalibrateOptions& a, const fs::path& path) {
-  return std::any_of(a.detections.begin(), a.detections.end(), [&](const std::string& input) {
-    std::error_code ignored;
-    return fs::equivalent(input, path, ignored);
-  });
-}
-
 CalibrationFiles write_calibration(const CalibrateOptions& a, const fs::path& camera,
                                    const Sightings& sightings, const TagSizes& sizes,
                                    const ResponseFindings& responses,

@@ -21,14 +21,6 @@ struct CalibrationFiles {
   bool has_joint_covariance = false;
 };
 
-/// Where the observations go: beside the map; nowhere where that is written to what is no file, such as
-/// /dev/null, beside which nobody looks for any.
-std::optional<std::filesystem::path> observations_file(const CalibrateOptions& options);
-/// Where cameras go if they are refined: beside the map, or nowhere, as the observations.
-std::optional<std::filesystem::path> refined_camera_file(const CalibrateOptions& options);
-/// Whether a file is one of --detections.
-bool is_detections_input(const CalibrateOptions& options, const std::filesystem::path& path);
-
 /// Notes in all maps of `result` where they come from, and writes them with the observations they rest on.
 /// camera: the file that was read. The page and the joint covariance are among them where they were asked
 /// for.

@@ -8,6 +8,7 @@
 #include "calibrate_report_tables.h"
 #include "calibrate_scene.h"
 #include "constraint_table.h"
+#include "left_out_places.h"
 #include "map_drawings.h"
 #include "residual_drawings.h"
 

@@ -1,28 +1,11 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 
-#include "apriltrack/tags/tag_sizes.h"
-#include "calibrate_findings.h"
-#include "calibrate_options.h"
-#include "calibrate_response.h"
+#include "calibrate_run.h"
 
 namespace apriltrack::app {
-
-/// What a calibration was made from, and what came of it.
-struct CalibrateRun {
-  std::string command_line;
-  const CalibrateOptions& options;
-  std::filesystem::path camera_file;
-  const Sightings& sightings;
-  const TagSizes& sizes;
-  const ResponseFindings& responses;
-  const CalibrationResult& result;
-  const std::optional<RefinementResult>& refinement;
-  const CalibrationFindings& findings;
-};
 
 /// The page of `calibrate --report`, one file that needs no network: how far the map can be trusted, where
 /// not, why, and what would help. Throws Error(kIo).

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "apriltrack/report/html_page.h"
-#include "calibrate_report.h"
+#include "calibrate_run.h"
 
 namespace apriltrack::app {
 

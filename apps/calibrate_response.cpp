@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "apriltrack/base/error.h"
-#include "calibrate_output.h"
 #include "inputs.h"
 
 namespace apriltrack::app {

@@ -17,16 +17,12 @@ std::vector<std::string> parents_of(const CLI::App& command) {
   return words;
 }
 
-class TableFormatter : public CLI::FormatterBase {
+class TableFormatter : public StoredHelp {
  public:
-  explicit TableFormatter(CommandHelp help) : help_(std::move(help)) {}
+  using StoredHelp::StoredHelp;
   std::string make_help(const CLI::App* command, std::string, CLI::AppFormatMode) const override {
     return help_text(option_table(*command, parents_of(*command)), terminal_width());
   }
-  const CommandHelp& help() const { return help_; }
-
- private:
-  CommandHelp help_;
 };
 
 }  // namespace
@@ -40,11 +36,6 @@ CLI::App& add_command(CLI::App& parent, const std::string& name, const CommandHe
   CLI::App& command = *parent.add_subcommand(name, help.summary);
   set_help(command, help);
   return command;
-}
-
-const CommandHelp* help_of(const CLI::App& command) {
-  const auto formatter = std::dynamic_pointer_cast<TableFormatter>(command.get_formatter());
-  return formatter == nullptr ? nullptr : &formatter->help();
 }
 
 }  // namespace apriltrack::app

@@ -5,8 +5,8 @@
 
 #include "apriltrack/camera/auto_response.h"
 #include "apriltrack/source/bag_input.h"
-#include "calibrate_input.h"
 #include "inputs.h"
+#include "recordings.h"
 #include "topics.h"
 
 namespace apriltrack::app {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "command_help.h"
+#include "stored_help.h"
 #include "value_names.h"
 
 namespace apriltrack::app {

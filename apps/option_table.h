@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "value_kind.h"
+
 namespace CLI {
 class App;
 }
@@ -11,9 +13,6 @@ namespace apriltrack::app {
 
 // The command line as data: what `--help`, the manual pages and the completions of the shells are written
 // from.
-
-/// What an option's value, or a word without an option, is; tells a shell what to offer.
-enum class ValueKind { kNone, kText, kFile, kFolder, kInput, kChoice };
 
 /// An option, or (without names) a positional word.
 struct OptionRow {

@@ -26,6 +26,7 @@
 #include "commands.h"
 #include "console.h"
 #include "simulate_options.h"
+#include "simulate_scene.h"
 
 namespace apriltrack::app {
 namespace {

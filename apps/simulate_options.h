@@ -42,8 +42,4 @@ struct SimulateOptions {
 
 void add_simulate_options(CLI::App& command, SimulateOptions& options);
 
-/// The named scene, or the user's own, as the options change it. Throws Error(kInvalidInput) that names the
-/// option, its value and its range.
-Scene configured_scene(const SimulateOptions& options);
-
 }  // namespace apriltrack::app

@@ -6,8 +6,8 @@
 
 #include "apriltrack/camera/camera.h"
 #include "apriltrack/source/frame_source.h"
-#include "calibrate_input.h"
 #include "console.h"
+#include "recordings.h"
 
 namespace CLI {
 class App;

@@ -24,6 +24,7 @@
 #include "rig_detections.h"
 #include "still_background.h"
 #include "topics.h"
+#include "track_check.h"
 #include "track_methods.h"
 #include "track_options.h"
 #include "track_outputs.h"

@@ -5,7 +5,7 @@
 
 #include "apriltrack/report/scene_view.h"
 #include "map_drawings.h"
-#include "track_report.h"
+#include "track_run.h"
 #include "track_truth.h"
 
 namespace apriltrack::app {

@@ -54,8 +54,4 @@ struct TrackArguments {
 /// Adds all options of `track`, --json and --quiet among them; `arguments` must outlive the command.
 void add_track_options(CLI::App& command, TrackArguments& arguments);
 
-/// What the parser cannot see: options that exclude each other, inputs that are missing, outputs that would
-/// replace what is not theirs. Throws Error.
-void check_track_arguments(const CLI::App& command, const TrackArguments& arguments);
-
 }  // namespace apriltrack::app

@@ -11,6 +11,7 @@
 #include "apriltrack/eval/trajectory_formats.h"
 #include "apriltrack/io/staged_files.h"
 #include "loss_words.h"
+#include "track_report.h"
 
 namespace apriltrack::app {
 namespace {

@@ -9,7 +9,7 @@
 #include "outputs.h"
 #include "track_options.h"
 #include "track_record.h"
-#include "track_report.h"
+#include "track_run.h"
 
 namespace apriltrack::app {
 

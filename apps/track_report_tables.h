@@ -5,7 +5,7 @@
 
 #include "apriltrack/report/html_page.h"
 #include "track_figures.h"
-#include "track_report.h"
+#include "track_run.h"
 
 namespace apriltrack::app {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "option_table.h"
+#include "value_kind.h"
 
 namespace CLI {
 class App;
