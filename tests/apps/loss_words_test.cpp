@@ -1,6 +1,6 @@
 // What commands say of a conversion's losses.
 
-#include "loss_words.h"
+#include "files/loss_words.h"
 
 #include <gmock/gmock.h>
 

@@ -106,6 +106,42 @@ class PlantedBreach(unittest.TestCase):
         place = self.plant("libtrack/src/tags/formats/new.cpp", '#include "apriltrack/detect/detector.h"')
         self.expect_breach(place + ":", "tags may not include detect")
 
+    def test_room_of_apps_that_goes_upwards(self):
+        place = self.plant("apps/cli/new.cpp", '#include "files/inputs.h"')
+        self.expect_breach(place + ":", "apps/cli may not include apps/files")
+        place = self.plant("apps/pages/new.cpp", '#include "commands/track/track_record.h"')
+        self.expect_breach(place + ":", "apps/pages may not include apps/commands/track")
+
+    def test_command_that_includes_another(self):
+        place = self.plant("apps/commands/detect/new.cpp", '#include "commands/track/track_record.h"')
+        self.expect_breach(place + ":", "apps/commands/detect may not include apps/commands/track")
+
+    def test_page_of_a_command_uses_the_commands_own_files(self):
+        self.plant("apps/commands/track/page/new.cpp", '#include "commands/track/track_record.h"')
+        self.assertEqual(self.check().returncode, 0, self.check().stdout)
+
+    def test_header_of_apps_that_is_named_from_elsewhere(self):
+        place = self.plant("apps/pages/new.cpp", '#include "../cli/console.h"')
+        self.expect_breach(place + ":", "'../cli/console.h' is named")
+        place = self.plant("apps/pages/new.cpp", '#include "no_such.h"')
+        self.expect_breach(place + ":", "'no_such.h' is neither apriltrack/")
+
+    def test_file_of_apps_in_no_room(self):
+        self.plant("apps/new.cpp", "#include <vector>")
+        self.expect_breach("apps/new.cpp:", "is in no room of apps")
+        (self.root / "apps/odd").mkdir()
+        self.plant("apps/odd/new.cpp", "#include <vector>")
+        self.expect_breach("apps/odd/new.cpp:", "is in no room of apps")
+
+    def test_folder_of_apps_with_too_many_files(self):
+        for number in range(40):
+            self.plant(f"apps/commands/detect/new_{number}.cpp", "#include <vector>")
+        self.expect_breach("apps/commands/detect:", "has 41 files; 40 are the most")
+
+    def test_table_of_rooms_that_goes_upwards(self):
+        self.replace("docs/architecture.md", "| apps/cli | |", "| apps/cli | pages |")
+        self.expect_breach("docs/architecture.md", "apps/cli may not include apps/pages")
+
     def test_private_header_beside_the_one_that_is_excepted(self):
         place = self.plant("libtrack/src/detect/library_detector.cpp", '#include "../tags/tag_fields.h"')
         self.expect_breach(place + ":", "neither apriltrack/")

@@ -1,7 +1,7 @@
 // What only a sink can see of the loop over a recording's frames: when Ctrl-C is heard, and what progress
 // tells.
 
-#include "frame_loop.h"
+#include "files/frame_loop.h"
 
 #include <gtest/gtest.h>
 
