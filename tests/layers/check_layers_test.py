@@ -190,6 +190,40 @@ class PlantedBreach(unittest.TestCase):
         self.plant("libtrack/src/tags/new.cpp", "const int fd = ::open(path,\n    O_WRONLY | O_CREAT, 0600);  // no std::ifstream\n")
         self.assertEqual(self.check().returncode, 0, self.check().stdout)
 
+    def test_circle_of_units(self):
+        self.plant("libtrack/src/base/first.h", '#include "second.h"')
+        self.plant("libtrack/src/base/second.h", "#pragma once")
+        self.plant("libtrack/src/base/second.cpp", '#include "third.h"')
+        place = self.plant("libtrack/src/base/third.h", '#include "first.h"')
+        self.expect_breach("module base:", "3 units include each other in a circle: first, second, third", place + " includes first",
+                           "libtrack/src/base/second.cpp:2 includes third")
+
+    def test_circle_through_a_public_header_and_a_room(self):
+        self.plant("libtrack/include/apriltrack/camera/new.h", "#pragma once")
+        self.plant("libtrack/src/camera/formats/new.cpp", '#include "apriltrack/camera/new.h"')
+        self.plant("libtrack/src/camera/formats/new.cpp", '#include "beside.h"')
+        self.plant("libtrack/src/camera/formats/beside.h", '#include "apriltrack/camera/new.h"')
+        self.expect_breach("module camera:", "2 units include each other in a circle: formats/beside, new")
+
+    def test_files_of_one_unit_are_no_circle(self):
+        self.plant("libtrack/src/base/first.h", "#pragma once")
+        self.plant("libtrack/src/base/first.cpp", '#include "first.h"')
+        self.plant("libtrack/src/base/second.cpp", '#include "first.h"')
+        self.assertEqual(self.check().returncode, 0, self.check().stdout)
+
+    def test_circle_that_grows(self):
+        self.plant("libtrack/src/sim/scenes.h", '#include "grown.h"')
+        self.plant("libtrack/src/sim/grown.h", '#include "scenes.h"')
+        self.expect_breach("module sim:", "3 units include each other in a circle: grown, named_scenes, scenes")
+
+    def test_circle_that_shrank_is_taken_off_the_list(self):
+        self.replace("docs/architecture.md", "| circle in sim | named_scenes, scenes |", "| circle in sim | named_scenes, scenes, streaks |")
+        self.expect_breach("docs/architecture.md:", "no circle in sim has these any more", ": streaks")
+
+    def test_circle_off_the_list(self):
+        self.replace("docs/architecture.md", "| circle in sim | named_scenes, scenes |\n", "")
+        self.expect_breach("module sim:", "2 units include each other in a circle: named_scenes, scenes")
+
     def test_table_that_is_gone(self):
         (self.root / "docs/architecture.md").write_text("# nothing\n")
         self.assertNotEqual(self.check().returncode, 0)
