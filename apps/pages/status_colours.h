@@ -1,10 +1,17 @@
 #pragma once
 
+#include <array>
+
 #include "apriltrack/report/colour.h"
 #include "apriltrack/report/svg_picture.h"
 #include "apriltrack/tracker/track_result.h"
 
 namespace apriltrack::app {
+
+/// In the order of kFrameStatuses (apriltrack/eval/run_statistics.h).
+inline constexpr std::array<TrackStatus, 5> kTrackStatuses = {TrackStatus::kDetected, TrackStatus::kTracked,
+                                                              TrackStatus::kPredicted, TrackStatus::kLost,
+                                                              TrackStatus::kUnreadable};
 
 /// The same in every picture and video; told apart by colour-blind eyes too.
 inline Colour colour_of(TrackStatus status) {

@@ -211,7 +211,7 @@ ReportPicture draw_tags(const TrackRecord& record) {
       "and tilt."};
 }
 
-ReportPicture draw_latency(const TrackRecord& record, const TrackFigures& figures) {
+ReportPicture draw_latency(const TrackRecord& record, const RunStatistics& figures) {
   Chart chart;
   chart.title = "Latency";
   chart.x = time_axis(record);

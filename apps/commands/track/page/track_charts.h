@@ -3,9 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/eval/run_statistics.h"
 #include "apriltrack/motion/track_mode.h"
 #include "apriltrack/report/svg_picture.h"
-#include "track_figures.h"
+#include "commands/track/track_record.h"
 
 namespace apriltrack::app {
 
@@ -26,6 +27,6 @@ ReportPicture draw_rotation(const TrackRecord& record, TrackMode mode);
 ReportPicture draw_position_sigma(const TrackRecord& record);
 ReportPicture draw_rotation_sigma(const TrackRecord& record);
 ReportPicture draw_tags(const TrackRecord& record);
-ReportPicture draw_latency(const TrackRecord& record, const TrackFigures& figures);
+ReportPicture draw_latency(const TrackRecord& record, const RunStatistics& figures);
 
 }  // namespace apriltrack::app

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "apriltrack/report/scene_view.h"
+#include "commands/track/track_truth.h"
 #include "pages/map_drawings.h"
 #include "track_run.h"
-#include "commands/track/track_truth.h"
 
 namespace apriltrack::app {
 

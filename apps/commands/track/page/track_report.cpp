@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include "apriltrack/base/error.h"
+#include "apriltrack/eval/run_statistics.h"
 #include "apriltrack/report/html_page.h"
+#include "commands/track/track_truth.h"
 #include "track_charts.h"
 #include "track_drawings.h"
-#include "track_figures.h"
 #include "track_report_tables.h"
-#include "commands/track/track_truth.h"
 #include "track_truth_page.h"
 
 namespace apriltrack::app {
@@ -26,7 +26,7 @@ void add_warnings(HtmlPage& page, const TrackRun& run) {
   page.warnings(warnings);
 }
 
-void add_why_not(HtmlPage& page, const TrackRun& run, const TrackFigures& figures) {
+void add_why_not(HtmlPage& page, const TrackRun& run, const RunStatistics& figures) {
   if (figures.blind.empty()) return;
   page.heading("Where not, and why");
   page.table(blind_table(figures));
@@ -53,7 +53,7 @@ void add_claims(HtmlPage& page, const TrackRun& run) {
   add_picture(page, draw_rotation_sigma(run.record));
 }
 
-void add_tags_and_time(HtmlPage& page, const TrackRun& run, const TrackFigures& figures) {
+void add_tags_and_time(HtmlPage& page, const TrackRun& run, const RunStatistics& figures) {
   page.heading("What was seen");
   page.paragraph(describe_tags(run.record, run.map));
   page.table(tags_of_run_table(run.record, run.map));
@@ -92,7 +92,7 @@ void write_track_report(const std::filesystem::path& path, const TrackRun& run) 
   if (run.record.rows().empty()) {
     page.paragraph("There are no frames, and so no poses.");
   } else {
-    const TrackFigures figures = figures_of(run.record);
+    const RunStatistics figures = run_statistics(run.record.rows(), run.record.reasons());
     page.paragraph(verdict(run, figures));
     page.table(summary_table(run, figures));
     page.table(status_table(figures));

@@ -9,6 +9,7 @@
 
 #include "apriltrack/base/degrees.h"
 #include "apriltrack/eval/statistics.h"
+#include "pages/status_colours.h"
 
 namespace apriltrack::app {
 namespace {
@@ -59,14 +60,14 @@ std::string median_and_worst(const std::optional<ClaimedSigma>& sigma) {
                      1e3 * sigma->worst_position_m, kDegPerRad * sigma->worst_rotation_rad);
 }
 
-std::string longest_blind(const TrackFigures& figures) {
+std::string longest_blind(const RunStatistics& figures) {
   if (figures.blind.empty()) return "none: every frame has evidence";
   const BlindStretch& longest = figures.blind.front();
   return fmt::format("{:.3f} s ({} frames), from {:.3f} s to {:.3f} s", longest.duration_s(),
                      longest.frames(), longest.from_s, longest.to_s);
 }
 
-std::string latency(const TrackFigures& figures) {
+std::string latency(const RunStatistics& figures) {
   if (!figures.latency_p50_ms) return "-";
   return fmt::format("{:.1f} ms median, {:.1f} ms in 99 % of the frames; at most {:.1f} ms, at {:.3f} s",
                      *figures.latency_p50_ms, *figures.latency_p99_ms, *figures.latency_max_ms,
@@ -91,7 +92,7 @@ const std::string& input_name(const TrackArguments& arguments) {
   return arguments.input.empty() ? arguments.detections : arguments.input;
 }
 
-std::string verdict(const TrackRun& run, const TrackFigures& figures) {
+std::string verdict(const TrackRun& run, const RunStatistics& figures) {
   if (!run.record.has_pose()) return "No frame has a pose: " + run.record.why_no_pose(run.map);
   if (figures.blind.empty())
     return fmt::format("All {} frames have a pose that rests on what the frame shows (detected or tracked).",
@@ -126,7 +127,7 @@ std::string describe_tags(const TrackRecord& record, const TagMap& map) {
   return text;
 }
 
-HtmlTable summary_table(const TrackRun& run, const TrackFigures& figures) {
+HtmlTable summary_table(const TrackRun& run, const RunStatistics& figures) {
   const auto number = [&](std::size_t count) {
     return fmt::format("{} ({})", count, share_of(count, figures.frames));
   };
@@ -147,7 +148,7 @@ HtmlTable summary_table(const TrackRun& run, const TrackFigures& figures) {
               run.record.rows().front().timestamp.ns)};
 }
 
-std::string describe_map_share(const TrackRun& run, const TrackFigures& figures) {
+std::string describe_map_share(const TrackRun& run, const RunStatistics& figures) {
   // Of the claim. Tags near each other and seen from afar do ten times their own sigma to a position.
   constexpr double kNotable = 0.05;
   if (run.arguments.method() == "paper" || !figures.sigma) return "";  // its particles know no map's errors
@@ -164,12 +165,12 @@ std::string describe_map_share(const TrackRun& run, const TrackFigures& figures)
       1e3 * of_map_m);
 }
 
-HtmlTable status_table(const TrackFigures& figures) {
+HtmlTable status_table(const RunStatistics& figures) {
   HtmlTable table{{"status", "frames", "share", "sigma, mm", "worst", "sigma, degrees", "worst"},
                   {},
                   "Sigma: what the poses of the status claim to be off by, median and worst."};
   for (const StatusFigures& status : figures.statuses) {
-    std::vector<std::string> row = {to_string(status.status), fmt::format("{}", status.frames),
+    std::vector<std::string> row = {std::string(status.status), fmt::format("{}", status.frames),
                                     share_of(status.frames, figures.frames)};
     if (const auto& sigma = status.sigma) {
       row.insert(row.end(), {fmt::format("{:.2f}", 1e3 * sigma->median_position_m),
@@ -191,7 +192,7 @@ std::vector<std::string> meanings_of_statuses() {
   return meanings;
 }
 
-HtmlTable blind_table(const TrackFigures& figures) {
+HtmlTable blind_table(const RunStatistics& figures) {
   constexpr std::size_t kShown = 12;
   HtmlTable table{{"from, s", "lasts, s", "frames", "first frame, ns", "why lost, mostly"},
                   {},

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "apriltrack/eval/run_statistics.h"
 #include "pages/map_projection.h"
 #include "pages/map_scene.h"
 #include "pages/status_colours.h"
 #include "track_drawings.h"
-#include "track_figures.h"
 
 namespace apriltrack::app {
 namespace {

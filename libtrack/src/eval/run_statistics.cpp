@@ -1,4 +1,4 @@
-#include "track_figures.h"
+#include "apriltrack/eval/run_statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "apriltrack/base/check.h"
 #include "apriltrack/eval/statistics.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
 /// Claims of several poses, for medians.
@@ -37,29 +37,26 @@ std::string most_frequent(const Reasons& reasons) {
 }
 
 void count_in(BlindStretch& stretch, Reasons& reasons, const FrameLogRow& row, const std::string& reason) {
-  switch (kTrackStatuses[index_of_status(row.status)]) {
-    case TrackStatus::kPredicted:
-      ++stretch.predicted;
-      break;
-    case TrackStatus::kUnreadable:
-      ++stretch.unreadable;
-      break;
-    default:
-      ++stretch.lost;
-      ++reasons[reason];
+  if (row.status == "predicted") {
+    ++stretch.predicted;
+  } else if (row.status == "unreadable") {
+    ++stretch.unreadable;
+  } else {
+    ++stretch.lost;
+    ++reasons[reason];
   }
 }
 
 /// The stretch that begins with row `first`; `next` becomes the row behind it.
-BlindStretch stretch_from(const TrackRecord& record, std::size_t first, std::size_t& next) {
-  const std::vector<FrameLogRow>& rows = record.rows();
+BlindStretch stretch_from(std::span<const FrameLogRow> rows, std::span<const std::string> lost_reasons,
+                          std::size_t first, std::size_t& next) {
   const auto time_s = [&](std::size_t i) {
     return seconds_between(rows.front().timestamp, rows[i].timestamp);
   };
   BlindStretch stretch;
   Reasons reasons;
   for (next = first; next < rows.size() && !claims_evidence(rows[next]); ++next)
-    count_in(stretch, reasons, rows[next], record.reasons()[next]);
+    count_in(stretch, reasons, rows[next], lost_reasons[next]);
   stretch.first_frame = rows[first].timestamp;
   stretch.from_s = time_s(first == 0 ? 0 : first - 1);
   stretch.to_s = time_s(std::min(next, rows.size() - 1));
@@ -67,24 +64,25 @@ BlindStretch stretch_from(const TrackRecord& record, std::size_t first, std::siz
   return stretch;
 }
 
-std::vector<BlindStretch> blind_stretches(const TrackRecord& record) {
+std::vector<BlindStretch> blind_stretches(std::span<const FrameLogRow> rows,
+                                          std::span<const std::string> lost_reasons) {
   std::vector<BlindStretch> stretches;
-  for (std::size_t i = 0; i < record.rows().size();) {
-    if (claims_evidence(record.rows()[i])) {
+  for (std::size_t i = 0; i < rows.size();) {
+    if (claims_evidence(rows[i])) {
       ++i;
     } else {
-      stretches.push_back(stretch_from(record, i, i));
+      stretches.push_back(stretch_from(rows, lost_reasons, i, i));
     }
   }
   std::ranges::stable_sort(stretches, std::greater(), &BlindStretch::duration_s);
   return stretches;
 }
 
-void count_statuses(const TrackRecord& record, TrackFigures& figures) {
-  std::array<Claims, kTrackStatuses.size()> claims;
+void count_statuses(std::span<const FrameLogRow> rows, RunStatistics& figures) {
+  std::array<Claims, kFrameStatuses.size()> claims;
   Claims all;
-  for (std::size_t i = 0; i < kTrackStatuses.size(); ++i) figures.statuses[i].status = kTrackStatuses[i];
-  for (const FrameLogRow& row : record.rows()) {
+  for (std::size_t i = 0; i < kFrameStatuses.size(); ++i) figures.statuses[i].status = kFrameStatuses[i];
+  for (const FrameLogRow& row : rows) {
     const std::size_t status = index_of_status(row.status);
     ++figures.statuses[status].frames;
     figures.with_evidence += claims_evidence(row);
@@ -93,41 +91,46 @@ void count_statuses(const TrackRecord& record, TrackFigures& figures) {
     claims[status].add(row);
     all.add(row);
   }
-  for (std::size_t i = 0; i < kTrackStatuses.size(); ++i) figures.statuses[i].sigma = claims[i].sigma();
+  for (std::size_t i = 0; i < kFrameStatuses.size(); ++i) figures.statuses[i].sigma = claims[i].sigma();
   figures.sigma = all.sigma();
 }
 
 }  // namespace
 
-std::size_t index_of_status(const std::string& word) {
-  const auto found =
-      std::ranges::find_if(kTrackStatuses, [&](TrackStatus status) { return to_string(status) == word; });
-  APRILTRACK_CHECK(found != kTrackStatuses.end(), "a row's status is one of the five");
-  return static_cast<std::size_t>(std::distance(kTrackStatuses.begin(), found));
+std::size_t index_of_status(std::string_view status) {
+  const auto found = std::ranges::find(kFrameStatuses, status);
+  APRILTRACK_CHECK(found != kFrameStatuses.end(), "a row's status is one of the five");
+  return static_cast<std::size_t>(std::distance(kFrameStatuses.begin(), found));
 }
 
-TrackFigures figures_of(const TrackRecord& record) {
-  const std::vector<FrameLogRow>& rows = record.rows();
+RunStatistics run_statistics(std::span<const FrameLogRow> rows, std::span<const std::string> lost_reasons) {
   APRILTRACK_CHECK(!rows.empty(), "a run has frames");
-  TrackFigures figures;
+  APRILTRACK_CHECK(lost_reasons.size() == rows.size(), "there is a reason, or none, for each row");
+  RunStatistics figures;
   figures.frames = rows.size();
   figures.duration_s = seconds_between(rows.front().timestamp, rows.back().timestamp);
-  count_statuses(record, figures);
-  figures.blind = blind_stretches(record);
-  if (record.has_pose())
-    figures.first_pose_s = seconds_between(rows.front().timestamp, record.trajectory().front().timestamp);
+  count_statuses(rows, figures);
+  figures.blind = blind_stretches(rows, lost_reasons);
+  const auto first_pose =
+      std::ranges::find_if(rows, [](const FrameLogRow& row) { return row.pose.has_value(); });
+  if (first_pose != rows.end())
+    figures.first_pose_s = seconds_between(rows.front().timestamp, first_pose->timestamp);
   std::vector<double> latencies_ms;
-  for (const FrameLogRow& row : rows)
-    if (row.latency_ms) latencies_ms.push_back(*row.latency_ms);
+  const FrameLogRow* slowest = nullptr;
+  for (const FrameLogRow& row : rows) {
+    if (!row.latency_ms) continue;
+    latencies_ms.push_back(*row.latency_ms);
+    if (slowest == nullptr || *row.latency_ms > *slowest->latency_ms) slowest = &row;
+  }
   if (!latencies_ms.empty()) {
     figures.latency_p50_ms = percentile(latencies_ms, 0.50);
     figures.latency_p99_ms = percentile(latencies_ms, 0.99);
   }
-  if (const FrameLogRow* slowest = record.slowest_frame()) {
+  if (slowest != nullptr) {
     figures.latency_max_ms = slowest->latency_ms;
     figures.latency_max_at_s = seconds_between(rows.front().timestamp, slowest->timestamp);
   }
   return figures;
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack
