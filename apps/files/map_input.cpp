@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "apriltrack/base/error.h"
+#include "cli/option_checks.h"
 #include "loss_words.h"
 #include "map_oddity_words.h"
-#include "cli/option_checks.h"
 
 namespace apriltrack::app {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "map_scene.h"
+#include "apriltrack/report/map_scene.h"
 
 namespace apriltrack::app {
 namespace {

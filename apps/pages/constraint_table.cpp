@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "apriltrack/base/degrees.h"
-#include "lengths.h"
+#include "apriltrack/report/lengths.h"
 
 namespace apriltrack::app {
 namespace {

@@ -10,10 +10,11 @@
 #include <optional>
 #include <set>
 
-#include "drawn_tags.h"
-#include "label_places.h"
-#include "map_projection.h"
-#include "map_scene.h"
+#include "apriltrack/report/drawn_tags.h"
+#include "apriltrack/report/label_layout.h"
+#include "apriltrack/report/map_elevation.h"
+#include "apriltrack/report/map_scene.h"
+#include "upward.h"
 
 namespace apriltrack::app {
 namespace {
@@ -107,7 +108,7 @@ std::string caption_of(const DrawnMap& drawn) {
 }
 
 Elevations elevations_of(const DrawnMap& drawn) {
-  return app::elevations_of(drawn.map, up_of(drawn));
+  return apriltrack::elevations_of(drawn.map, up_of(drawn));
 }
 
 PaperScale scale_from_above(const DrawnMap& drawn) {

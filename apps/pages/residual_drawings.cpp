@@ -9,7 +9,7 @@
 #include <numbers>
 #include <utility>
 
-#include "map_projection.h"
+#include "apriltrack/report/map_elevation.h"
 
 namespace apriltrack::app {
 namespace {

@@ -17,7 +17,6 @@
 #include "apriltrack/camera/rolling_shutter.h"
 #include "apriltrack/detect/picture_size.h"
 #include "apriltrack/io/yaml_reader.h"
-#include "files/blank_images.h"
 #include "calibrate_camera.h"
 #include "calibrate_input.h"
 #include "calibrate_options.h"
@@ -28,12 +27,13 @@
 #include "cli/command_help.h"
 #include "cli/command_line.h"
 #include "cli/commands.h"
-#include "pages/constraint_table.h"
-#include "files/corner_claims.h"
 #include "cli/failure.h"
-#include "files/inputs.h"
 #include "cli/replaced_pattern.h"
+#include "files/blank_images.h"
+#include "files/corner_claims.h"
+#include "files/inputs.h"
 #include "files/topics.h"
+#include "pages/constraint_table.h"
 
 namespace apriltrack::app {
 namespace {

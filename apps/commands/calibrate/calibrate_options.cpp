@@ -13,8 +13,8 @@
 #include "apriltrack/io/staged_files.h"
 #include "apriltrack/tags/tag_key_fault.h"
 #include "cli/choice_option.h"
-#include "files/inputs.h"
 #include "cli/option_checks.h"
+#include "files/inputs.h"
 #include "files/outputs.h"
 #include "files/topics.h"
 

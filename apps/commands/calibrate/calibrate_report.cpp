@@ -6,9 +6,9 @@
 
 #include "apriltrack/report/html_page.h"
 #include "calibrate_report_tables.h"
+#include "left_out_places.h"
 #include "pages/calibrate_scene.h"
 #include "pages/constraint_table.h"
-#include "left_out_places.h"
 #include "pages/map_drawings.h"
 #include "pages/residual_drawings.h"
 

@@ -12,7 +12,7 @@
 #include "apriltrack/base/degrees.h"
 #include "apriltrack/base/version.h"
 #include "apriltrack/eval/statistics.h"
-#include "pages/map_scene.h"
+#include "apriltrack/report/map_scene.h"
 
 namespace apriltrack::app {
 namespace {

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "calibrate_report_tables.h"
-#include "pages/constraint_table.h"
 #include "files/corner_claims.h"
 #include "files/frame_loop.h"
 #include "files/left_out_words.h"
+#include "pages/constraint_table.h"
 
 namespace apriltrack::app {
 namespace {

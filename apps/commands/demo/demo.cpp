@@ -11,10 +11,10 @@
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/option_checks.h"
 #include "demo_plan.h"
 #include "demo_report.h"
 #include "demo_scores.h"
-#include "cli/option_checks.h"
 
 namespace apriltrack::app {
 namespace {

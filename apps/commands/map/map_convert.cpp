@@ -8,12 +8,12 @@
 #include "apriltrack/export/export_map.h"
 #include "apriltrack/tags/map_formats.h"
 #include "cli/choice_option.h"
+#include "cli/option_checks.h"
 #include "files/format_choice.h"
 #include "files/loss_words.h"
-#include "map_command.h"
 #include "files/map_oddity_words.h"
-#include "cli/option_checks.h"
 #include "files/outputs.h"
+#include "map_command.h"
 
 namespace apriltrack::app {
 namespace {

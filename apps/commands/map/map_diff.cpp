@@ -5,8 +5,8 @@
 
 #include "apriltrack/eval/compare_maps.h"
 #include "apriltrack/eval/statistics.h"
-#include "pages/json_units.h"
 #include "map_command.h"
+#include "pages/json_units.h"
 
 namespace apriltrack::app {
 namespace {

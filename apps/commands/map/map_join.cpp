@@ -4,10 +4,10 @@
 
 #include "apriltrack/eval/combine_maps.h"
 #include "apriltrack/eval/statistics.h"
-#include "pages/json_units.h"
-#include "map_command.h"
 #include "cli/option_checks.h"
 #include "files/outputs.h"
+#include "map_command.h"
+#include "pages/json_units.h"
 
 namespace apriltrack::app {
 namespace {

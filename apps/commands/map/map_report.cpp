@@ -8,9 +8,9 @@
 
 #include "apriltrack/base/degrees.h"
 #include "apriltrack/report/html_page.h"
+#include "apriltrack/report/map_scene.h"
 #include "pages/calibrate_scene.h"
 #include "pages/map_drawings.h"
-#include "pages/map_scene.h"
 
 namespace apriltrack::app {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "map_command.h"
 #include "files/map_oddity_words.h"
-#include "map_report.h"
 #include "files/outputs.h"
+#include "map_command.h"
+#include "map_report.h"
 
 namespace apriltrack::app {
 namespace {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "apriltrack/base/error.h"
+#include "cli/option_checks.h"
 #include "files/format_choice.h"
 #include "files/inputs.h"
-#include "cli/option_checks.h"
 #include "files/outputs.h"
 #include "track_outputs.h"
 

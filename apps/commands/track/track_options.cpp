@@ -9,8 +9,8 @@
 
 #include "apriltrack/base/error.h"
 #include "apriltrack/io/lower_case.h"
-#include "files/format_choice.h"
 #include "cli/option_checks.h"
+#include "files/format_choice.h"
 #include "files/topics.h"
 
 namespace apriltrack::app {

@@ -10,8 +10,8 @@
 #include "apriltrack/eval/frame_log.h"
 #include "apriltrack/eval/trajectory_formats.h"
 #include "apriltrack/io/staged_files.h"
-#include "files/loss_words.h"
 #include "commands/track/page/track_report.h"
+#include "files/loss_words.h"
 
 namespace apriltrack::app {
 namespace {

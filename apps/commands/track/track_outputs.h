@@ -3,13 +3,13 @@
 #include <string>
 #include <vector>
 
+#include "commands/track/page/track_run.h"
 #include "files/camera_response.h"
 #include "files/corner_claims.h"
-#include "frame_sinks.h"
 #include "files/outputs.h"
+#include "frame_sinks.h"
 #include "track_options.h"
 #include "track_record.h"
-#include "commands/track/page/track_run.h"
 
 namespace apriltrack::app {
 

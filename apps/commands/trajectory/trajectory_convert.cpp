@@ -13,12 +13,12 @@
 #include "cli/choice_option.h"
 #include "cli/command_help.h"
 #include "cli/console.h"
+#include "cli/option_checks.h"
 #include "files/format_choice.h"
 #include "files/loss_words.h"
-#include "cli/option_checks.h"
 #include "files/outputs.h"
-#include "trajectory_command.h"
 #include "files/trajectory_input.h"
+#include "trajectory_command.h"
 
 namespace apriltrack::app {
 namespace {

@@ -12,7 +12,7 @@
 #include "apriltrack/base/degrees.h"
 #include "apriltrack/report/chart.h"
 #include "apriltrack/report/event_lanes.h"
-#include "pages/lengths.h"
+#include "apriltrack/report/lengths.h"
 #include "pages/status_colours.h"
 #include "track_extent.h"
 

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "pages/drawn_tags.h"
-#include "pages/map_scene.h"
+#include "apriltrack/report/drawn_tags.h"
+#include "apriltrack/report/map_scene.h"
 #include "pages/status_colours.h"
+#include "pages/upward.h"
 #include "track_drawings.h"
 #include "track_extent.h"
 

@@ -3,9 +3,10 @@
 #include <algorithm>
 
 #include "apriltrack/eval/run_statistics.h"
-#include "pages/map_projection.h"
-#include "pages/map_scene.h"
+#include "apriltrack/report/map_elevation.h"
+#include "apriltrack/report/map_scene.h"
 #include "pages/status_colours.h"
+#include "pages/upward.h"
 #include "track_drawings.h"
 
 namespace apriltrack::app {

@@ -1,10 +1,10 @@
-#include "lengths.h"
+#include "apriltrack/report/lengths.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
 std::string without_end_zeros(std::string number) {
@@ -27,4 +27,4 @@ LengthUnit unit_for(double longest_m) {
   return longest_m < 1.0 ? LengthUnit{"mm", 1e3} : LengthUnit{"m", 1.0};
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack

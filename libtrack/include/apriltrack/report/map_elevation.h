@@ -5,17 +5,18 @@
 #include <string>
 #include <vector>
 
-#include "apriltrack/calib/map_evidence.h"
 #include "apriltrack/tags/tag_map.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 
-/// How a map is laid on paper: what is to the right there and what is up, as directions in the map's frame.
+/// A projection of a map onto paper: which directions of the map's frame are right and up there.
 struct Elevation {
-  std::string name;  ///< "From above".
-  Eigen::Vector3d right, up;
+  std::string name;           ///< "From above".
+  Eigen::Vector3d right, up;  ///< Of length 1, in the map's frame, at right angles.
 
+  /// Metres to the right and up, of a point of the map's frame in metres.
   Eigen::Vector2d of(const Eigen::Vector3d& point) const { return {right.dot(point), up.dot(point)}; }
+  /// Of a position's covariance along the map's axes, m^2.
   Eigen::Matrix2d of(const Eigen::Matrix3d& covariance) const;
 };
 
@@ -23,13 +24,10 @@ struct Elevation {
 struct Elevations {
   Elevation above, front, side;
 };
-/// Up is up as the camera was held, as far as it tells: a map knows of no gravity.
-Eigen::Vector3d upward(const TagMap& map, const MapEvidence& evidence);
-
-/// up: in the map's frame, of length 1.
+/// up: in the map's frame, of length 1. Walls are found by the tags' normals.
 Elevations elevations_of(const TagMap& map, const Eigen::Vector3d& up);
 
-/// Metres of an elevation to the units of a picture, the same along both.
+/// Scale from metres of an elevation to the units of a picture, whose y is down: the same along both axes.
 class PaperScale {
  public:
   /// Holds all points, with a margin, in a picture as wide as `width` or, where it would be higher than
@@ -54,4 +52,4 @@ class PaperScale {
 /// 1, 2 or 5 times a power of ten, not above `value`.
 double round_number_below(double value);
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack

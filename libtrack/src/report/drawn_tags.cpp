@@ -1,4 +1,4 @@
-#include "drawn_tags.h"
+#include "apriltrack/report/drawn_tags.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "label_places.h"
-#include "lengths.h"
-#include "map_scene.h"
+#include "apriltrack/report/label_layout.h"
+#include "apriltrack/report/lengths.h"
+#include "apriltrack/report/map_scene.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
 double grid_step_m(const PaperScale& scale) {
@@ -49,7 +49,7 @@ void draw_tag(const DrawnTag& drawn, const Elevation& elevation, const PaperScal
 void draw_names(const std::vector<DrawnTag>& tags, const Elevation& elevation, const PaperScale& scale,
                 SvgPicture& picture) {
   constexpr double kLetters = 13.0;
-  LabelPlaces places(picture.width(), picture.height(), kLetters);
+  LabelLayout places(picture.width(), picture.height(), kLetters);
   for (const DrawnTag& drawn : tags) {
     for (const Eigen::Vector3d& corner : corners_in_map(drawn.tag)) {
       const Eigen::Vector3d halfway = 0.5 * (corner + drawn.tag.T_map_tag.translation());
@@ -110,4 +110,4 @@ void draw_tags(const std::vector<DrawnTag>& tags, const Elevation& elevation, co
   draw_names(tags, elevation, scale, picture);
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack

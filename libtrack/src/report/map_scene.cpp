@@ -1,4 +1,4 @@
-#include "map_scene.h"
+#include "apriltrack/report/map_scene.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "apriltrack/base/degrees.h"
+#include "apriltrack/report/lengths.h"
 #include "apriltrack/tags/tag_family.h"
-#include "lengths.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 namespace {
 
 enum MapSceneState : std::size_t { kInMap, kHeld, kFlagged };
@@ -91,4 +91,4 @@ SceneView scene_of_map(const TagMap& map, const Eigen::Vector3d& up, double elli
   return scene;
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack

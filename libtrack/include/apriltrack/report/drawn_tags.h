@@ -3,16 +3,16 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/report/map_elevation.h"
 #include "apriltrack/report/svg_picture.h"
 #include "apriltrack/tags/tag_map.h"
-#include "map_projection.h"
 
-namespace apriltrack::app {
+namespace apriltrack {
 
 /// A tag on paper.
 struct DrawnTag {
-  MapTag tag;        ///< T_map_tag: in the frame of the paper's elevation.
-  std::string name;  ///< Beside it.
+  MapTag tag;        ///< T_map_tag: in the map's frame, or the frame that the elevation projects.
+  std::string name;  ///< Its label.
   SvgInk ink = SvgInk::kText;
   SvgInk fill = SvgInk::kPaper;
   bool takes_part = true;    ///< Others are dashed and crossed.
@@ -31,4 +31,4 @@ void draw_title_and_scale(const std::string& title, const PaperScale& scale, Svg
 void draw_tags(const std::vector<DrawnTag>& tags, const Elevation& elevation, const PaperScale& scale,
                SvgPicture& picture);
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack

@@ -1,20 +1,20 @@
-#include "label_places.h"
+#include "apriltrack/report/label_layout.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 
-namespace apriltrack::app {
+namespace apriltrack {
 
-LabelPlaces::LabelPlaces(double width, double height, double letter_size)
+LabelLayout::LabelLayout(double width, double height, double letter_size)
     : paper_{{0.0, 0.0}, {width, height}}, letter_size_(letter_size) {}
 
-void LabelPlaces::keep_clear(const Eigen::Vector2d& center, double radius) {
+void LabelLayout::keep_clear(const Eigen::Vector2d& center, double radius) {
   const Eigen::Vector2d half(radius, radius);
   taken_.push_back({center - half, center + half});
 }
 
-double LabelPlaces::overlap(const Box& box) const {
+double LabelLayout::overlap(const Box& box) const {
   const auto shared = [&](const Box& other) {
     const Eigen::Vector2d size = box.high.cwiseMin(other.high) - box.low.cwiseMax(other.low);
     return std::max(0.0, size.x()) * std::max(0.0, size.y());
@@ -24,7 +24,7 @@ double LabelPlaces::overlap(const Box& box) const {
   return area;
 }
 
-Eigen::Vector2d LabelPlaces::place(const Eigen::Vector2d& point, const Eigen::Vector2d& direction,
+Eigen::Vector2d LabelLayout::place(const Eigen::Vector2d& point, const Eigen::Vector2d& direction,
                                    const std::string& text) {
   const Eigen::Vector2d half(0.32 * letter_size_ * static_cast<double>(text.size()) + 1.0,
                              0.45 * letter_size_);
@@ -67,4 +67,4 @@ void push_apart(std::vector<Eigen::Vector2d>& points, double distance, const Eig
   }
 }
 
-}  // namespace apriltrack::app
+}  // namespace apriltrack
