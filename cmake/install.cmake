@@ -6,14 +6,15 @@
 #   source  read images, videos (OpenCV, FFmpeg, libjpeg) and bags (LZ4, zstd, bzip2, SQLite)
 #   eval, sim  scoring, rendering                           export  maps for viewers and simulators
 #   report  draw pictures, videos and pages (OpenCV, FFmpeg)
+#   inspect  what is wrong with recordings before they are used to calibrate (brings calib, source and eval)
 #
 # CMake's own install components are the packages: development (headers, libraries) and tools (program, pages, documents, maps).
 
 include(CMakePackageConfigHelpers)
 
-set(components track calib source eval sim report export)
+set(components track calib source eval sim report export inspect)
 set(modules_of_track base geometry image io camera tags detect motion filter photometric tracker)
-foreach(component calib source eval sim report export)
+foreach(component calib source eval sim report export inspect)
   set(modules_of_${component} ${component})
 endforeach()
 set(modules_of_source bag source)
@@ -21,6 +22,7 @@ set(modules_of_source bag source)
 # Outside libraries without a pkg-config file of their own, or whose own names far more than is used (opencv4).
 set(pc_requires_of_track "eigen3 fmt yaml-cpp apriltag libhwy")
 set(pc_requires_of_source "libavformat libavcodec libswscale libavutil libjpeg liblz4 libzstd sqlite3")
+set(pc_requires_of_inspect "apriltrack-calib apriltrack-source apriltrack-eval")
 set(pc_requires_of_report "libavformat libavcodec libswscale libavutil")
 set(pc_libraries_of_calib "-lceres -lglog")
 set(pc_libraries_of_source "-lopencv_videoio -lopencv_imgcodecs -lopencv_imgproc -lopencv_core -lbz2")
@@ -67,7 +69,7 @@ foreach(component IN LISTS components)
   configure_file(${PROJECT_SOURCE_DIR}/cmake/apriltrack.pc.in ${generated_folder}/apriltrack-${component}.pc @ONLY)
   install(FILES ${generated_folder}/apriltrack-${component}.pc DESTINATION ${pkgconfig_folder} COMPONENT development)
 endforeach()
-set(pc_all_components calib export report eval sim source track)  # users of others before those
+set(pc_all_components inspect calib export report eval sim source track)  # users of others before those
 list(TRANSFORM pc_all_components PREPEND apriltrack-)
 list(JOIN pc_all_components " " pc_all_components)
 configure_file(${PROJECT_SOURCE_DIR}/cmake/apriltrack-all.pc.in ${generated_folder}/apriltrack.pc @ONLY)

@@ -106,6 +106,42 @@ class PlantedBreach(unittest.TestCase):
         place = self.plant("libtrack/src/tags/formats/new.cpp", '#include "apriltrack/detect/detector.h"')
         self.expect_breach(place + ":", "tags may not include detect")
 
+    def test_room_of_apps_that_goes_upwards(self):
+        place = self.plant("apps/cli/new.cpp", '#include "files/inputs.h"')
+        self.expect_breach(place + ":", "apps/cli may not include apps/files")
+        place = self.plant("apps/pages/new.cpp", '#include "commands/track/track_record.h"')
+        self.expect_breach(place + ":", "apps/pages may not include apps/commands/track")
+
+    def test_command_that_includes_another(self):
+        place = self.plant("apps/commands/detect/new.cpp", '#include "commands/track/track_record.h"')
+        self.expect_breach(place + ":", "apps/commands/detect may not include apps/commands/track")
+
+    def test_page_of_a_command_uses_the_commands_own_files(self):
+        self.plant("apps/commands/track/page/new.cpp", '#include "commands/track/track_record.h"')
+        self.assertEqual(self.check().returncode, 0, self.check().stdout)
+
+    def test_header_of_apps_that_is_named_from_elsewhere(self):
+        place = self.plant("apps/pages/new.cpp", '#include "../cli/console.h"')
+        self.expect_breach(place + ":", "'../cli/console.h' is named")
+        place = self.plant("apps/pages/new.cpp", '#include "no_such.h"')
+        self.expect_breach(place + ":", "'no_such.h' is neither apriltrack/")
+
+    def test_file_of_apps_in_no_room(self):
+        self.plant("apps/new.cpp", "#include <vector>")
+        self.expect_breach("apps/new.cpp:", "is in no room of apps")
+        (self.root / "apps/odd").mkdir()
+        self.plant("apps/odd/new.cpp", "#include <vector>")
+        self.expect_breach("apps/odd/new.cpp:", "is in no room of apps")
+
+    def test_folder_of_apps_with_too_many_files(self):
+        for number in range(40):
+            self.plant(f"apps/commands/detect/new_{number}.cpp", "#include <vector>")
+        self.expect_breach("apps/commands/detect:", "has 41 files; 40 are the most")
+
+    def test_table_of_rooms_that_goes_upwards(self):
+        self.replace("docs/architecture.md", "| apps/cli | |", "| apps/cli | pages |")
+        self.expect_breach("docs/architecture.md", "apps/cli may not include apps/pages")
+
     def test_private_header_beside_the_one_that_is_excepted(self):
         place = self.plant("libtrack/src/detect/library_detector.cpp", '#include "../tags/tag_fields.h"')
         self.expect_breach(place + ":", "neither apriltrack/")
@@ -154,33 +190,39 @@ class PlantedBreach(unittest.TestCase):
         self.plant("libtrack/src/tags/new.cpp", "const int fd = ::open(path,\n    O_WRONLY | O_CREAT, 0600);  // no std::ifstream\n")
         self.assertEqual(self.check().returncode, 0, self.check().stdout)
 
-    def test_include_of_an_upper_room(self):
-        place = self.plant("calib/src/solve/camera_fit.cpp", '#include "messages/tag_messages.h"')
-        self.expect_breach(place + ":", "room solve is on floor", "may not include messages")
+    def test_circle_of_units(self):
+        self.plant("libtrack/src/base/first.h", '#include "second.h"')
+        self.plant("libtrack/src/base/second.h", "#pragma once")
+        self.plant("libtrack/src/base/second.cpp", '#include "third.h"')
+        place = self.plant("libtrack/src/base/third.h", '#include "first.h"')
+        self.expect_breach("module base:", "3 units include each other in a circle: first, second, third", place + " includes first",
+                           "libtrack/src/base/second.cpp:2 includes third")
 
-    def test_include_of_a_room_on_the_same_floor(self):
-        place = self.plant("calib/src/constraints/constrained_fit.cpp", '#include "faults/tag_fit.h"')
-        self.expect_breach(place + ":", "room constraints", "may not include faults")
+    def test_circle_through_a_public_header_and_a_room(self):
+        self.plant("libtrack/include/apriltrack/camera/new.h", "#pragma once")
+        self.plant("libtrack/src/camera/formats/new.cpp", '#include "apriltrack/camera/new.h"')
+        self.plant("libtrack/src/camera/formats/new.cpp", '#include "beside.h"')
+        self.plant("libtrack/src/camera/formats/beside.h", '#include "apriltrack/camera/new.h"')
+        self.expect_breach("module camera:", "2 units include each other in a circle: formats/beside, new")
 
-    def test_include_within_a_room_that_does_not_name_it(self):
-        place = self.plant("calib/src/solve/camera_fit.cpp", '#include "group_motion.h"')
-        self.expect_breach(place + ":", "'group_motion.h' is no header of a room")
+    def test_files_of_one_unit_are_no_circle(self):
+        self.plant("libtrack/src/base/first.h", "#pragma once")
+        self.plant("libtrack/src/base/first.cpp", '#include "first.h"')
+        self.plant("libtrack/src/base/second.cpp", '#include "first.h"')
+        self.assertEqual(self.check().returncode, 0, self.check().stdout)
 
-    def test_room_that_the_table_does_not_have(self):
-        (self.root / "calib/src/attic").mkdir()
-        self.plant("calib/src/attic/new.cpp", "#include <vector>")
-        self.expect_breach("calib/src/attic/new.cpp:", "room 'attic' of calib is not in the table")
+    def test_circle_that_grows(self):
+        self.plant("libtrack/src/sim/scenes.h", '#include "grown.h"')
+        self.plant("libtrack/src/sim/grown.h", '#include "scenes.h"')
+        self.expect_breach("module sim:", "3 units include each other in a circle: grown, named_scenes, scenes")
 
-    def test_units_that_include_each_other_in_a_circle(self):
-        self.plant("calib/src/solve/new_a.h", '#include "solve/new_b.h"')
-        self.plant("calib/src/solve/new_b.h", "#pragma once")
-        self.plant("calib/src/solve/new_b.cpp", '#include "solve/new_c.h"')
-        self.plant("calib/src/solve/new_c.h", '#include "solve/new_a.h"')
-        self.expect_breach("calib/src/solve/new_a.h:2:", "circle of includes in calib: new_a -> new_b -> new_c -> new_a")
+    def test_circle_that_shrank_is_taken_off_the_list(self):
+        self.replace("docs/architecture.md", "| circle in sim | named_scenes, scenes |", "| circle in sim | named_scenes, scenes, streaks |")
+        self.expect_breach("docs/architecture.md:", "no circle in sim has these any more", ": streaks")
 
-    def test_module_that_has_no_circle_any_more(self):
-        self.replace("docs/architecture.md", "Circles of includes are still in:", "Circles of includes are still in: `calib`,")
-        self.expect_breach("docs/architecture.md:", "calib has no circle of includes any more")
+    def test_circle_off_the_list(self):
+        self.replace("docs/architecture.md", "| circle in sim | named_scenes, scenes |\n", "")
+        self.expect_breach("module sim:", "2 units include each other in a circle: named_scenes, scenes")
 
     def test_table_that_is_gone(self):
         (self.root / "docs/architecture.md").write_text("# nothing\n")

@@ -1,7 +1,7 @@
 // What only a sink can see of the loop over a recording's frames: when Ctrl-C is heard, and what progress
 // tells.
 
-#include "frame_loop.h"
+#include "files/frame_loop.h"
 
 #include <gtest/gtest.h>
 
@@ -32,11 +32,11 @@ class BlankFrames : public FrameSource {
 [[noreturn]] void interrupt_in_second_frame() {
   app::install_interrupt_handler();
   BlankFrames source;
-  app::FrameLoopOptions options;
+  DetectFramesOptions options;
   options.num_threads = 2;
-  options.label = "look";
+  options.task = "look";
   int num_seen = 0;
-  const app::FrameCounts counts = app::detect_frames(source, options, app::Console(), [&](auto) {
+  const FrameCounts counts = app::detect_frames(source, options, app::Console(), [&](auto) {
     if (++num_seen == 2) std::raise(SIGINT);
   });
   if (!counts.is_interrupted || counts.readable != static_cast<std::size_t>(num_seen)) num_seen = -1;

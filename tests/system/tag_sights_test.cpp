@@ -1,5 +1,5 @@
 // What `track --tags-csv` tells of a tag in a frame.
-#include "tag_sights.h"
+#include "commands/track/tag_sights.h"
 
 #include <gmock/gmock.h>
 

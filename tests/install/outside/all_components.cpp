@@ -1,6 +1,7 @@
-// A stranger's program that reads images and calibrates: what it shows is that both link and run.
+// A stranger's program that reads images, inspects and calibrates: what it shows is that all link and run.
 #include <apriltrack/base/error.h>
 #include <apriltrack/calib/calibrate_map.h>
+#include <apriltrack/inspect/findings.h>
 #include <apriltrack/source/frame_source.h>
 
 #include <cstdio>
@@ -10,6 +11,7 @@ int main(int argc, char** argv) {
   const auto source = apriltrack::open_source(argv[1]);
   const auto frame = source->next();
   if (!frame || !frame->is_readable() || frame->pixels.width() != 2 || frame->pixels(1, 0) != 'B') return 1;
+  if (apriltrack::inspection_findings({}).empty()) return 1;
   try {
     apriltrack::calibrate_map({}, apriltrack::CameraRig{}, apriltrack::TagSizes(0.16), {});
   } catch (const apriltrack::Error& error) {
