@@ -130,9 +130,8 @@ TEST(RefinedMap, HoldsAnotherTagWhereTheHeldOneHasNoPictures) {
   const CalibrationResult constrained = calibrate_map(filmed.frames, filmed.rig, sizes, options);
   const RefinementResult refused = refine_map(constrained, frames, filmed.rig, {});
   EXPECT_FALSE(refused.is_accepted);
-  EXPECT_EQ(refused.reason,
-            "too few pictures of the held tag " + to_string(held) +
-                " can be used, and constraints weigh against them: hold another tag (--held-tag)");
+  EXPECT_EQ(refused.reason, "too few pictures of the held tag " + to_string(held) +
+                                " can be used, and constraints weigh against them: hold another tag");
 
   CalibrationResult open = filmed.by_corners;
   open.open_corrections = {{filmed.rig.cameras[0].name, "focal length", "1", 0.01, 0.01}};
