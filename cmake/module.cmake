@@ -1,3 +1,18 @@
+# Of a module all of whose files lie in rooms, a unity build compiles each room as one file: a new file in one room changes no other's, and names
+# in anonymous namespaces need to differ within a room alone.
+function(apriltrack_group_by_rooms target source_dir)
+  file(GLOB beside_rooms ${source_dir}/*.cpp)
+  if(beside_rooms)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
+  foreach(source IN LISTS ARGN)
+    get_filename_component(folder ${source} DIRECTORY)
+    get_filename_component(room ${folder} NAME)
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room})
+  endforeach()
+endfunction()
+
 # One folder = one target. The list of DEPENDS is the list of lower floors that the module may include;
 # docs/architecture.md holds the table and scripts/check_layers holds the #include lines against it.
 #
@@ -16,6 +31,7 @@ function(apriltrack_add_module name)
   if(sources)
     set(scope PUBLIC)
     add_library(${target} STATIC ${sources})
+    apriltrack_group_by_rooms(${target} ${ARG_SOURCE_DIR} ${sources})
     apriltrack_compile_options(${target})
     target_link_libraries(${target} PRIVATE ${ARG_PRIVATE_LIBRARIES})
   else()

@@ -23,7 +23,7 @@
 namespace apriltrack {
 namespace {
 
-using Kind = CalibrationFinding::Kind;
+using FindingKind = CalibrationFinding::Kind;
 
 constexpr double kHighResidual_px = 1.0;
 constexpr double kRejectedOfOneTag = 0.25;
@@ -58,7 +58,7 @@ void warn_of_rejected_tags(const Observations& observations, const PartSolution&
                          offered - views, offered);
   }
   if (names.empty()) return;
-  finding.kind = Kind::kOftenRejected;
+  finding.kind = FindingKind::kOftenRejected;
   finding.value = largest_share;
   finding.unit = "1";
   finding.message = "many views were rejected of " + names +
@@ -77,7 +77,7 @@ void report_findings(const Observations& observations, const PartSolution& solut
     findings.push_back(reported(observations, finding));
     std::erase(unnamed, finding.tag);
   }
-  leave_out(Kind::kContradictsOthers, observations, unnamed,
+  leave_out(FindingKind::kContradictsOthers, observations, unnamed,
             unnamed.size() < 2 ? "its views contradict those of the other tags (a wrong size? moved while "
                                  "filming? an id that hangs in two places?)"
                                : "without any one of them the others agree, and nothing tells which is wrong "
@@ -122,20 +122,20 @@ void report_cameras(const Observations& observations, const PartSolution& soluti
   const std::string what = words_of_what_stays(observations, solution, options);
   if (!what.empty() && !cameras.reason.empty())
     findings.push_back(
-        to_finding(Kind::kCameraNotRefined,
+        to_finding(FindingKind::kCameraNotRefined,
                    fmt::format("{} stay as the camera file has them: {}", what, cameras.reason)));
 }
 
 }  // namespace
 
-CalibrationFinding to_finding(Kind kind, std::string message) {
+CalibrationFinding to_finding(FindingKind kind, std::string message) {
   CalibrationFinding finding;
   finding.kind = kind;
   finding.message = std::move(message);
   return finding;
 }
 
-void leave_out(Kind kind, const Observations& observations, const std::vector<int>& tags,
+void leave_out(FindingKind kind, const Observations& observations, const std::vector<int>& tags,
                const std::string& reason, Findings& findings) {
   if (tags.empty()) return;
   CalibrationFinding finding;
@@ -155,13 +155,13 @@ std::vector<TagKey> tags_left_out(const Findings& findings) {
 
 void report_picture_sizes(std::span<const FrameDetections> frames, const CameraRig& rig, Findings& findings) {
   for (std::string& message : check_picture_sizes(frames, rig))
-    findings.push_back(to_finding(Kind::kPictureSize, std::move(message)));
+    findings.push_back(to_finding(FindingKind::kPictureSize, std::move(message)));
 }
 
 void report_unused(const UnusedDetections& unused, Findings& findings) {
   if (unused.unusable > 0) {
     findings.push_back(
-        to_finding(Kind::kUnusableCorners,
+        to_finding(FindingKind::kUnusableCorners,
                    fmt::format("{} of {} detections are not used: corners not finite, not a tag's "
                                "front, too small, or outside what the lens model covers",
                                unused.unusable, unused.detections)));
@@ -171,7 +171,7 @@ void report_unused(const UnusedDetections& unused, Findings& findings) {
   for (const RepeatedTag& tag : unused.repeated) {
     const bool is_left_out = tag.is_many_tags();
     findings.push_back(to_finding(
-        Kind::kDuplicateId,
+        FindingKind::kDuplicateId,
         is_left_out ? description_of(tag) + "; it is left out"
                     : fmt::format("{} is seen at two places at once in {} of {} frames: not used there",
                                   to_string(tag.tag), tag.frames_with_copies, tag.frames)));
@@ -197,7 +197,7 @@ void report_quality(const Observations& observations, const PartSolution& soluti
                     const CalibrationOptions& options, Findings& findings) {
   if (solution.covariances.empty()) {
     findings.push_back(to_finding(
-        Kind::kNoCovariances,
+        FindingKind::kNoCovariances,
         fmt::format("no covariances, and no check that the views determine every pose: the map has {} tags, "
                     "and the matrix to invert grows with the square of their number (at most {} tags)",
                     solution.part.tags.size(), options.max_tags_with_covariance)));
@@ -212,21 +212,21 @@ void report_quality(const Observations& observations, const PartSolution& soluti
   if (solution.print_batches) findings.push_back(reported(*solution.print_batches));
   if (is_first && solution.print_aspect) findings.push_back(reported_print_aspect(*solution.print_aspect));
   leave_out(
-      Kind::kAmbiguousPose, observations, solution.undecided,
+      FindingKind::kAmbiguousPose, observations, solution.undecided,
       solution.undecided.size() < 2
           ? "its views agree with two poses about equally well: film it from further aside, and nearer"
           : "the views of each agree with two poses about equally well: film them from further aside, and "
             "nearer",
       findings);
   leave_out(
-      Kind::kMostlyRejected, observations, solution.contradicted,
+      FindingKind::kMostlyRejected, observations, solution.contradicted,
       solution.contradicted.size() < 2
           ? "most of its views contradict those of the other tags: a wrong size, a bend, or a tag that "
             "moved may be the cause"
           : "most views of each contradict those of the other tags: wrong sizes, bends, or tags that moved "
             "may be the cause",
       findings);
-  leave_out(Kind::kLostWithOthers, observations, solution.lost_tags,
+  leave_out(FindingKind::kLostWithOthers, observations, solution.lost_tags,
             is_any_left_out(solution) ? "tied to the others by such a tag, or by frames that contradict them"
                                       : "tied to the others by frames that contradict them",
             findings);
@@ -239,7 +239,7 @@ void report_quality(const Observations& observations, const PartSolution& soluti
       1.0 - static_cast<double>(solution.part.views.size()) / static_cast<double>(solution.views_offered);
   if (rejected > kManyOfAllRejected) {
     findings.push_back(
-        to_finding(Kind::kManyRejected,
+        to_finding(FindingKind::kManyRejected,
                    fmt::format("{:.0f} % of the observations were rejected as outliers: a tag of wrong "
                                "size, a moved tag or strong blur may be the cause",
                                100.0 * rejected)));
@@ -248,7 +248,7 @@ void report_quality(const Observations& observations, const PartSolution& soluti
   }
   if (solution.total_rms_px > kHighResidual_px) {
     findings.push_back(
-        to_finding(Kind::kHighResiduals,
+        to_finding(FindingKind::kHighResiduals,
                    fmt::format("the residuals are high ({:.2f} px; 0.1 to 0.4 is usual): check the "
                                "camera file and the tag sizes",
                                solution.total_rms_px)));
@@ -261,10 +261,10 @@ void report_other_parts(const Observations& observations, const std::vector<Part
                         Findings& findings) {
   for (std::size_t i = 1; i < parts.size(); ++i) {
     const std::vector<TagKey> tags = keys_of(observations, parts[i].tags);
-    findings.push_back(
-        to_finding(Kind::kSeparateComponent, fmt::format("a part of its own, not in the map: {}: no frame "
-                                                         "shows one of these together with a tag of the map",
-                                                         list_tags(tags))));
+    findings.push_back(to_finding(FindingKind::kSeparateComponent,
+                                  fmt::format("a part of its own, not in the map: {}: no frame "
+                                              "shows one of these together with a tag of the map",
+                                              list_tags(tags))));
     findings.back().tags = tags;
   }
 }
@@ -279,7 +279,7 @@ void report_resting_frames(const RestingFrames& resting, std::size_t moments_bef
     return;
   }
   findings.push_back(
-      to_finding(Kind::kStationaryFrames,
+      to_finding(FindingKind::kStationaryFrames,
                  words + ". What errs in one of them errs in all: film from more places for a better map"));
   findings.back().value = resting.merged;
   findings.back().unit = "1";
@@ -289,7 +289,7 @@ void report_repeated_frames(int num_frames, Findings& findings) {
   if (num_frames == 0) return;
   const bool is_one = num_frames == 1;
   findings.push_back(to_finding(
-      Kind::kRepeatedFrames,
+      FindingKind::kRepeatedFrames,
       fmt::format(
           "{} exactly the corners of an earlier one, and {} not counted: a film that stands still, or "
           "frames that were copied, say no more than one picture",
@@ -313,7 +313,7 @@ void report_unusual_sizes(const Observations& observations, const std::vector<Pa
   if (unusual.empty()) return;
   std::sort(unusual.begin(), unusual.end());
   findings.push_back(to_finding(
-      Kind::kUnusualSize,
+      FindingKind::kUnusualSize,
       fmt::format("{} given a size of {:.3g} m: sizes are in metres, of the square whose corners are "
                   "detected. All distances of the map are in proportion to them",
                   unusual.size() == 1 ? list_tags(unusual) + " is" : list_tags(unusual) + " are", size_m)));
@@ -324,11 +324,11 @@ void report_unusual_sizes(const Observations& observations, const std::vector<Pa
 
 void report_constraints(const ConstraintNotes& notes, Findings& findings) {
   for (const std::string& message : notes.not_measured)
-    findings.push_back(to_finding(Kind::kFrameNotMeasured, message));
+    findings.push_back(to_finding(FindingKind::kFrameNotMeasured, message));
   for (const std::string& message : notes.unused)
-    findings.push_back(to_finding(Kind::kUnusedConstraint, message));
+    findings.push_back(to_finding(FindingKind::kUnusedConstraint, message));
   for (const std::string& message : notes.in_doubt)
-    findings.push_back(to_finding(Kind::kConstraintInDoubt, message));
+    findings.push_back(to_finding(FindingKind::kConstraintInDoubt, message));
 }
 
 void report_unrefined(const std::vector<TagKey>& tags, Findings& findings) {
@@ -337,7 +337,7 @@ void report_unrefined(const std::vector<TagKey>& tags, Findings& findings) {
   for (const TagKey& tag : tags) names.push_back(to_string(tag));
   const bool is_one = tags.size() == 1;
   findings.push_back(to_finding(
-      Kind::kNotRefined,
+      FindingKind::kNotRefined,
       fmt::format(
           "{} as the corners have {}, for too few pictures can be used that join {} to the others (too "
           "bright, covered, blurred, or another tag's)",
