@@ -47,11 +47,11 @@ nlohmann::json told(const std::vector<CameraCorrection>& corrections) {
 }
 
 template <typename T>
-nlohmann::json json_of(const std::optional<T>& value) {
+nlohmann::json value_or_null(const std::optional<T>& value) {
   return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
 }
 
-nlohmann::json json_of(const CalibrationFinding& finding) {
+nlohmann::json told(const CalibrationFinding& finding) {
   nlohmann::json alternatives = nlohmann::json::array();
   for (const std::vector<TagKey>& board : finding.alternatives) alternatives.push_back(told_keys(board));
   nlohmann::json time_ns = nullptr;
@@ -59,20 +59,20 @@ nlohmann::json json_of(const CalibrationFinding& finding) {
   return {{"kind", to_string(finding.kind)},
           {"tags", told_keys(finding.tags)},
           {"cameras", finding.cameras},
-          {"value", json_of(finding.value)},
+          {"value", value_or_null(finding.value)},
           {"unit", finding.unit},
-          {"sigma", json_of(finding.sigma)},
+          {"sigma", value_or_null(finding.sigma)},
           {"time_ns", std::move(time_ns)},
           {"alternatives", std::move(alternatives)},
           {"in_doubt", finding.is_in_doubt},
           {"left_out", finding.is_left_out},
-          {"log_odds", json_of(finding.log_odds)},
+          {"log_odds", value_or_null(finding.log_odds)},
           {"message", finding.message}};
 }
 
 nlohmann::json told(const std::vector<CalibrationFinding>& findings) {
   nlohmann::json list = nlohmann::json::array();
-  for (const CalibrationFinding& one : findings) list.push_back(json_of(one));
+  for (const CalibrationFinding& one : findings) list.push_back(told(one));
   return list;
 }
 
