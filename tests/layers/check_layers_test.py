@@ -13,16 +13,36 @@ SOURCE = pathlib.Path(sys.argv.pop(1)).resolve()
 
 
 class PlantedBreach(unittest.TestCase):
-    def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.root = pathlib.Path(self.temporary.name)
+    # One copy serves all tests: each leaves it as it was.
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.root = pathlib.Path(cls.temporary.name)
         for folder in ("libtrack", "calib", "apps"):
-            shutil.copytree(SOURCE / folder, self.root / folder)
-        (self.root / "docs").mkdir()
-        shutil.copy(SOURCE / "docs/architecture.md", self.root / "docs")
+            shutil.copytree(SOURCE / folder, cls.root / folder)
+        (cls.root / "docs").mkdir()
+        shutil.copy(SOURCE / "docs/architecture.md", cls.root / "docs")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def setUp(self):
+        self.before = {}  # of what was changed; None where there was no file
 
     def tearDown(self):
-        self.temporary.cleanup()
+        for path, text in self.before.items():
+            if text is not None:
+                path.write_text(text)
+                continue
+            path.unlink(missing_ok=True)
+            if not any(path.parent.iterdir()):
+                path.parent.rmdir()
+
+    def write(self, file, text):
+        path = self.root / file
+        self.before.setdefault(path, path.read_text() if path.exists() else None)
+        path.write_text(text)
 
     def check(self):
         command = [sys.executable, str(SOURCE / "scripts/check_layers"), str(self.root)]
@@ -32,14 +52,14 @@ class PlantedBreach(unittest.TestCase):
         """Adds a line to the end of a file, or makes the file; returns its file:line."""
         path = self.root / file
         before = path.read_text() if path.exists() else "// new\n"
-        path.write_text(before + line + "\n")
+        self.write(file, before + line + "\n")
         return f"{file}:{before.count(chr(10)) + 1}"
 
     def replace(self, file, old, new):
         path = self.root / file
         text = path.read_text()
         self.assertEqual(text.count(old), 1, f"{old!r} in {file}")
-        path.write_text(text.replace(old, new))
+        self.write(file, text.replace(old, new))
 
     def expect_breach(self, *words):
         run = self.check()
@@ -225,7 +245,7 @@ class PlantedBreach(unittest.TestCase):
         self.expect_breach("module sim:", "2 units include each other in a circle: named_scenes, scenes")
 
     def test_table_that_is_gone(self):
-        (self.root / "docs/architecture.md").write_text("# nothing\n")
+        self.write("docs/architecture.md", "# nothing\n")
         self.assertNotEqual(self.check().returncode, 0)
 
 
