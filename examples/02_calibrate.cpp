@@ -1,6 +1,7 @@
 // From images of tags to a map of them: where each tag is, how sure that is, and what to know of the result.
 #include <apriltrack/apriltrack.h>
 #include <apriltrack/calib/calibrate_map.h>
+#include <apriltrack/detect/estimate_response.h>
 #include <apriltrack/source/frame_source.h>
 
 #include <cmath>
@@ -20,6 +21,8 @@ int main(int argc, char** argv) try {
   // camera.
   apriltrack::DetectorOptions detector_options;
   detector_options.response = camera.response;
+  // Of a camera file that tells no response: its corners' covariances count that it may be another than sRGB.
+  detector_options.rival_response = apriltrack::rival_response(camera.response, camera.response_origin);
   detector_options.camera_model = camera.model;
   apriltrack::Detector detector(detector_options);
 

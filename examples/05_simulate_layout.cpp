@@ -53,15 +53,17 @@ apriltrack::SampledPath my_path(double speed_m_per_s) {
 }
 
 int main(int argc, char** argv) try {
-  if (argc != 4) {
+  const double tag_size_m = argc == 4 ? std::atof(argv[1]) : 0.0;
+  const double exposure_s = argc == 4 ? std::atof(argv[2]) : 0.0;
+  const double speed_m_per_s = argc == 4 ? std::atof(argv[3]) : 0.0;
+  if (!(tag_size_m > 0.0 && exposure_s > 0.0 && speed_m_per_s > 0.0)) {
     std::fprintf(stderr, "usage: %s TAG_SIZE_M EXPOSURE_S SPEED_M_PER_S    for instance 0.16 0.01 1\n",
                  argv[0]);
     return 2;
   }
-  const apriltrack::TagMap map = my_layout(std::atof(argv[1]));
-  apriltrack::check_tag_map(map);
-  const apriltrack::Camera camera = my_camera(std::atof(argv[2]));
-  const apriltrack::Scene scene = apriltrack::make_map_scene({map, camera, my_path(std::atof(argv[3]))});
+  const apriltrack::TagMap map = my_layout(tag_size_m);
+  const apriltrack::Camera camera = my_camera(exposure_s);
+  const apriltrack::Scene scene = apriltrack::make_map_scene({map, camera, my_path(speed_m_per_s)});
   const apriltrack::Renderer renderer(
       scene);  // blur, lens and noise; scene.lighting, scene.formation: dark, ...
   apriltrack::BlurTracker tracker(camera, map);

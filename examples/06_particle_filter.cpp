@@ -164,5 +164,5 @@ int main(int argc, char** argv) try {
   return kept >= 0.95 ? 0 : 1;
 } catch (const Error& error) {
   std::fprintf(stderr, "%s\n", error.what());
-  return 2;
+  return error.kind() == ErrorKind::kNoResult ? 1 : 2;
 }
