@@ -91,5 +91,6 @@ install(DIRECTORY libtrack/include/apriltrack calib/include/apriltrack DESTINATI
 
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools PATTERN "decisions" EXCLUDE)
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools)
 install(DIRECTORY maps DESTINATION ${CMAKE_INSTALL_DATADIR}/apriltrack COMPONENT tools)
 include(cmake/manual.cmake)

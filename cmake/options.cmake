@@ -2,6 +2,7 @@
 
 string(COMPARE EQUAL "${CMAKE_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}" is_top_level)
 option(APRILTRACK_BUILD_TESTS "Build the tests" ${is_top_level})
+option(APRILTRACK_BUILD_EXAMPLES "Build the examples" ${APRILTRACK_BUILD_TESTS})
 option(APRILTRACK_BUILD_BENCHMARKS "Build the benchmarks" OFF)
 option(APRILTRACK_BUILD_FUZZERS "Build the fuzzers of all readers (clang++ only; preset fuzz)" OFF)
 # For developers and CI alone: a user's compiler may warn of what ours does not know.

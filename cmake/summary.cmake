@@ -26,6 +26,8 @@ describe_switch("tests" "${APRILTRACK_BUILD_TESTS}"
   "APRILTRACK_BUILD_TESTS; run them with ctest or scripts/test" "APRILTRACK_BUILD_TESTS=OFF")
 describe_switch("recordings in tests" "${recordings_found}"
   "in ${recordings}" "no folder ${recordings}; tests that need one skip and say so")
+describe_switch("examples" "${APRILTRACK_BUILD_EXAMPLES}"
+  "APRILTRACK_BUILD_EXAMPLES" "APRILTRACK_BUILD_EXAMPLES=OFF")
 describe_switch("benchmarks" "${APRILTRACK_BUILD_BENCHMARKS}"
   "APRILTRACK_BUILD_BENCHMARKS" "APRILTRACK_BUILD_BENCHMARKS=OFF")
 describe_switch("warnings as errors" "${APRILTRACK_WERROR}"

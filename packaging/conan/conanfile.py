@@ -25,7 +25,7 @@ class AprilTrack(ConanFile):
         self.version = ".".join(re.findall(r"define APRILTRACK_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", header))
 
     def export_sources(self):
-        for pattern in ("CMakeLists.txt", "LICENSE", "README.md", "CHANGELOG.md", "apps/*", "calib/*", "cmake/*", "docs/*", "libtrack/*", "maps/*",
+        for pattern in ("CMakeLists.txt", "LICENSE", "README.md", "CHANGELOG.md", "apps/*", "calib/*", "cmake/*", "docs/*", "examples/*", "libtrack/*", "maps/*",
                         "third_party/*"):
             copy(self, pattern, os.path.join(self.recipe_folder, ROOT), self.export_sources_folder)
 
