@@ -228,8 +228,8 @@ Observations collect_observations(std::span<const FrameDetections> frames, const
   }
   if (detections == 0)
     throw no_result("calibrate",
-                    fmt::format("no tags were seen in {} frames; check the tag family (apriltrack doctor "
-                                "looks for others, too) and that tags are sharp and at least 20 pixels wide",
+                    fmt::format("no tags were seen in {} frames; check the tag family, and that tags are "
+                                "sharp and at least 20 pixels wide",
                                 frames.size()));
   std::size_t unusable = 0;
   const std::vector<UsableFrame> usable = usable_frames(frames, rig, unusable);

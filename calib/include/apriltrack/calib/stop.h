@@ -1,15 +1,11 @@
 #pragma once
 
 #include <exception>
-#include <functional>
 
 #include "apriltrack/base/parallel.h"
+#include "apriltrack/base/should_stop.h"
 
 namespace apriltrack {
-
-/// Whether work is no longer wanted; once true, it stays so. Asked often, by each of the threads at work.
-/// Empty: never.
-using ShouldStop = std::function<bool()>;
 
 /// Leaves work that is no longer wanted. Not an Error: whoever tries another way after a failure must let it
 /// pass.
