@@ -52,7 +52,7 @@ std::optional<AdjustedPart> adjust_with_other_focal_length(const PartTask& task,
   for (const double change : kOtherFocalLengths) {
     Observations other = task.observations;
     for (RigCamera& camera : other.cameras)
-      camera = moved(camera, {.kind = CameraParameter::Kind::kFocalLength}, change);
+      camera = moved(camera, {.kind = CameraParameter::Kind::kFocalLength}, change).value();
     const std::vector<ViewCandidates> candidates = solve_views(other, part.views, parallel);
     Outcome<AdjustedPart> solved = adjust_part({other, candidates, task.options}, part, held_tag, parallel);
     if (!solved) continue;

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "apriltrack/base/error.h"
 #include "numerics/cauchy_loss.h"
 #include "numerics/upper_median.h"
 
@@ -111,12 +110,11 @@ bool LensFit::move(Eigen::VectorXd step, double noise, Lens& lens) {
 
 std::optional<Lens> LensFit::moved_by(const Lens& lens, const Eigen::VectorXd& step) {
   Lens next{lens.camera, lens.total + step, {}};
-  try {
-    for (std::size_t p = 0; p < parameters_.size(); ++p)
-      next.camera =
-          moved(next.camera, parameters_[p], step[static_cast<Eigen::Index>(p)] * parameters_[p].sigma);
-  } catch (const Error&) {  // a lens that no formula describes
-    return std::nullopt;
+  for (std::size_t p = 0; p < parameters_.size(); ++p) {
+    const auto camera =
+        moved(next.camera, parameters_[p], step[static_cast<Eigen::Index>(p)] * parameters_[p].sigma);
+    if (!camera) return std::nullopt;
+    next.camera = *camera;
   }
   next.state = state_by(next.camera);
   return next;

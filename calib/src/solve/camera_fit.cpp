@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "apriltrack/base/error.h"
 #include "model/corner_views.h"
 #include "solve/bundle_adjustment.h"
 #include "uncertainty/block_scatter.h"
@@ -128,13 +127,12 @@ std::optional<Eigen::VectorXd> CameraFit::step_of_cameras(const MapState& state)
 }
 
 bool CameraFit::move(const Eigen::VectorXd& step, MapState& state) {
-  try {
-    for (std::size_t i = 0; i < parameters_.size(); ++i) {
-      RigCamera& camera = state.cameras[static_cast<std::size_t>(parameters_[i].camera)];
-      camera = moved(camera, parameters_[i], step[static_cast<Eigen::Index>(i)] * parameters_[i].sigma);
-    }
-  } catch (const Error&) {  // a lens that no formula describes
-    return false;
+  for (std::size_t i = 0; i < parameters_.size(); ++i) {
+    RigCamera& camera = state.cameras[static_cast<std::size_t>(parameters_[i].camera)];
+    const auto next =
+        moved(camera, parameters_[i], step[static_cast<Eigen::Index>(i)] * parameters_[i].sigma);
+    if (!next) return false;
+    camera = *next;
   }
   total_ = already_moved(state);  // shares of a focal length multiply
   return true;

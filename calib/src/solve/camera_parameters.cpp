@@ -9,7 +9,7 @@
 #include <set>
 #include <variant>
 
-#include "apriltrack/base/error.h"
+#include "apriltrack/base/check.h"
 #include "apriltrack/calib/systematic_errors.h"
 #include "apriltrack/camera/camera.h"
 
@@ -52,11 +52,16 @@ double distortion_sigma(const CameraModel& model, int index) {
   return std::holds_alternative<EquidistantDistortion>(model.distortion()) ? 0.02 : 0.05;
 }
 
-CameraModel moved_lens(const CameraModel& model, const CameraParameter& parameter, double step) {
+bool is_of_a_lens(const Pinhole& pinhole, const std::vector<double>& coefficients) {
+  const auto is_finite = [](double value) { return std::isfinite(value); };
+  return pinhole.fx > 0.0 && pinhole.fy > 0.0 && is_finite(pinhole.fx) && is_finite(pinhole.fy) &&
+         is_finite(pinhole.cx) && is_finite(pinhole.cy) && std::ranges::all_of(coefficients, is_finite);
+}
+
+std::optional<CameraModel> moved_lens(const CameraModel& model, const CameraParameter& parameter,
+                                      double step) {
   Pinhole pinhole = model.pinhole();
   std::vector<double> coefficients = coefficients_of(model);
-  const bool is_share = parameter.kind == Kind::kFocalLength || parameter.kind == Kind::kAspect;
-  if (is_share && !(step > -1.0)) throw invalid_input("focal length", "is not above 0");
   switch (parameter.kind) {
     case Kind::kFocalLength:
       pinhole.fx *= 1.0 + step;
@@ -71,7 +76,8 @@ CameraModel moved_lens(const CameraModel& model, const CameraParameter& paramete
     default:
       coefficients[static_cast<std::size_t>(parameter.index)] += step;
   }
-  return {pinhole, std::visit(WithCoefficients{coefficients}, model.distortion())};
+  if (!is_of_a_lens(pinhole, coefficients)) return std::nullopt;
+  return CameraModel(pinhole, std::visit(WithCoefficients{coefficients}, model.distortion()));
 }
 
 /// Half a sigma either way is too far for the lens formula: a step that moves pixels by about a hundredth.
@@ -176,7 +182,7 @@ std::optional<CameraParameter> parameter_of(const CameraCorrection& correction,
   return std::nullopt;
 }
 
-RigCamera moved(const RigCamera& camera, const CameraParameter& parameter, double step) {
+std::optional<RigCamera> moved(const RigCamera& camera, const CameraParameter& parameter, double step) {
   RigCamera result = camera;
   if (parameter.kind == Kind::kEdgeOffset) {
     result.edge_offset_px += step;
@@ -185,7 +191,9 @@ RigCamera moved(const RigCamera& camera, const CameraParameter& parameter, doubl
     xi[parameter.index + (parameter.kind == Kind::kRotation ? 3 : 0)] = step;
     result.T_camera_rig = camera.T_camera_rig * Pose::exp(xi);
   } else {
-    result.model = moved_lens(camera.model, parameter, step);
+    const std::optional<CameraModel> lens = moved_lens(camera.model, parameter, step);
+    if (!lens) return std::nullopt;
+    result.model = *lens;
   }
   return result;
 }
@@ -251,9 +259,12 @@ std::vector<ParameterView> camera_columns(const Observations& observations,
     const CameraParameter& parameter = parameters[static_cast<std::size_t>(p)];
     const auto camera = static_cast<std::size_t>(parameter.camera);
     const double step = difference_step(parameter);
+    const auto camera_above = moved(state.cameras[camera], parameter, step);
+    const auto camera_below = moved(state.cameras[camera], parameter, -step);
+    APRILTRACK_CHECK(camera_above && camera_below, "a small step leaves a lens a lens");
     MapState above = state, below = state;
-    above.cameras[camera] = moved(state.cameras[camera], parameter, step);
-    below.cameras[camera] = moved(state.cameras[camera], parameter, -step);
+    above.cameras[camera] = *camera_above;
+    below.cameras[camera] = *camera_below;
     for (std::size_t i = 0; i < views.size(); ++i) {
       const TagView& view = observations.views[views[i]];
       Vector8d residual_above, residual_below;

@@ -46,8 +46,9 @@ CameraParameters extrinsic_parameters(const std::vector<int>& cameras);
 std::optional<CameraParameter> parameter_of(const CameraCorrection& correction,
                                             const std::vector<RigCamera>& rig);
 
-/// The camera with the parameter moved by `step`; throws Error(kInvalidInput) where no lens has that.
-RigCamera moved(const RigCamera& camera, const CameraParameter& parameter, double step);
+/// The camera with the parameter moved by `step`; nullopt where no lens has that: numbers that are not
+/// finite, or a focal length that is not above 0.
+std::optional<RigCamera> moved(const RigCamera& camera, const CameraParameter& parameter, double step);
 
 /// By how much moved() took the parameter from one camera to the other; of places to first order.
 double difference(const RigCamera& from, const RigCamera& to, const CameraParameter& parameter);
