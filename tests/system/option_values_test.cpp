@@ -87,6 +87,7 @@ TEST_F(OptionValues, AHeldTagBeyondAllIdsIsNotTakenForAnother) {
         EndsWith(2, "--held-tag: must be ID or family/ID, ID from 0 to 2147483647 (is '" + id + "')"));
   }
   EXPECT_THAT(calibrate({"--held-tag", "2147483647"}), EndsWith(1, "no tags were seen"));
+  EXPECT_THAT(calibrate({}), EndsWith(1, "apriltrack doctor looks for tags of other families"));
 }
 
 TEST_F(OptionValues, AHeldTagThatIsNoneIsToldBeforeAnythingIsSeen) {

@@ -120,6 +120,10 @@ std::set<std::string> told_already(const Sightings& sightings, const CameraRig& 
   return {warnings.begin(), warnings.end()};
 }
 
+bool has_tags(const Sightings& sightings) {
+  return std::ranges::any_of(sightings.frames, [](const auto& one) { return !one.detections.empty(); });
+}
+
 /// By what was read before Ctrl-C, if it came so early; if it comes now, without a result.
 CalibrationResult solve(CalibrateOptions& a, const Sightings& sightings, const CameraRig& rig,
                         const TagSizes& sizes) {
@@ -135,6 +139,9 @@ CalibrationResult solve(CalibrateOptions& a, const Sightings& sightings, const C
   } catch (const ConstraintError&) {
     throw;
   } catch (const Error& error) {
+    if (!has_tags(sightings))
+      throw Error(error.kind(), error.where(),
+                  fmt::format("{} (apriltrack doctor looks for tags of other families)", error.cause()));
     throw with_options(error);
   }
 }
@@ -164,12 +171,10 @@ std::optional<RefinementResult> refine(CalibrateOptions& a, const Sightings& sig
 
 /// Of pictures without a tag that is all there is to say.
 void tell_of_odd_pictures(const CalibrateOptions& a, const Sightings& sightings) {
-  const bool has_tags =
-      std::ranges::any_of(sightings.frames, [](const auto& one) { return !one.detections.empty(); });
-  if (!has_tags && !sightings.odd_pictures.empty())
+  if (!has_tags(sightings) && !sightings.odd_pictures.empty())
     throw no_result("calibrate", sightings.odd_pictures.front());
   for (const std::string& odd : sightings.odd_pictures) a.console.warning(odd);
-  if (!has_tags && !sightings.left_out.is_empty()) a.console.warning(sightings.left_out.message());
+  if (!has_tags(sightings) && !sightings.left_out.is_empty()) a.console.warning(sightings.left_out.message());
 }
 
 void make_map(CLI::App& command, CalibrateOptions& a) {
@@ -194,8 +199,7 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
   if (sightings.counts.is_interrupted && sightings.counts.readable == 0)
     throw no_result("calibrate", kInterruptedAtOnce);
   for (const std::string& warning : sightings.warnings) a.console.warning(warning);
-  if (sightings.counts.are_all_blank() &&
-      std::ranges::all_of(sightings.frames, [](const auto& one) { return one.detections.empty(); }))
+  if (sightings.counts.are_all_blank() && !has_tags(sightings))
     throw no_result("calibrate", told_of_blank_images(sightings.counts.readable));
   tell_of_odd_pictures(a, sightings);
 
