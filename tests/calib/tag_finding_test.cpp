@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "messages/tag_messages.h"
 
@@ -114,6 +116,24 @@ TEST(TagMessages, AreBesideTypedFields) {
   EXPECT_THAT(size.value, Optional(DoubleNear(1.25, 1e-12)));
   EXPECT_THAT(size.sigma, Optional(DoubleNear(0.0125, 1e-12)));
   EXPECT_FALSE(size.is_in_doubt);
+}
+
+// The words of docs/file_formats.md.
+TEST(CalibrationFinding, HasTheWordsOfTheDocuments) {
+  using enum CalibrationFinding::Kind;
+  const std::pair<CalibrationFinding::Kind, std::string_view> words[] = {
+      {kWrongSize, "wrong_size"},
+      {kDuplicateId, "duplicate_id"},
+      {kContradictsOthers, "contradicts_others"},
+      {kLostWithOthers, "lost_with_others"},
+      {kSeparateComponent, "separate_component"},
+      {kDisplacedAtRest, "displaced_at_rest"},
+      {kPrintAnisotropy, "print_anisotropy"},
+      {kNoCovariances, "no_covariances"},
+      {kOtherLens, "other_lens"},
+      {kReadout, "readout"},
+      {kFrameNotMeasured, "frame_not_measured"}};
+  for (const auto& [kind, word] : words) EXPECT_EQ(to_string(kind), word);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -42,6 +43,19 @@ TEST(Prints, OfTwoSizesAreTold) {
   EXPECT_THAT(run.err,
               AllOf(HasSubstr("two prints of different size: tag36h11/2, tag36h11/10, tag36h11/11 are 1.9 %"),
                     HasSubstr("--tag-sizes")));
+  const auto& findings = summary["findings"];  // the keys of docs/file_formats.md
+  const auto found =
+      std::ranges::find_if(findings, [](const auto& one) { return one["kind"] == "size_groups"; });
+  ASSERT_NE(found, findings.end()) << findings;
+  EXPECT_EQ((*found)["tags"], prints["larger"]);
+  EXPECT_EQ((*found)["alternatives"], nlohmann::json::array({prints["smaller"]}));
+  EXPECT_NEAR((*found)["value"].get<double>(), 0.160 / 0.157, 0.002);
+  EXPECT_EQ((*found)["unit"], "1");
+  EXPECT_GT((*found)["sigma"].get<double>(), 0.0);
+  EXPECT_TRUE((*found)["time_ns"].is_null());
+  EXPECT_TRUE((*found)["log_odds"].is_null());
+  EXPECT_EQ((*found)["left_out"], false);
+  EXPECT_THAT(run.err, HasSubstr((*found)["message"].get<std::string>()));
 }
 
 }  // namespace
