@@ -125,11 +125,11 @@ bool has_tags(const Sightings& sightings) {
 }
 
 /// By what was read before Ctrl-C, if it came so early; if it comes now, without a result.
+/// told: what was said with file and line already.
 CalibrationResult solve(CalibrateOptions& a, const Sightings& sightings, const CameraRig& rig,
-                        const TagSizes& sizes) {
+                        const TagSizes& sizes, const std::set<std::string>& told) {
   if (!sightings.counts.is_interrupted) a.calibration.should_stop = a.refinement.should_stop = is_interrupted;
   try {
-    const std::set<std::string> told = told_already(sightings, rig);
     const LogSink log = [&, to_console = a.console.log()](LogLevel level, std::string_view message) {
       if (!told.contains(std::string(message))) to_console(level, message);
     };
@@ -146,7 +146,7 @@ CalibrationResult solve(CalibrateOptions& a, const Sightings& sightings, const C
   }
 }
 
-/// What was found, but for what was said with file and line already.
+/// What was found, but for what was said already.
 std::vector<std::string> warnings_of(const std::vector<CalibrationFinding>& found,
                                      const std::set<std::string>& told) {
   std::vector<std::string> warnings;
@@ -216,10 +216,10 @@ void make_map(CLI::App& command, CalibrateOptions& a) {
   a.calibration.edge_offset_sigma_px =
       a.edge_offset_sigma_px.value_or(a.detections.empty() ? 0.0 : kForeignEdgeOffset_px);
   if (!a.held_tag.empty()) a.calibration.held_tag = parse_held_tag(a, sightings);
-  CalibrationResult result = solve(a, sightings, rig, sizes);
+  const std::set<std::string> told = told_already(sightings, rig);
+  CalibrationResult result = solve(a, sightings, rig, sizes, told);
   const std::optional<RefinementResult> refinement = refine(a, sightings, result);
-  for (const std::string& warning : warnings_of(result.findings, told_already(sightings, rig)))
-    a.console.warning(warning);
+  for (const std::string& warning : warnings_of(result.findings, told)) a.console.warning(warning);
   if (refinement && refinement->is_stopped)
     a.console.warning("interrupted: the map is as the corners have it, not refined on pictures");
   else if (refinement && !refinement->is_accepted)
