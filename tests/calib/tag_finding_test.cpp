@@ -1,4 +1,4 @@
-// When what was found of a tag explains its views, and its message where another may be at fault.
+// What is said of a faulty tag, and where another may be at fault.
 #include "model/tag_finding.h"
 
 #include <gmock/gmock.h>
@@ -20,31 +20,6 @@ using ::testing::HasSubstr;
 using ::testing::Optional;
 using ::testing::StartsWith;
 using Kind = TagFinding::Kind;
-
-bool is_complete(Kind kind, double misfit_before, double misfit_after) {
-  return TagFinding{.kind = kind, .misfit_before = misfit_before, .misfit_after = misfit_after}.is_complete();
-}
-
-TEST(TagFinding, IsCompleteWhereNothingIsLeft) {
-  for (const Kind kind : {Kind::kSize, Kind::kMoved, Kind::kTwoPlaces, Kind::kNotFlat})
-    EXPECT_TRUE(is_complete(kind, 5.0, 1.2));
-  for (const Kind kind : {Kind::kSize, Kind::kMoved, Kind::kTwoPlaces, Kind::kNotFlat})
-    EXPECT_FALSE(is_complete(kind, 5.0, 2.0));
-}
-
-// A map without the tag that joined it errs: of a large misfit some is left by what explains it.
-TEST(TagFinding, IsCompleteWhereHardlyAnythingOfMuchIsLeft) {
-  EXPECT_TRUE(is_complete(Kind::kMoved, 50.0, 4.0));
-  EXPECT_FALSE(is_complete(Kind::kMoved, 50.0, 6.0));
-  EXPECT_TRUE(is_complete(Kind::kTwoPlaces, 50.0, 4.0));
-  EXPECT_TRUE(is_complete(Kind::kSize, 20.0, 2.5));
-  EXPECT_FALSE(is_complete(Kind::kSize, 20.0, 4.0));
-  EXPECT_FALSE(is_complete(Kind::kNotFlat, 50.0, 4.0));
-}
-
-TEST(TagFinding, IsCompleteOfATagWithoutAPlace) {
-  EXPECT_TRUE(is_complete(Kind::kLoose, 9.0, 9.0));
-}
 
 /// Of tags 0 to 9, at rest since the first frame.
 Observations of_ten_tags() {

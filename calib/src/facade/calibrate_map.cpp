@@ -200,7 +200,7 @@ int count_repetitions_once(Observations& observations, const CalibrationOptions&
 /// without it. By the cameras of the main part.
 void add_other_parts(Observations observations, const std::vector<Part>& parts,
                      const std::vector<int>& held_tags, const PartSolution& main,
-                     const CalibrationOptions& options, const ParallelFor& parallel, const LogSink& log,
+                     const CalibrationOptions& options, const ParallelFor& parallel,
                      CalibrationResult& result, Findings& findings) {
   observations.cameras = main.state.cameras;
   for (std::size_t i = 1; i < parts.size(); ++i) {
@@ -208,7 +208,7 @@ void add_other_parts(Observations observations, const std::vector<Part>& parts,
       const std::vector<ViewCandidates> candidates = solve_views(observations, parts[i].views, parallel);
       const PartSolution other =
           solve_part(observations, {observations.cameras, candidates, &main.cameras, main.time_errors},
-                     parts[i], held_tags[i], options, {}, parallel, log);
+                     parts[i], held_tags[i], options, {}, parallel);
       MapEvidence evidence = part_evidence(observations, other, options);
       report_quality(observations, other, options, findings);
       result.time_errors = with_known(std::move(result.time_errors), other.time_errors);
@@ -265,13 +265,13 @@ CalibrationResult calibrated(std::span<const FrameDetections> frames, const Came
   log(LogLevel::kInfo, fmt::format("adjusting {} tags from {} observations", parts.front().tags.size(),
                                    parts.front().views.size()));
   const PartSolution main = solve_part(observations, {start, candidates}, parts.front(), held_tags.front(),
-                                       options, constraints, parallel, log);
+                                       options, constraints, parallel);
   take_cameras(observations, rig, main, options, result, findings);
   report_quality(observations, main, options, findings);
   take_map(observations, main, options, result, findings);
   if (options.cross_validate) result.cross_validation = cross_validate(observations, main, options);
   if (parts.size() > 1)
-    add_other_parts(observations, parts, held_tags, main, options, parallel, log, result, findings);
+    add_other_parts(observations, parts, held_tags, main, options, parallel, result, findings);
   return result;
 }
 

@@ -13,11 +13,12 @@
 #include "apriltrack/calib/calibration_options.h"
 #include "apriltrack/calib/map_constraints.h"
 #include "apriltrack/calib/systematic_errors.h"
+#include "cameras/camera_refinement.h"
 #include "cameras/time_errors.h"
 #include "constraints/camera_gravity.h"
 #include "faults/lost_links.h"
 #include "faults/split_links.h"
-#include "hypotheses/agreeing_part.h"
+#include "hypotheses/faulty_tags.h"
 #include "hypotheses/improved_part.h"
 #include "hypotheses/part_failure.h"
 #include "hypotheses/print_aspect.h"
@@ -137,23 +138,31 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
   keep_to_constraints(observations, CovarianceOperator(*linear.poses, solution.scale, shared), solution);
 }
 
-AdjustedPart adjusted(const PartTask& task, const Part& part, int held_tag, const ParallelFor& parallel,
-                      const LogSink& log) {
+/// That are estimated where the views ask for it.
+CameraParameters parameters_to_ask(const PartTask& task, const Part& part) {
+  if (task.options.intrinsics == Intrinsics::kKeep) return {};
+  return intrinsic_parameters(cameras_of(task.observations, part), task.observations.cameras);
+}
+
+/// cameras: parameters that may be estimated later.
+AdjustedPart adjusted(const PartTask& task, const Part& part, int held_tag, const CameraParameters& cameras,
+                      const ParallelFor& parallel) {
   require_rig_that_fits(task, part);
-  AdjustedPart solved = adjust_without_contradictions(task, part, held_tag, parallel, log);
+  AdjustedPart solved = adjust_part_or_most_of_it(task, part, held_tag, parallel).value_or_throw();
+  leave_out_faulty_tags(task, part, cameras, solved, parallel);
   if (const auto failure = leave_out_undecided(task, part, solved, parallel)) throw failure->to_error();
   return solved;
 }
 
 /// start: cameras that may have other lenses than the task's. What fails by these may fail for them.
 AdjustedPart adjusted_from(const std::vector<RigCamera>& start, const PartTask& task, const Part& part,
-                           int held_tag, const ParallelFor& parallel, const LogSink& log) {
+                           int held_tag, const CameraParameters& cameras, const ParallelFor& parallel) {
   if (!have_other_lenses(start, task.observations.cameras))
-    return adjusted(task, part, held_tag, parallel, log);
+    return adjusted(task, part, held_tag, cameras, parallel);
   Observations by_start = task.observations;
   by_start.cameras = start;
   try {
-    return adjusted({by_start, task.candidates, task.options}, part, held_tag, parallel, log);
+    return adjusted({by_start, task.candidates, task.options}, part, held_tag, cameras, parallel);
   } catch (const Error& error) {
     throw no_result(
         error.where(),
@@ -174,10 +183,9 @@ std::vector<TimeError> time_errors_of(const PartTask& task, const AdjustedPart& 
 void take_improved(ImprovedPart improved, PartSolution& solution) {
   AdjustedPart& solved = improved.solved;
   solution.cameras = std::move(improved.cameras);
-  solution.findings = std::move(improved.findings);
+  solution.findings = std::move(solved.findings);
   solution.contradicted = std::move(improved.contradicted);
   solution.held_tag = solved.held_tag;
-  solution.culprits = std::move(solved.culprits);
   std::ranges::copy_if(solved.undecided, std::back_inserter(solution.undecided), [&](int tag) {
     return std::ranges::find(solution.findings, tag, &TagFinding::tag) == solution.findings.end();
   });
@@ -210,7 +218,6 @@ void find_disagreeing_views(const PartTask& task, const Part& part, PartSolution
 std::vector<int> lost_tags(const Part& part, const PartSolution& solution) {
   std::set<int> explained(solution.undecided.begin(), solution.undecided.end());
   explained.insert(solution.contradicted.begin(), solution.contradicted.end());
-  explained.insert(solution.culprits.begin(), solution.culprits.end());
   for (const TagFinding& finding : solution.findings)
     if (finding.is_left_out) explained.insert(finding.tag);
   std::vector<int> lost;
@@ -229,14 +236,13 @@ void require_sense(const PartSolution& solution) {
 
 PartSolution solved_part(Observations& observations, const CamerasOfPart& cameras, const Part& part,
                          int held_tag, const CalibrationOptions& options,
-                         const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
-                         const LogSink& log) {
+                         const std::vector<MapConstraint>& constraints, const ParallelFor& parallel) {
   const PartTask task{observations, cameras.candidates, options};  // sees the edges that the map gives them
-  AdjustedPart first = adjusted_from(cameras.start, task, part, held_tag, parallel, log);
+  const CameraParameters open = cameras.known ? CameraParameters{} : parameters_to_ask(task, part);
+  AdjustedPart first = adjusted_from(cameras.start, task, part, held_tag, open, parallel);
   PartSolution solution;
   solution.time_errors = time_errors_of(task, first);
-  ImprovedPart improved =
-      improve_part(task, part, std::move(first), cameras.known, observations, parallel, log);
+  ImprovedPart improved = improve_part(task, part, std::move(first), cameras.known, observations, parallel);
   solution.are_cameras_given = cameras.known != nullptr;
   solution.known_time_errors = cameras.time_errors;
   take_improved(std::move(improved), solution);
@@ -256,10 +262,9 @@ PartSolution solved_part(Observations& observations, const CamerasOfPart& camera
 
 PartSolution solve_part(Observations& observations, const CamerasOfPart& cameras, const Part& part,
                         int held_tag, const CalibrationOptions& options,
-                        const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
-                        const LogSink& log) {
+                        const std::vector<MapConstraint>& constraints, const ParallelFor& parallel) {
   try {
-    return solved_part(observations, cameras, part, held_tag, options, constraints, parallel, log);
+    return solved_part(observations, cameras, part, held_tag, options, constraints, parallel);
   } catch (const HeldTagAtFault& error) {
     throw no_result(error.where(), cause_of(observations, error));
   } catch (const NothingLeft& error) {

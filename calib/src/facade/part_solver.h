@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "apriltrack/base/log.h"
 #include "apriltrack/base/parallel.h"
 #include "apriltrack/calib/calibration_options.h"
 #include "apriltrack/calib/map_constraints.h"
@@ -28,7 +27,6 @@ struct CamerasOfPart {
 /// an edge offset (take_edges_from_map). constraints: whose tags are named by family and id.
 PartSolution solve_part(Observations& observations, const CamerasOfPart& cameras, const Part& part,
                         int held_tag, const CalibrationOptions& options,
-                        const std::vector<MapConstraint>& constraints, const ParallelFor& parallel,
-                        const LogSink& log);
+                        const std::vector<MapConstraint>& constraints, const ParallelFor& parallel);
 
 }  // namespace apriltrack

@@ -96,11 +96,6 @@ struct Normal {
   Vector9d g = Vector9d::Zero();
 };
 
-/// By how much the aspect changes with the scale's logarithm.
-double aspect_by_scale(ShapeFreedom freedom) {
-  return freedom == ShapeFreedom::kWidth ? 2.0 : freedom == ShapeFreedom::kHeight ? -2.0 : 0.0;
-}
-
 Normal normal_equations(const std::vector<ProbeView>& views, const TagFit& fit, ShapeFreedom freedom,
                         double loss_scale) {
   Normal normal;
@@ -108,7 +103,6 @@ Normal normal_equations(const std::vector<ProbeView>& views, const TagFit& fit, 
     Vector8d residual;
     Matrix8x9d jacobian;
     if (!probe_residual(view, fit.T_map_tag, fit.shape, &residual, &jacobian)) continue;
-    jacobian.col(6) += aspect_by_scale(freedom) * jacobian.col(7);
     if (freedom == ShapeFreedom::kNone) jacobian.col(6).setZero();
     if (freedom != ShapeFreedom::kBend) jacobian.rightCols<2>().setZero();
     const double weight = view.share * ViewLoss(view, loss_scale).weight(residual.squaredNorm());
@@ -122,11 +116,11 @@ Normal normal_equations(const std::vector<ProbeView>& views, const TagFit& fit, 
   return normal;
 }
 
-TagFit moved_by(const TagFit& fit, const Vector9d& step, ShapeFreedom freedom) {
+TagFit moved_by(const TagFit& fit, const Vector9d& step) {
   TagFit result = fit;
   result.T_map_tag = fit.T_map_tag * Pose::exp(Vector6d(step.head<6>()));
   result.shape.log_scale += step[6];
-  result.shape.aspect += step[7] + aspect_by_scale(freedom) * step[6];
+  result.shape.aspect += step[7];
   result.shape.twist += step[8];
   return result;
 }
@@ -142,7 +136,7 @@ TagFit descended(const std::vector<ProbeView>& views, TagFit best, ShapeFreedom 
       Matrix9d H = normal.H;
       H.diagonal() *= 1.0 + damping;
       const Vector9d change = -H.ldlt().solve(normal.g);
-      TagFit trial = change.allFinite() ? moved_by(best, change, freedom) : best;
+      TagFit trial = change.allFinite() ? moved_by(best, change) : best;
       trial.cost = total_cost(views, trial, loss_scale);
       is_better = trial.cost < best.cost;
       damping *= is_better ? 0.1 : 10.0;
@@ -236,8 +230,7 @@ TagFit fit_tag(const std::vector<ProbeView>& views, TagFit start, ShapeFreedom f
       normal_equations(views, best, freedom, kProbeLoss).H.ldlt().solve(Matrix9d::Identity());
   best.covariance = covariance.topLeftCorner<6, 6>();
   best.scale_sigma = std::sqrt(std::max(0.0, covariance(6, 6)));
-  best.aspect_sigma = freedom == ShapeFreedom::kBend ? std::sqrt(std::max(0.0, covariance(7, 7)))
-                                                     : std::abs(aspect_by_scale(freedom)) * best.scale_sigma;
+  best.aspect_sigma = std::sqrt(std::max(0.0, covariance(7, 7)));
   best.twist_sigma = std::sqrt(std::max(0.0, covariance(8, 8)));
   return best;
 }
@@ -260,10 +253,7 @@ ShapeError shape_error_of(const TagFit& fit) {
           .aspect = shape.aspect,
           .aspect_sigma = fit.aspect_sigma,
           .twist = shape.twist,
-          .twist_sigma = fit.twist_sigma,
-          .is_aspect_clear = fit.is_aspect_clear,
-          .is_twist_clear = fit.is_twist_clear,
-          .is_clear_together = fit.is_clear_together};
+          .twist_sigma = fit.twist_sigma};
 }
 
 }  // namespace apriltrack

@@ -24,8 +24,6 @@ struct TagShape {
 enum class ShapeFreedom {
   kNone,
   kSize,
-  kWidth,  ///< Of one side alone: a print that curls about the other is shorter along it.
-  kHeight,
   kBend  ///< Size, aspect and twist: a curled print is shorter along one side.
 };
 
@@ -35,8 +33,6 @@ struct TagFit {
   double cost = 0.0;                                                ///< Sum of probe_cost() by shares.
   Matrix6d covariance = Matrix6d::Zero();                           ///< Of the pose.
   double scale_sigma = 0.0, aspect_sigma = 0.0, twist_sigma = 0.0;  ///< Where they were free.
-  bool is_aspect_clear = false, is_twist_clear = false;             ///< Beyond doubt.
-  bool is_clear_together = false;  ///< It is the three that leave no doubt, not the one that is clear.
 };
 
 /// What the fit says of the tag's shape.

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include "apriltrack/base/degrees.h"
@@ -101,26 +100,13 @@ bool is_a_place(const TagFit& fit, const TagFit& other, const std::vector<ProbeV
   return views.size() >= kLeastOfMoved || is_plainly_a_place(fit, other, views);
 }
 
-/// The one that is nearer to `one`, where two are about as likely.
-TagFit place_by_itself(const ProbeView& probe, const TagFit& one) {
-  constexpr double kAboutAsLikely = 2.0;  // nats
-  TagFit anew = fit_tag_anew({probe}, one.shape.size_m);
-  TagFit near = fit_tag({probe}, one, ShapeFreedom::kNone);
-  return near.cost < anew.cost + kAboutAsLikely * probe.share ? near : anew;
-}
-
-}  // namespace
-
-double least_shift_m(const Pose& change, double size_m) {
-  const double turn_rad = rotation_angle_rad(change.rotation(), Eigen::Quaterniond::Identity());
-  return turn_rad > kClearTurn_rad ? 0.0 : std::max(kClearMoveInSizes * size_m, kClearMove_m);
-}
-
+/// How far apart two tags that hang at a time must be, one turned and shifted so against the other.
 double least_between_tags_m(const Pose& change, double size_m) {
   const double turn_rad = rotation_angle_rad(change.rotation(), Eigen::Quaterniond::Identity());
   return size_m * (turn_rad > kAnEdge_rad ? kAboutAnEdge : kSideBySide);
 }
 
+/// Where views that are so and others are told apart best by time: the first after the change.
 std::size_t moment_of_change(const std::vector<bool>& is_so) {
   const auto num = std::ranges::count(is_so, true);
   const double share = static_cast<double>(num) / static_cast<double>(is_so.size());
@@ -133,6 +119,20 @@ std::size_t moment_of_change(const std::vector<bool>& is_so) {
     best = i + 1;
   }
   return best;
+}
+
+/// So that `fit` is the place of the first view.
+void put_first_view_first(TwoPlaces& two) {
+  if (!two.is_at_second.front()) return;
+  std::swap(two.fit, two.second);
+  two.is_at_second.flip();
+}
+
+}  // namespace
+
+double least_shift_m(const Pose& change, double size_m) {
+  const double turn_rad = rotation_angle_rad(change.rotation(), Eigen::Quaterniond::Identity());
+  return turn_rad > kClearTurn_rad ? 0.0 : std::max(kClearMoveInSizes * size_m, kClearMove_m);
 }
 
 std::optional<TwoPlaces> moved_once(const std::vector<ProbeView>& probes, const TagFit& one, double size_m) {
@@ -163,24 +163,6 @@ bool is_one_change(const std::vector<bool>& is_at_second) {
   return changes == 1;
 }
 
-void put_first_view_first(TwoPlaces& two) {
-  if (!two.is_at_second.front()) return;
-  std::swap(two.fit, two.second);
-  two.is_at_second.flip();
-}
-
-bool is_beyond_doubt(const TwoPlaces& two, const std::vector<ProbeView>& probes) {
-  const auto first = where(probes, two.is_at_second, false), second = where(probes, two.is_at_second, true);
-  return first.size() < second.size() ? is_plainly_a_place(two.fit, two.second, first)
-                                      : is_plainly_a_place(two.second, two.fit, second);
-}
-
-std::size_t count_elsewhere(const TagFit& one, const std::vector<ProbeView>& probes) {
-  return static_cast<std::size_t>(std::ranges::count_if(probes, [&](const ProbeView& probe) {
-    return probe_squares(probe, one.T_map_tag, one.shape) > kElsewhereSquares;
-  }));
-}
-
 // The views that the one place explains worst tell where the other is.
 std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const TagFit& one, double size_m) {
   std::vector<bool> at_second = are_elsewhere(probes, one);
@@ -209,44 +191,6 @@ std::optional<TwoPlaces> two_places(const std::vector<ProbeView>& probes, const 
   return result;
 }
 
-// Each view at a place of its own, normally distributed about the one by as much as they scatter, against all
-// at the one: by how much likelier the views are, nats. A view's place is taken up by six of its eight
-// numbers, so that a place of its own explains any error; the determinant is what that costs. A frame that
-// rests on one tag may be mirrored with it: where others are enough, it does not count.
-bool is_loose(const std::vector<ProbeView>& all_probes, const TagFit& one) {
-  constexpr std::size_t kEnough = 8;
-  constexpr double kClearOdds = 20.0;       // nats
-  constexpr double kLeastElsewhere = 0.35;  // of the views: fewer are outliers
-  std::vector<ProbeView> probes;
-  std::ranges::copy_if(all_probes, std::back_inserter(probes), &ProbeView::is_frame_sure);
-  if (probes.size() < kEnough) probes = all_probes;
-  std::vector<TagFit> alone;
-  std::vector<Vector6d> aside;
-  Matrix6d scatter = Matrix6d::Zero();
-  double shares = 0.0;
-  for (const ProbeView& probe : probes) {
-    alone.push_back(place_by_itself(probe, one));
-    aside.push_back((one.T_map_tag.inverse() * alone.back().T_map_tag).log());
-    scatter += probe.share * aside.back() * aside.back().transpose();
-    shares += probe.share;
-  }
-  scatter /= shares;
-  double odds = 0.0, shares_elsewhere = 0.0;
-  for (std::size_t i = 0; i < probes.size(); ++i) {
-    // In the tag's frame by its own view: small as the swing is, the same as by the one place.
-    const Matrix6d own = probes[i].share * alone[i].covariance;
-    const Matrix6d about = own + scatter;
-    const double squares = probe_squares(probes[i], alone[i].T_map_tag, alone[i].shape) +
-                           aside[i].dot(about.ldlt().solve(aside[i]));
-    const double before = probe_squares(probes[i], one.T_map_tag, one.shape);
-    if (!std::isfinite(squares) || !std::isfinite(before)) continue;
-    const double of_view = cost_of_squares(probes[i], before) - cost_of_squares(probes[i], squares) -
-                           0.5 * std::log(about.determinant() / own.determinant());
-    odds += probes[i].share * of_view;
-    if (of_view > 0.0) shares_elsewhere += probes[i].share;
-  }
-  return odds > kClearOdds && shares_elsewhere > kLeastElsewhere * shares;
-}
 PlaceChange change_at_a_moment(const TwoPlaces& two, const std::vector<Timestamp>& times) {
   const auto second =
       static_cast<std::size_t>(std::ranges::find(two.is_at_second, true) - two.is_at_second.begin());

@@ -12,8 +12,8 @@
 #include "apriltrack/base/parallel.h"
 #include "apriltrack/calib/calibration_options.h"
 #include "cameras/open_cameras.h"
-#include "hypotheses/agreeing_part.h"
 #include "hypotheses/undecided_tags.h"
+#include "initialise/part_adjustment.h"
 
 namespace apriltrack {
 namespace {
@@ -26,8 +26,7 @@ constexpr double kNothingHeldOut = -1.0;
 
 /// What may be mapped still.
 Part without_left_out(const Observations& observations, const Part& part, const AdjustedPart& solved) {
-  std::set<int> out(solved.undecided.begin(), solved.undecided.end());
-  out.insert(solved.culprits.begin(), solved.culprits.end());
+  const std::set<int> out = tags_left_out(solved);
   Part rest{{}, views_without(observations, part, out)};
   std::ranges::set_difference(part.tags, out, std::back_inserter(rest.tags));
   return rest;
@@ -172,36 +171,37 @@ struct Again {
   CameraRefinement refined;
 };
 
-/// nullopt where they give no map.
+/// nullopt where they give no map. Tags that were undecided are asked again.
 std::optional<Again> solve_again(const PartTask& task, const Part& part, const AdjustedPart& solved,
-                                 const CameraRefinement& cameras, const ParallelFor& parallel,
-                                 const LogSink& log) {
+                                 const CameraRefinement& cameras, const ParallelFor& parallel) {
   Observations by_cameras = task.observations;
   by_cameras.cameras = solved.state.cameras;
   std::vector<ViewCandidates> candidates = solve_views(by_cameras, part.views, parallel);
   const PartTask again{by_cameras, candidates, task.options};
-  const Part seen = with_poses(again, part, solved.held_tag);
-  try {
-    AdjustedPart anew = adjust_without_contradictions(again, seen, solved.held_tag, parallel, log);
-    if (leave_out_undecided(again, seen, anew, parallel)) return std::nullopt;
-    CameraRefinement refined =
-        refine_cameras(task, without_left_out(task.observations, seen, anew), less_known_parameters(cameras),
-                       kNothingHeldOut, anew, parallel);
-    if (!refined.is_accepted) return std::nullopt;
-    keep_test_of(cameras, refined);
-    return Again{std::move(candidates), std::move(anew), std::move(refined)};
-  } catch (const Error&) {
-    return std::nullopt;
-  }
+  std::set<int> gone;
+  for (const TagFinding& finding : solved.findings)
+    if (finding.is_left_out) gone.insert(finding.tag);
+  const Part seen = with_poses(again,
+                               connected_to(by_cameras, views_without(by_cameras, part, gone),
+                                            solved.held_tag, task.options.min_views),
+                               solved.held_tag);
+  Outcome<AdjustedPart> anew = adjust_part(again, seen, solved.held_tag, parallel);
+  if (!anew) return std::nullopt;
+  anew->findings = solved.findings;
+  if (leave_out_undecided(again, seen, *anew, parallel)) return std::nullopt;
+  CameraRefinement refined = refine_cameras(task, without_left_out(task.observations, seen, *anew),
+                                            less_known_parameters(cameras), kNothingHeldOut, *anew, parallel);
+  if (!refined.is_accepted) return std::nullopt;
+  keep_test_of(cameras, refined);
+  return Again{std::move(candidates), std::move(*anew), std::move(refined)};
 }
 
-/// Until they stay. What is about right stays as it was where that finds nothing better; but tags that
-/// contradicted the others by the file's cameras are asked again.
+/// Until they stay. What is about right stays as it was.
 void solve_by_refined_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
-                              const LogSink& log, AdjustedPart& solved, BetterCameras& cameras) {
-  if (!is_far_from_file(cameras.refined) && (solved.culprits.empty() || !cameras.refined.is_accepted)) return;
+                              AdjustedPart& solved, BetterCameras& cameras) {
+  if (!is_far_from_file(cameras.refined)) return;
   for (int i = 0; i < kMostLenses; ++i) {
-    std::optional<Again> again = solve_again(task, part, solved, cameras.refined, parallel, log);
+    std::optional<Again> again = solve_again(task, part, solved, cameras.refined, parallel);
     if (!again) break;
     const bool is_settled = are_about_the_same(cameras.refined, again->refined);
     cameras.refined = std::move(again->refined);
@@ -294,26 +294,25 @@ bool is_far_from_file(const CameraRefinement& cameras) {
 }
 
 BetterCameras improve_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
-                              const LogSink& log, AdjustedPart& solved) {
+                              AdjustedPart& solved) {
   BetterCameras cameras;
   cameras.refined = better_cameras(task, without_left_out(task.observations, part, solved), solved, parallel);
-  solve_by_refined_cameras(task, part, parallel, log, solved, cameras);
+  solve_by_refined_cameras(task, part, parallel, solved, cameras);
   if (refine_other_cameras(task, part, parallel, solved, cameras.refined))
-    solve_by_refined_cameras(task, part, parallel, log, solved, cameras);
+    solve_by_refined_cameras(task, part, parallel, solved, cameras);
   find_what_is_not_taken(task, without_left_out(task.observations, part, solved), solved, parallel, cameras);
   return cameras;
 }
 
 void improve_cameras_again(const PartTask& task, const Part& part, const ParallelFor& parallel,
-                           const LogSink& log, AdjustedPart& solved, BetterCameras& cameras) {
+                           AdjustedPart& solved, BetterCameras& cameras) {
   const Part rest = narrowed_to(task.observations, part, solved.part.tags);
   const std::size_t num_before = cameras.refined.estimates.size();
-  const std::vector<int> culprits = solved.culprits, undecided = solved.undecided;
+  const std::vector<int> undecided = solved.undecided;
   refine_again(task, rest, parallel, solved, cameras.refined);
   if (cameras.refined.estimates.size() > num_before)
-    solve_by_refined_cameras(task, rest, parallel, log, solved, cameras);
-  add_to(solved.culprits, culprits);  // the rest knows nothing of them
-  add_to(solved.undecided, undecided);
+    solve_by_refined_cameras(task, rest, parallel, solved, cameras);
+  add_to(solved.undecided, undecided);  // the rest knows nothing of them
   find_what_is_not_taken(task, rest, solved, parallel, cameras);
 }
 

@@ -3,7 +3,6 @@
 #include <optional>
 #include <vector>
 
-#include "apriltrack/base/log.h"
 #include "apriltrack/base/parallel.h"
 #include "cameras/camera_refinement.h"
 
@@ -30,11 +29,11 @@ bool is_far_from_file(const CameraRefinement& cameras);
 /// part: before outliers were removed. Throws Error(kNoResult) where the file is wrong by far, and the views
 /// do not tell what is right.
 BetterCameras improve_cameras(const PartTask& task, const Part& part, const ParallelFor& parallel,
-                              const LogSink& log, AdjustedPart& solved);
+                              AdjustedPart& solved);
 
 /// The same once more, after tags were left out of `solved`: what was wrong with them may have been in the
 /// cameras' numbers, or have kept these from being better. Throws as improve_cameras does.
 void improve_cameras_again(const PartTask& task, const Part& part, const ParallelFor& parallel,
-                           const LogSink& log, AdjustedPart& solved, BetterCameras& cameras);
+                           AdjustedPart& solved, BetterCameras& cameras);
 
 }  // namespace apriltrack

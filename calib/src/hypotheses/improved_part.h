@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "apriltrack/base/log.h"
 #include "apriltrack/base/parallel.h"
 #include "hypotheses/better_cameras.h"
 #include "model/tag_finding.h"
@@ -13,18 +12,15 @@ namespace apriltrack {
 struct ImprovedPart {
   AdjustedPart solved;
   BetterCameras cameras;
-  std::vector<TagFinding> findings;
   std::vector<int> contradicted;  ///< Left out, for most of their views were rejected.
 };
 
-/// A lens near the file's that is taken unasked may stand for a tag of another size: the part is solved by
-/// the file's lens too, and where few tags have to go for that to do, these are what is wrong.
-///
+/// Cameras first, then tags that are faulty by these, and cameras again where any had to go.
 /// known: the cameras, where another part told them already. observations: the task's; in the end the
 /// edges of its views are those of the map where that moves an edge offset (take_edges_from_map); where this
 /// throws, they may be of a map that was not taken.
 ImprovedPart improve_part(const PartTask& task, const Part& part, AdjustedPart solved,
-                          const BetterCameras* known, Observations& observations, const ParallelFor& parallel,
-                          const LogSink& log);
+                          const BetterCameras* known, Observations& observations,
+                          const ParallelFor& parallel);
 
 }  // namespace apriltrack

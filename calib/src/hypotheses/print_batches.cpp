@@ -10,14 +10,13 @@
 #include <numeric>
 #include <utility>
 
-#include "faults/tag_fault.h"
 #include "faults/tag_fit.h"
 #include "model/corner_views.h"
-#include "uncertainty/linear_part.h"
 
 namespace apriltrack {
 namespace {
 
+constexpr double kClearSigmas = 4.5;
 constexpr std::size_t kMostTagsSized = 200;  // a dense system, whose best cut takes their cube
 constexpr int kLeastAlike = 2;               // of one, find_odd_shape tells
 constexpr double kPrintsDiffer = 0.05;  // of the size, standard deviation: keeps what no view tells near 0
@@ -183,13 +182,6 @@ std::optional<PrintBatches> find_print_batches(const Observations& observations,
   return batches;
 }
 
-std::optional<PrintBatches> find_print_batches(const PartTask& task, const AdjustedPart& solved) {
-  const LinearPart linear(task, solved.state, solved.part, solved.held_tag);
-  if (!linear.poses) return std::nullopt;
-  return find_print_batches(task.observations, linear.part.views, solved.state, linear.part.tags,
-                            *linear.poses, linear.scale);
-}
-
 std::optional<PrintBatches> print_batches_by(const std::vector<TagFinding>& findings,
                                              const Observations& observations, const std::vector<int>& rest) {
   std::vector<const TagFinding*> others;
@@ -215,15 +207,6 @@ std::optional<PrintBatches> print_batches_by(const std::vector<TagFinding>& find
   for (const int tag : rest) of_rest.push_back(observations.tags[static_cast<std::size_t>(tag)]);
   std::ranges::sort(of_others);
   return batches;
-}
-
-std::vector<double> sizes_as_printed(const Observations& observations, const PrintBatches& batches) {
-  std::vector<double> sizes_m = observations.sizes_m;
-  for (std::size_t tag = 0; tag < sizes_m.size(); ++tag) {
-    if (std::ranges::find(batches.larger, observations.tags[tag]) != batches.larger.end())
-      sizes_m[tag] *= std::exp(batches.log_ratio);
-  }
-  return sizes_m;
 }
 
 std::vector<ParameterView> size_errors(const Observations& observations,

@@ -19,16 +19,10 @@ std::optional<PrintBatches> find_print_batches(const Observations& observations,
                                                const std::vector<int>& tags, const PoseInformation& poses,
                                                const ErrorScale& scale);
 
-/// Of a part that was adjusted.
-std::optional<PrintBatches> find_print_batches(const PartTask& task, const AdjustedPart& solved);
-
 /// Where tags that were left out for their size are as many per cent larger, or smaller, all of them, and not
 /// few: another print, of which most went one by one. rest: the tags of the map.
 std::optional<PrintBatches> print_batches_by(const std::vector<TagFinding>& findings,
                                              const Observations& observations, const std::vector<int>& rest);
-
-/// As stated, but those of the larger print larger by the ratio.
-std::vector<double> sizes_as_printed(const Observations& observations, const PrintBatches& batches);
 
 /// How the views depend on two errors of unit variance: that either print is not as stated.
 std::vector<ParameterView> size_errors(const Observations& observations,

@@ -9,7 +9,7 @@
 #include "apriltrack/base/parallel.h"
 #include "faults/part_without.h"
 #include "faults/rival_tags.h"
-#include "faults/tag_suspects.h"
+#include "hypotheses/fault_finding.h"
 #include "hypotheses/part_failure.h"
 
 namespace apriltrack {
@@ -36,7 +36,7 @@ std::vector<TagFinding> findings_of(const PartTask& task, const Part& part, cons
   std::vector<TagFinding> findings;
   for (const int tag : rival) {
     std::optional<TagFinding> found;
-    if (is_solved) found = look_by(task, part, other, tag).finding;
+    if (is_solved) found = fault_of(task, part, other, tag).finding;
     if (found && !found->views_by_place[0].empty()) {
       found->blame = TagFinding::Blame::kThisOrAnother;
     } else {
@@ -111,11 +111,16 @@ bool leave_out_rivals_once(const PartTask& task, const Part& part, AdjustedPart&
 
 }  // namespace
 
-void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
-                      std::vector<TagFinding>& findings, const ParallelFor& parallel) {
+void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solved,
+                      const ParallelFor& parallel) {
   constexpr int kMostRounds = 3;  // of those that are left another may be the only joint
+  std::vector<TagFinding> findings = std::move(solved.findings);
+  solved.findings.clear();
+  std::set<int> known(solved.undecided.begin(), solved.undecided.end());
+  for (const TagFinding& finding : findings) known.insert(finding.tag);
   for (int round = 0; round < kMostRounds; ++round)
-    if (!leave_out_rivals_once(task, part, solved, known, findings, parallel)) return;
+    if (!leave_out_rivals_once(task, part, solved, known, findings, parallel)) break;
+  solved.findings = std::move(findings);
 }
 
 TagFinding with_rivals(const PartTask& task, const Part& part, const AdjustedPart& solved,

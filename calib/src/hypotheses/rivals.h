@@ -11,10 +11,9 @@ namespace apriltrack {
 /// Of a tag that was found at two places and another, or a board of them, that alone joins them (rival_tags)
 /// neither can be trusted: both are left out, the map is solved without, and each is told with the doubt. A
 /// tag that the user holds stays, and where several in a row join them, any of which may be it, they stay,
-/// too: that the map may be folded is told. known: the tags that were found before, and those that are found
-/// here. Throws Error(kNoResult) where too little is left.
-void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solved, std::set<int>& known,
-                      std::vector<TagFinding>& findings, const ParallelFor& parallel);
+/// too: that the map may be folded is told. Throws NothingLeft where too little is left.
+void leave_out_rivals(const PartTask& task, const Part& part, AdjustedPart& solved,
+                      const ParallelFor& parallel);
 
 /// The finding with the tags that may be at fault in its place, where there is no map. known: what was found
 /// before.

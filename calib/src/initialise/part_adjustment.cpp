@@ -18,7 +18,6 @@ namespace apriltrack {
 namespace {
 
 constexpr double kCoarseLoss = 30.0;   // views are some ten pixels off at the start
-constexpr double kFineLoss = 6.0;      // a good view's whitened norm is sqrt(8)
 constexpr double kMaxViewRms = 4.0;    // sigmas; one in 1e18 good views
 constexpr double kMaxComponent = 6.0;  // sigmas; one corner off, the rest of the tag in place
 // The same by the tails of what detectors claim: one in 10,000 views, and one number of them.
@@ -52,24 +51,30 @@ NoMap contradictory_around(const Observations& observations, int held_tag) {
                       to_string(observations.tags[static_cast<std::size_t>(held_tag)]), kWhatToCheck)};
 }
 
-/// What keeps it from being usable, if anything does.
-std::optional<NoMap> adjust_robustly(const Observations& observations, const Part& part, int held_tag,
-                                     const CalibrationOptions& options, MapState& state) {
-  // Steps that run out here are no failure yet: the clean adjustment must converge.
-  const auto adjust_with_loss = [&](double loss_scale) -> std::optional<NoMap> {
-    const AdjustmentSummary summary = adjust(observations, part.views, free_tags(part, held_tag),
-                                             adjustment_options(options, loss_scale), state);
-    if (summary.is_usable) return std::nullopt;
-    return NoMap{fmt::format("the robust adjustment of {} tags failed ({}); {}", part.tags.size(),
-                             summary.message, kWhatToCheck)};
-  };
+/// What keeps it from being usable, if anything does. Steps that run out are no failure yet: the clean
+/// adjustment must converge.
+std::optional<NoMap> adjust_with_loss(const PartTask& task, const Part& part, int held_tag, double loss_scale,
+                                      MapState& state) {
+  const AdjustmentSummary summary = adjust(task.observations, part.views, free_tags(part, held_tag),
+                                           adjustment_options(task.options, loss_scale), state);
+  if (summary.is_usable) return std::nullopt;
+  return NoMap{fmt::format("the robust adjustment of {} tags failed ({}); {}", part.tags.size(),
+                           summary.message, kWhatToCheck)};
+}
+
+/// From the start.
+std::optional<NoMap> adjust_robustly(const PartTask& task, const Part& part, int held_tag, MapState& state) {
   state.noise = {};
-  if (auto failure = adjust_with_loss(kCoarseLoss)) return failure;
-  state.noise = measure_noise(observations, part.views, state);
-  return adjust_with_loss(kFineLoss);
+  if (auto failure = adjust_with_loss(task, part, held_tag, kCoarseLoss, state)) return failure;
+  return settle_robustly(task, part, held_tag, state);
 }
 
 }  // namespace
+
+std::optional<NoMap> settle_robustly(const PartTask& task, const Part& part, int held_tag, MapState& state) {
+  state.noise = measure_noise(task.observations, part.views, state);
+  return adjust_with_loss(task, part, held_tag, kRobustLoss, state);
+}
 
 std::vector<std::size_t> inliers(const Observations& observations, const std::vector<std::size_t>& views,
                                  const MapState& state) {
@@ -124,7 +129,7 @@ Contradictions contradictions_of(const PartTask& task, const Part& part, const M
 }
 
 Outcome<AdjustedPart> adjust_part(const PartTask& task, const Part& offered, int held_tag,
-                                  const ParallelFor& parallel, MirrorTests tests) {
+                                  const ParallelFor& parallel) {
   const auto& [observations, candidates, options] = task;
   const Part part = with_poses(task, offered, held_tag);
   if (part.tags.size() < 2) return contradictory_around(observations, held_tag);
@@ -138,15 +143,13 @@ Outcome<AdjustedPart> adjust_part(const PartTask& task, const Part& offered, int
     result.part = std::move(*kept);
     return std::nullopt;
   };
-  if (auto failure = adjust_robustly(observations, part, held_tag, options, result.state)) return *failure;
+  if (auto failure = adjust_robustly(task, part, held_tag, result.state)) return *failure;
   for (int round = 0; round < kMaxRounds; ++round) {
     if (!turn_mirrored_groups(task, part, held_tag, result.state, parallel)) {
       if (auto failure = adjust_again()) return *failure;
-      if (tests == MirrorTests::kBefore ||
-          !turn_mirrored_groups(task, part, held_tag, result.state, parallel))
-        break;
+      if (!turn_mirrored_groups(task, part, held_tag, result.state, parallel)) break;
     }
-    if (auto failure = adjust_robustly(observations, part, held_tag, options, result.state)) return *failure;
+    if (auto failure = adjust_robustly(task, part, held_tag, result.state)) return *failure;
     result.part = {};
   }
   if (result.part.tags.empty()) {

@@ -13,15 +13,18 @@ namespace apriltrack {
 /// held has none.
 Part with_poses(const PartTask& task, const Part& part, int held_tag);
 
-/// How often mirrored tags are looked for: before outliers are removed, and again when the noise of what fits
-/// is known, which tells poses apart that outliers hid. Once does where maps are only compared.
-enum class MirrorTests { kBeforeAndAfter, kBefore };
-
-/// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment; of what has poses to
-/// start from. No map where it does not converge, or nothing fits.
+/// Start, robust adjustment, mirrored tags turned, outliers removed, clean adjustment; mirrored tags are
+/// looked for once more when the noise of what fits is known, which tells poses apart that outliers hid. Of
+/// what has poses to start from. No map where it does not converge, or nothing fits.
 Outcome<AdjustedPart> adjust_part(const PartTask& task, const Part& part, int held_tag,
-                                  const ParallelFor& parallel,
-                                  MirrorTests tests = MirrorTests::kBeforeAndAfter);
+                                  const ParallelFor& parallel);
+
+/// Cauchy's scale, on a view's whitened norm (a good one's is sqrt(8)).
+inline constexpr double kRobustLoss = 6.0;
+
+/// Takes `state` to the nearest minimum of the robust cost of all views, by one noise for all of them. Why
+/// there is none, if so.
+std::optional<NoMap> settle_robustly(const PartTask& task, const Part& part, int held_tag, MapState& state);
 
 /// Least squares over the inliers, which are chosen anew until they stay the same; these are returned. No map
 /// where nothing fits, or it does not converge: `state` is then of no use.

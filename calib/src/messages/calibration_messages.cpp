@@ -67,22 +67,7 @@ void warn_of_rejected_tags(const Observations& observations, const PartSolution&
 }
 
 bool is_any_left_out(const PartSolution& solution) {
-  return !solution.culprits.empty() || std::ranges::any_of(solution.findings, &TagFinding::is_left_out);
-}
-
-/// Faults of tags that have a name; and of a culprit whose fault has none.
-void report_findings(const Observations& observations, const PartSolution& solution, Findings& findings) {
-  std::vector<int> unnamed = solution.culprits;
-  for (const TagFinding& finding : solution.findings) {
-    findings.push_back(reported(observations, finding));
-    std::erase(unnamed, finding.tag);
-  }
-  leave_out(FindingKind::kContradictsOthers, observations, unnamed,
-            unnamed.size() < 2 ? "its views contradict those of the other tags (a wrong size? moved while "
-                                 "filming? an id that hangs in two places?)"
-                               : "without any one of them the others agree, and nothing tells which is wrong "
-                                 "(a wrong size? moved while filming? an id that hangs in two places?)",
-            findings);
+  return std::ranges::any_of(solution.findings, &TagFinding::is_left_out);
 }
 
 /// "the intrinsics", or "the intrinsics of cam1": of the cameras that see the part, those that were to be
@@ -206,7 +191,7 @@ void report_quality(const Observations& observations, const PartSolution& soluti
   }
   for (std::size_t i = solution.known_time_errors.size(); i < solution.time_errors.size(); ++i)
     findings.push_back(reported(solution.time_errors[i]));
-  report_findings(observations, solution, findings);
+  for (const TagFinding& finding : solution.findings) findings.push_back(reported(observations, finding));
   const bool is_first = !solution.are_cameras_given;  // what is true of the cameras is said once
   if (is_first) report_cameras(observations, solution, options, findings);
   if (solution.print_batches) findings.push_back(reported(*solution.print_batches));

@@ -36,10 +36,6 @@ std::string message_of_bend(const ShapeError& shape, bool is_left_out, const std
     what += fmt::format("{}it is {:.1f} % (sigma {:.1f}) {} than high", what.empty() ? "" : ", and ",
                         100.0 * std::abs(shape.aspect), 100.0 * shape.aspect_sigma,
                         shape.aspect > 0.0 ? "wider" : "narrower");
-  if (shape.is_clear_together)
-    what +=
-        "; by itself that may be chance, but scale, aspect and twist together are off as they are in one "
-        "sound tag of 7,000";
   return fmt::format(
       "{} is bent, not flat, or was printed unevenly: {}. Fix it to a flat, stiff board; its pose is that of "
       "the plane through its corners{}",
@@ -81,19 +77,23 @@ std::string message_of_joint(const std::string& name, const std::vector<TagKey>&
       name, board.size() == 1 ? "" : fmt::format(" (of the board {})", list_tags(board)), of_two_places);
 }
 
-/// As the subject of what may be said of any.
-std::string one_of(const Boards& joints) {
+std::string any_of(const Boards& joints) {
   constexpr std::size_t kMostNamed = 10;
   std::vector<std::string> names;
   for (const std::vector<TagKey>& tags : joints)
     names.push_back(tags.size() == 1 ? to_string(tags.front())
                                      : fmt::format("the board ({})", list_tags(tags)));
-  if (names.size() == 1) return names.front() + ", which";
+  if (names.size() == 1) return names.front();
   if (names.size() > kMostNamed) {
     names.resize(kMostNamed);
     names.push_back(fmt::format("{} more", joints.size() - kMostNamed));
   }
-  return fmt::format("one of {}, each of which", fmt::join(names, ", "));
+  return fmt::format("one of {}", fmt::join(names, ", "));
+}
+
+/// As the subject of what may be said of any.
+std::string one_of(const Boards& joints) {
+  return any_of(joints) + (joints.size() == 1 ? ", which" : ", each of which");
 }
 
 /// Where another tag may be at fault instead, nothing is said outright.
@@ -103,7 +103,8 @@ std::string with_blame(const std::string& message, Blame blame, const Boards& ot
     case Blame::kJoinsPlacesOfAnother:
       return message;
     case Blame::kThisOrAnother:
-      return fmt::format("Perhaps {}. Or another tag is at fault: the views do not tell which", message);
+      return fmt::format("Perhaps {}. Or {} at fault: the views do not tell which", message,
+                         others.empty() ? "another tag is" : any_of(others) + " is");
     case Blame::kThisOrOthersInMap:
       return fmt::format(
           "Perhaps {}. Or {} alone joins its two places, hangs twice, or was moved: then the map is folded "
@@ -201,6 +202,7 @@ CalibrationFinding reported(const Observations& observations, const TagFinding& 
     result.alternatives = {{key_of(observations, finding.joined_tag)}};
   else
     result.alternatives = keys_of_boards(observations, finding.others);
+  result.log_odds = finding.log_odds;
   result.is_in_doubt = finding.is_in_doubt();
   result.is_left_out = finding.is_left_out;
   result.message = message_of(observations, finding);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <vector>
 
 #include "model/contradictions.h"
@@ -14,10 +15,11 @@ struct AdjustedPart {
   Part part;  ///< What was kept: outliers, and tags that hung on them alone, are gone.
   MapState state;
   Contradictions contradictions;
-  std::vector<int> culprits = {};   ///< Left out, for the frames contradict each other with them.
   std::vector<int> undecided = {};  ///< Left out, for the views leave them two poses.
-  /// Of culprits: one of these is so, and the views do not tell which.
-  std::vector<TagFinding> rivals = {};
+  std::vector<TagFinding> findings = {};
 };
+
+/// As undecided, or for a fault.
+std::set<int> tags_left_out(const AdjustedPart& solved);
 
 }  // namespace apriltrack

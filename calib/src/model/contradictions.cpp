@@ -32,16 +32,14 @@ struct Count {
   std::size_t contradicting = 0;
   std::size_t bad = 0;
 
-  /// Whether so many bad frames among these would be chance, if the outliers here were as many as elsewhere:
-  /// Chernoff's bound of the binomial's tail.
-  bool is_more_than_chance(double max_share, const Contradictions& all) const {
-    if (static_cast<double>(bad) <= max_share * static_cast<double>(frames)) return false;
+  double share() const { return static_cast<double>(bad) / static_cast<double>(frames); }
+  /// How unlikely so many bad frames among these are, if the outliers here are as many as elsewhere:
+  /// Chernoff's bound of the binomial's tail, nats.
+  double beyond_chance(const Contradictions& all) const {
     const double others = static_cast<double>(std::max<std::size_t>(all.frames - frames, 1));
     const double elsewhere = static_cast<double>(all.contradicting - contradicting) / others;
-    return divergence(static_cast<double>(bad) / static_cast<double>(frames),
-                      std::clamp(elsewhere, kMinOutlierShare, 1.0 - kMinOutlierShare)) *
-               static_cast<double>(frames) >
-           kLogChance;
+    return divergence(share(), std::clamp(elsewhere, kMinOutlierShare, 1.0 - kMinOutlierShare)) *
+           static_cast<double>(frames);
   }
 };
 
@@ -85,10 +83,18 @@ Contradictions find_contradictions(const Observations& observations, const Part&
     }
     for (const int tag : frame.accused()) ++tags[tag].bad;
   }
-  for (const auto& [tag, count] : tags)
-    if (count.is_more_than_chance(kMaxAccused, result)) result.tags.push_back(tag);
+  std::vector<std::pair<double, int>> doubtful;
+  for (const auto& [tag, count] : tags) {
+    const double beyond = count.beyond_chance(result);
+    if (beyond <= kLogChance) continue;
+    doubtful.emplace_back(-beyond, tag);
+    if (count.share() > kMaxAccused) result.tags.push_back(tag);
+  }
   for (const auto& [link, count] : links)
-    if (count.is_more_than_chance(kMaxRejected, result)) result.links.push_back(link);
+    if (count.share() > kMaxRejected && count.beyond_chance(result) > kLogChance)
+      result.links.push_back(link);
+  std::ranges::sort(doubtful);
+  for (const auto& [beyond, tag] : doubtful) result.doubtful_tags.push_back(tag);
   return result;
 }
 

@@ -22,6 +22,9 @@ struct Contradictions {
   /// not end where the pictures have it, as when an id hangs in two places.
   std::vector<std::pair<int, int>> links;
 
+  /// Accused more often than by chance, in whatever share of their frames; the clearest first.
+  std::vector<int> doubtful_tags = {};
+
   bool are_there() const { return !tags.empty() || !links.empty(); }
 };
 

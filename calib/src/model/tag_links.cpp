@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <queue>
+#include <set>
 
 #include "apriltrack/base/disjoint_sets.h"
 #include "apriltrack/base/parallel.h"
@@ -121,32 +123,94 @@ std::vector<TagLink> find_links(const Observations& observations, const Part& pa
   return result;
 }
 
-std::vector<std::optional<Pose>> poses_along_tree(std::size_t num_tags, int root,
-                                                  std::vector<TagLink> links) {
-  // Kruskal: strongest links first, those that close a loop are passed over.
-  std::stable_sort(links.begin(), links.end(),
-                   [](const TagLink& a, const TagLink& b) { return a.support > b.support; });
-  DisjointSets sets(num_tags);
-  std::vector<std::vector<std::pair<int, Pose>>> neighbours(num_tags);  // (tag, T_this_tag)
-  for (const TagLink& link : links) {
-    const auto a = static_cast<std::size_t>(link.tag_a), b = static_cast<std::size_t>(link.tag_b);
-    if (!sets.join(a, b)) continue;
-    neighbours[a].emplace_back(link.tag_b, link.T_a_b);
-    neighbours[b].emplace_back(link.tag_a, link.T_a_b.inverse());
-  }
-  std::vector<std::optional<Pose>> T_root_tag(num_tags);
-  T_root_tag[static_cast<std::size_t>(root)] = Pose::identity();
-  std::queue<int> open({root});
-  while (!open.empty()) {
-    const auto tag = static_cast<std::size_t>(open.front());
-    open.pop();
-    for (const auto& [next, T_tag_next] : neighbours[tag]) {
-      if (T_root_tag[static_cast<std::size_t>(next)]) continue;
-      T_root_tag[static_cast<std::size_t>(next)] = *T_root_tag[tag] * T_tag_next;
-      open.push(next);
+namespace {
+
+void strongest_first(std::vector<TagLink>& links) {
+  std::ranges::stable_sort(links, std::greater<>(), &TagLink::support);
+}
+
+/// Kruskal: links, the strongest first, that close no loop; those of tag `without` are passed over.
+class Forest {
+ public:
+  Forest(std::size_t num_tags, const std::vector<TagLink>& links, int without = -1)
+      : neighbours_(num_tags), T_root_tag_(num_tags) {
+    DisjointSets sets(num_tags);
+    for (const TagLink& link : links) {
+      if (link.tag_a == without || link.tag_b == without) continue;
+      const auto a = static_cast<std::size_t>(link.tag_a), b = static_cast<std::size_t>(link.tag_b);
+      if (!sets.join(a, b)) continue;
+      neighbours_[a].emplace_back(link.tag_b, link.T_a_b);
+      neighbours_[b].emplace_back(link.tag_a, link.T_a_b.inverse());
     }
   }
-  return T_root_tag;
+
+  /// Of the tree in which `root` is.
+  void place_from(int root) {
+    T_root_tag_[static_cast<std::size_t>(root)] = Pose::identity();
+    std::queue<int> open({root});
+    while (!open.empty()) {
+      const auto tag = static_cast<std::size_t>(open.front());
+      open.pop();
+      for (const auto& [next, T_tag_next] : neighbours_[tag]) {
+        if (T_root_tag_[static_cast<std::size_t>(next)]) continue;
+        T_root_tag_[static_cast<std::size_t>(next)] = *T_root_tag_[tag] * T_tag_next;
+        open.push(next);
+      }
+    }
+  }
+  void place_all() {
+    for (std::size_t tag = 0; tag < T_root_tag_.size(); ++tag)
+      if (!T_root_tag_[tag]) place_from(static_cast<int>(tag));
+  }
+  /// Each in its tree; nullopt where none was placed.
+  std::vector<std::optional<Pose>>& poses() { return T_root_tag_; }
+
+ private:
+  std::vector<std::vector<std::pair<int, Pose>>> neighbours_;  ///< (tag, T_this_tag)
+  std::vector<std::optional<Pose>> T_root_tag_;
+};
+
+/// What the forest contradicts, of the support of each link.
+std::vector<double> contradicted_support(std::size_t num_tags, const std::vector<TagLink>& links,
+                                         int without = -1) {
+  Forest forest(num_tags, links, without);
+  forest.place_all();
+  std::vector<double> result;
+  for (const TagLink& link : links) {
+    const Pose& T_root_a = *forest.poses()[static_cast<std::size_t>(link.tag_a)];
+    const Pose& T_root_b = *forest.poses()[static_cast<std::size_t>(link.tag_b)];
+    const RelativeCandidate by_forest{T_root_a.inverse() * T_root_b}, by_link{link.T_a_b};
+    const bool is_asked = link.tag_a != without && link.tag_b != without;
+    result.push_back(is_asked ? link.support * (1.0 - agreement(by_forest, by_link)) : 0.0);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::optional<Pose>> poses_along_tree(std::size_t num_tags, int root,
+                                                  std::vector<TagLink> links) {
+  strongest_first(links);
+  Forest forest(num_tags, links);
+  forest.place_from(root);
+  return std::move(forest.poses());
+}
+
+std::vector<std::pair<double, int>> support_freed_by_tags(std::size_t num_tags, std::vector<TagLink> links) {
+  strongest_first(links);
+  std::set<int> tags;
+  for (const TagLink& link : links) tags.insert({link.tag_a, link.tag_b});
+  const std::vector<double> with_all = contradicted_support(num_tags, links);
+  std::vector<std::pair<double, int>> result;
+  for (const int tag : tags) {
+    const std::vector<double> without = contradicted_support(num_tags, links, tag);
+    double freed = 0.0;
+    for (std::size_t i = 0; i < links.size(); ++i)
+      if (links[i].tag_a != tag && links[i].tag_b != tag) freed += with_all[i] - without[i];
+    if (freed > 0.0) result.emplace_back(freed, tag);
+  }
+  std::ranges::sort(result, std::greater<>());
+  return result;
 }
 
 }  // namespace apriltrack

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "apriltrack/base/parallel.h"
@@ -25,5 +26,11 @@ std::vector<TagLink> find_links(const Observations& observations, const Part& pa
 /// The part's tags in the frame of `root`, along the spanning tree of greatest support; indexed like
 /// observations.tags, nullopt for tags that the tree does not reach.
 std::vector<std::optional<Pose>> poses_along_tree(std::size_t num_tags, int root, std::vector<TagLink> links);
+
+/// How much of the links' support the tree contradicts, and how much less of it where the tree is grown
+/// without one tag: by tag, most first, of those without which it is less. A tag that hangs at two places
+/// folds the tree, and what is folded are links far from it; no tree without it is. Links of the tag itself
+/// do not count.
+std::vector<std::pair<double, int>> support_freed_by_tags(std::size_t num_tags, std::vector<TagLink> links);
 
 }  // namespace apriltrack

@@ -34,7 +34,6 @@ struct PartSolution {
   std::vector<LostLink> lost_links;
   std::vector<SplitLink> split_links;
   std::vector<RejectedStand> rejected_stands;
-  std::vector<int> culprits;  ///< Left out, for the frames contradict each other with them.
   BetterCameras cameras;
   std::optional<PrintBatches> print_batches;
   std::optional<double> print_aspect;  ///< If it is not the lenses (find_print_aspect).

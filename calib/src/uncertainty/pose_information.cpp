@@ -100,6 +100,14 @@ Eigen::MatrixXd PoseInformation::solve(Eigen::MatrixXd columns) const {
   return columns;
 }
 
+Eigen::MatrixXd PoseInformation::solve_sparse(const Eigen::MatrixXd& columns) const {
+  if (inverse_.size() == 0) return solve(columns);
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index row = 0; row < columns.rows(); ++row)
+    if (!columns.row(row).isZero(0.0)) rows.push_back(row);
+  return inverse_(Eigen::all, rows) * columns(rows, Eigen::all);
+}
+
 Eigen::MatrixXd PoseInformation::poses_by_errors(int tag) const {
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(size(), 8);
   for (const auto& [offset, block] : by_errors_.at(tag)) columns.middleRows<6>(offset) = -block;
@@ -158,7 +166,7 @@ ParameterInformation PoseInformation::eliminate_poses(const std::vector<Paramete
       }
     }
   }
-  result.poses_by_parameter = -solve(coupling);
+  result.poses_by_parameter = -solve_sparse(coupling);
   result.information += coupling.transpose() * result.poses_by_parameter;
   result.gradient += result.poses_by_parameter.transpose() * gradient_;
   add_errors(columns, by_frame, result);

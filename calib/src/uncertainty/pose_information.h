@@ -47,6 +47,9 @@ class PoseInformation {
   Eigen::Index size() const { return scale_.size(); }
   /// The system's inverse times `columns`.
   Eigen::MatrixXd solve(Eigen::MatrixXd columns) const;
+  /// Keeps the inverse: with it each further elimination costs only the rows of the tags that it concerns.
+  /// Worth it before many.
+  void invert() { inverse_ = solve(Eigen::MatrixXd::Identity(size(), size())); }
   /// The system's right side, negative, by the eight errors that a tag keeps in all of its views.
   const std::map<int, Blocks>& by_errors() const { return by_errors_; }
 
@@ -80,6 +83,8 @@ class PoseInformation {
   /// J_rig' times the parameters' columns, by frame and the first of the parameters.
   using FrameColumns = std::map<int, std::map<Eigen::Index, Eigen::MatrixXd>>;
   FrameColumns frames_by_parameter(const std::vector<ParameterView>& columns) const;
+  /// The system's inverse times columns of which most rows are 0.
+  Eigen::MatrixXd solve_sparse(const Eigen::MatrixXd& columns) const;
   void add_errors(const std::vector<ParameterView>& columns, const FrameColumns& by_frame,
                   ParameterInformation& result) const;
 
@@ -90,6 +95,7 @@ class PoseInformation {
   Eigen::VectorXd gradient_;  ///< Of the reduced system.
   Eigen::VectorXd scale_;     ///< Makes the system's diagonal one.
   Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::MatrixXd inverse_;  ///< Empty, or of the whole system.
 };
 
 }  // namespace apriltrack
