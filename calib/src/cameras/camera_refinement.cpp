@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -23,21 +22,6 @@ constexpr double kWorthTrying = 0.001;
 /// 1995, section 3.2). Frames that are held out from a film of one place keep the errors of the others, and
 /// cannot tell.
 constexpr double kLeastOdds = 150.0;
-
-/// The share by which the residuals would fall, to first order.
-double promised_gain(const PartTask& task, const CameraParameters& parameters, const AdjustedPart& solved) {
-  const std::vector<LinearView> views = corner_views(task.observations, solved.part.views, solved.state);
-  const auto poses = PoseInformation::of(views, solved.part.tags, solved.held_tag);
-  if (!poses || views.size() != solved.part.views.size()) return 0.0;
-  const ParameterInformation of_cameras =
-      poses->eliminate_poses(camera_columns(task.observations, solved.part.views, solved.state, parameters));
-  const auto num = static_cast<Eigen::Index>(parameters.size());
-  const Eigen::VectorXd step =
-      (of_cameras.information + Eigen::MatrixXd::Identity(num, num)).ldlt().solve(of_cameras.gradient);
-  double squares = 0.0;
-  for (const LinearView& view : views) squares += view.residual.squaredNorm();
-  return 1.0 - std::sqrt(std::max(0.0, 1.0 - of_cameras.gradient.dot(step) / std::max(squares, 1e-12)));
-}
 
 }  // namespace
 
@@ -72,28 +56,21 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part, const Ca
     return result;
   }
   const bool is_forced = least_gain < 0.0;
-  if (!is_forced && promised_gain(task, parameters, solved) < std::max(least_gain, kWorthTrying)) {
+  CameraFit fit(task, parameters, solved.part, solved.held_tag, solved.state);
+  if (!is_forced && fit.promised_gain() < std::max(least_gain, kWorthTrying)) {
     result.reason = "no better cameras are in sight";
     return result;
   }
-  AdjustedPart refined = solved;
-  CameraFit fit(task, parameters, solved.part, solved.held_tag);
-  CameraTrial trial;
-  std::atomic<bool> stands = true;
-  bool is_determined = false;
-  parallel(2, [&](std::size_t i) {  // most that are tested stand: the fit need not wait
-    if (i == 0)
-      stands = is_forced || (trial = try_cameras(task, parameters, least_gain, solved)).is_passed;
-    else
-      is_determined = stands && fit.run(refined.state);
-  });
-  result.reason = trial.reason;
-  result.held_out_before = trial.held_out_before;
-  result.held_out_after = trial.held_out_after;
-  if (!stands) return result;
-  if (!is_determined) {
+  if (!fit.run()) {
     result.reason = "the views do not determine them";
     return result;
+  }
+  if (!is_forced) {
+    const CameraTrial trial = try_cameras(task, parameters, least_gain, solved, fit.state(), parallel);
+    result.reason = trial.reason;
+    result.held_out_before = trial.held_out_before;
+    result.held_out_after = trial.held_out_after;
+    if (!trial.is_passed) return result;
   }
   const double log_odds = least_gain > 0.0 ? fit.log_odds_of_change(solved.state) : 0.0;
   if (least_gain > 0.0 && !(log_odds >= std::log(kLeastOdds))) {
@@ -102,33 +79,40 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part, const Ca
                     std::exp(log_odds), kLeastOdds);
     return result;
   }
+  AdjustedPart refined = solved;
+  refined.state = fit.state();
   Outcome<Part> kept = adjust_cleanly(task, part, solved.held_tag, refined.state);
   if (!kept) {
     result.reason = fmt::format("with them there is no map: {}", kept.why().cause);
     return result;
   }
   refined.part = std::move(*kept);
-  result.estimates = fit.estimates();
-  result.covariance = fit.covariance();
+  CameraEstimates estimates = fit.estimates();
+  result.estimates = std::move(estimates.parameters);
+  result.covariance = std::move(estimates.covariance);
   result.is_accepted = true;
   solved = std::move(refined);
   return result;
+}
+
+std::optional<CameraRefinement> open_parameters(const CameraFit& fit, const IsAsked& is_asked) {
+  auto found = fit.look(is_asked);
+  if (!found) return std::nullopt;
+  CameraRefinement open;
+  open.estimates = std::move(found->parameters);
+  Eigen::VectorXd values(static_cast<Eigen::Index>(open.estimates.size()));
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    values[i] = open.estimates[static_cast<std::size_t>(i)].value;
+  open.covariance = found->covariance + values * values.transpose();
+  return open;
 }
 
 std::optional<CameraRefinement> open_parameters(const PartTask& task, const CameraParameters& parameters,
                                                 const AdjustedPart& solved) {
   const auto most_tags = static_cast<std::size_t>(task.options.max_tags_with_covariance);
   if (parameters.empty() || solved.part.tags.size() > most_tags) return std::nullopt;
-  CameraFit fit(task, parameters, solved.part, solved.held_tag);
-  auto steps = fit.look(solved.state);
-  if (!steps) return std::nullopt;
-  CameraRefinement open;
-  open.estimates = std::move(*steps);
-  Eigen::VectorXd values(static_cast<Eigen::Index>(open.estimates.size()));
-  for (Eigen::Index i = 0; i < values.size(); ++i)
-    values[i] = open.estimates[static_cast<std::size_t>(i)].value;
-  open.covariance = fit.covariance() + values * values.transpose();
-  return open;
+  return open_parameters({task, parameters, solved.part, solved.held_tag, solved.state},
+                         [](const CameraParameter&) { return true; });
 }
 
 }  // namespace apriltrack

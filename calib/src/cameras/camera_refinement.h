@@ -39,6 +39,7 @@ CameraRefinement refine_cameras(const PartTask& task, const Part& part, const Ca
 
 /// What the views say of parameters that are not taken over, to first order: how far they are from the
 /// cameras of `solved`. The covariance is about these, not about the estimates: a map by them errs by that.
+std::optional<CameraRefinement> open_parameters(const CameraFit& fit, const IsAsked& is_asked);
 std::optional<CameraRefinement> open_parameters(const PartTask& task, const CameraParameters& parameters,
                                                 const AdjustedPart& solved);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -16,10 +17,11 @@
 namespace apriltrack {
 namespace {
 
-constexpr int kFramesOfGroup = 5;           // neighbours repeat their errors: they are held out together
-constexpr int kHeldOut = 4;                 // every so many groups, one
-constexpr int kLeastGroups = 3;             // of those held out
-constexpr int kEnoughGroups = 10;           // where one fold has fewer, all are held out in turn
+constexpr int kFramesOfGroup = 5;  // neighbours repeat their errors: they are held out together
+constexpr int kHeldOut = 4;        // every so many groups, one
+constexpr int kLeastGroups = 3;    // of those held out
+constexpr int kEnoughGroups = 10;  // where one fold has fewer, all are held out in turn
+constexpr int kNoTag = -1;
 constexpr double kClear = 2.0;              // standard deviations, of a normal distribution
 constexpr double kMostOfView = 8.0 * 16.0;  // a view counts no more than at four sigmas
 
@@ -42,19 +44,11 @@ Split split(const Observations& observations, const std::vector<std::size_t>& vi
   return result;
 }
 
-/// For frames' poses, whose squares are compared with others that end alike.
-AdjustmentOptions nearly_settled(const PartTask& task) {
-  AdjustmentOptions how = adjustment_options(task.options);
-  how.ends_early = true;
-  return how;
-}
-
 /// Squared disagreement of each group of frames, their poses fitted to the map as it is; nullopt where these
 /// do not settle.
 std::optional<std::map<int, double>> disagreements(const PartTask& task,
                                                    const std::vector<std::size_t>& views, MapState state) {
-  const AdjustmentSummary summary = adjust(task.observations, views, {}, nearly_settled(task), state);
-  if (!summary.is_usable || !summary.has_converged) return std::nullopt;
+  if (!settle_poses(task, {{}, views}, kNoTag, state, true)) return std::nullopt;
   std::map<int, double> of_frames;
   for (const std::size_t v : views) {
     bool is_valid = false;
@@ -119,24 +113,29 @@ std::string why_not(const HeldOut& held_out, double least_gain) {
 
 /// Why not, where it cannot be done.
 std::optional<std::string> hold_out(const PartTask& task, const CameraParameters& parameters,
-                                    const AdjustedPart& solved, int fold, HeldOut& result) {
+                                    const AdjustedPart& solved, const MapState& refined, int fold,
+                                    const ParallelFor& parallel, HeldOut& result) {
   Split views = split(task.observations, solved.part.views, fold);
   const Part others = connected_to(task.observations, views.others, solved.held_tag, task.options.min_views);
   std::erase_if(views.held_out, [&](std::size_t v) {
     return !std::ranges::binary_search(others.tags, task.observations.views[v].tag);
   });
   if (others.tags.size() < 2 || views.held_out.empty()) return "too few frames to hold some out";
-  MapState before = solved.state;
-  const AdjustmentSummary summary =
-      adjust(task.observations, others.views, free_tags(others, solved.held_tag),
-             adjustment_options(task.options), before);
-  if (!summary.is_usable || !summary.has_converged)
-    return "the map without the held-out frames does not settle";
-  MapState after = before;
-  if (!CameraFit(task, parameters, others, solved.held_tag).run(after))
-    return "the views do not determine them";
-  const auto squares_before = disagreements(task, views.held_out, before);
-  const auto squares_after = disagreements(task, views.held_out, after);
+  std::optional<std::map<int, double>> squares_before, squares_after;
+  std::array<bool, 2> are_settled{};
+  parallel(2, [&](std::size_t i) {
+    if (i == 0) {
+      MapState state = solved.state;
+      are_settled[i] = settle_poses(task, others, solved.held_tag, state, true);
+      if (are_settled[i]) squares_before = disagreements(task, views.held_out, std::move(state));
+    } else {
+      CameraFit fit(task, parameters, others, solved.held_tag, refined);
+      are_settled[i] = fit.run();
+      if (are_settled[i]) squares_after = disagreements(task, views.held_out, fit.state());
+    }
+  });
+  if (!are_settled[0]) return "the map without the held-out frames does not settle";
+  if (!are_settled[1]) return "the views do not determine them";
   if (!squares_before || !squares_after) return "the held-out frames' poses do not settle";
   add_groups(*squares_before, views.group_of_frame, result.before);
   add_groups(*squares_after, views.group_of_frame, result.after);
@@ -147,12 +146,13 @@ std::optional<std::string> hold_out(const PartTask& task, const CameraParameters
 }  // namespace
 
 CameraTrial try_cameras(const PartTask& task, const CameraParameters& parameters, double least_gain,
-                        const AdjustedPart& solved) {
+                        const AdjustedPart& solved, const MapState& refined, const ParallelFor& parallel) {
   CameraTrial trial;
   HeldOut held_out;
   std::optional<std::string> failure;
   for (int fold = kHeldOut - 1; fold >= 0 && held_out.before.size() < kEnoughGroups; --fold)
-    if (auto reason = hold_out(task, parameters, solved, fold, held_out)) failure = std::move(reason);
+    if (auto reason = hold_out(task, parameters, solved, refined, fold, parallel, held_out))
+      failure = std::move(reason);
   if (held_out.num_views == 0) {
     trial.reason = *failure;
     return trial;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "apriltrack/base/parallel.h"
 #include "initialise/part_adjustment.h"
 #include "solve/camera_parameters.h"
 
@@ -16,8 +17,9 @@ struct CameraTrial {
   double held_out_before = 0.0, held_out_after = 0.0;
 };
 
-/// least_gain: a share.
+/// least_gain: a share. refined: `solved` by the cameras that all frames together give, near which those are
+/// that most of them do.
 CameraTrial try_cameras(const PartTask& task, const CameraParameters& parameters, double least_gain,
-                        const AdjustedPart& solved);
+                        const AdjustedPart& solved, const MapState& refined, const ParallelFor& parallel);
 
 }  // namespace apriltrack

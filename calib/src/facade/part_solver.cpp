@@ -28,9 +28,8 @@
 #include "initialise/rig_check.h"
 #include "messages/calibration_messages.h"
 #include "messages/failure_messages.h"
-#include "model/corner_views.h"
 #include "solution/errors_of_part.h"
-#include "solve/reduced_equations.h"
+#include "solve/bundle_adjustment.h"
 #include "uncertainty/joint_tag_covariance.h"
 #include "uncertainty/linear_part.h"
 
@@ -78,26 +77,9 @@ void find_prints(const Observations& observations, const LinearPart& linear, Par
     solution.print_batches = print_batches_by(solution.findings, observations, tags);
 }
 
-/// Each frame anew, the tags as they are.
-void let_frames_follow(const Observations& observations, const Part& part, MapState& state) {
-  constexpr int kMostSteps = 10;
-  constexpr double kStill = 1e-10;  // m or rad
-  for (int i = 0; i < kMostSteps; ++i) {
-    const auto steps = solve_steps(corner_views(observations, part.views, state), std::nullopt);
-    if (!steps) return;
-    double largest = 0.0;
-    for (const auto& [frame, step] : steps->frames) {
-      Pose& pose = state.T_map_rig[static_cast<std::size_t>(frame)];
-      pose = pose * Pose::exp(step);
-      largest = std::max(largest, step.cwiseAbs().maxCoeff());
-    }
-    if (largest < kStill) return;
-  }
-}
-
 /// joint: of the adjusted map.
-void keep_to_constraints(const Observations& observations, const CovarianceOperator& joint,
-                         PartSolution& solution) {
+void keep_to_constraints(const Observations& observations, const CalibrationOptions& options,
+                         const CovarianceOperator& joint, PartSolution& solution) {
   ImageMap map{observations.tags, solution.part.tags, solution.held_tag, solution.state.T_map_tag, {}};
   const Pose T_held_map = map.T_held_tag[static_cast<std::size_t>(solution.held_tag)].inverse();
   for (Pose& pose : map.T_held_tag) pose = T_held_map * pose;
@@ -107,7 +89,8 @@ void keep_to_constraints(const Observations& observations, const CovarianceOpera
   keep_to(solution.constrained->change, solution.joint);
   solution.state.T_map_tag = solution.constrained->T_map_tag;
   for (Pose& pose : solution.state.T_map_rig) pose = solution.constrained->T_map_held * T_held_map * pose;
-  let_frames_follow(observations, solution.part, solution.state);
+  adjust(observations, solution.part.views, {}, adjustment_options(options),
+         solution.state);  // frames follow
 }
 
 void measure_covariances(const Observations& observations, const CalibrationOptions& options,
@@ -135,7 +118,8 @@ void measure_covariances(const Observations& observations, const CalibrationOpti
   if (constraints.empty()) return;
   solution.constraints = with_gravity_of_tags(constraints, observations, solution.part.views, linear.views,
                                               solution.state, solution.scale);
-  keep_to_constraints(observations, CovarianceOperator(*linear.poses, solution.scale, shared), solution);
+  keep_to_constraints(observations, options, CovarianceOperator(*linear.poses, solution.scale, shared),
+                      solution);
 }
 
 /// That are estimated where the views ask for it.

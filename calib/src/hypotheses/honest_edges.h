@@ -1,18 +1,14 @@
 #pragma once
 
-#include <functional>
-
-#include "hypotheses/better_cameras.h"
+#include "model/adjusted_part.h"
+#include "model/solve_context.h"
 
 namespace apriltrack {
 
-/// Takes better cameras into what was solved, and into what is known of cameras.
-using Improvement = std::function<void(const PartTask&, AdjustedPart&, BetterCameras&)>;
-
-/// Improves them, and where edges are then found aside, asks whether that is the pull of the corners' own
-/// errors: by the edges of the map (take_edges_from_map) it may be less. The views keep those where it
-/// matters. observations: the task's.
-void improve_honestly(const PartTask& task, const Part& part, const Improvement& improve,
-                      Observations& observations, AdjustedPart& solved, BetterCameras& cameras);
+/// Asks where edges lie, by those that were seen and by those of the map (take_edges_from_map): the pull of
+/// the corners' own errors is less by these. Where that makes a difference the views keep the latter, and
+/// `solved` is adjusted by them. part: before outliers were removed. observations: the task's.
+void take_honest_edges(const PartTask& task, const Part& part, Observations& observations,
+                       AdjustedPart& solved);
 
 }  // namespace apriltrack

@@ -43,25 +43,22 @@ bool leave_out_faulty(const PartTask& task, const Part& part, const ParallelFor&
 ImprovedPart improve_part(const PartTask& task, const Part& part, AdjustedPart solved,
                           const BetterCameras* known, Observations& observations,
                           const ParallelFor& parallel) {
-  const Improvement improve = [&](const PartTask& by, AdjustedPart& improved, BetterCameras& found) {
-    found = improve_cameras(by, part, parallel, improved);
-  };
-  const Improvement improve_again = [&](const PartTask& by, AdjustedPart& improved, BetterCameras& found) {
-    improve_cameras_again(by, part, parallel, improved, found);
-  };
   ImprovedPart result;
   result.solved = std::move(solved);
   if (known) {
     result.cameras.refined = known->refined;
     result.cameras.open = known->open;
   } else {
-    improve_honestly(task, part, improve, observations, result.solved, result.cameras);
+    take_honest_edges(task, part, observations, result.solved);
+    result.cameras = improve_cameras(task, part, parallel, result.solved);
   }
   const std::vector<ViewCandidates>& by_cameras = result.cameras.candidates;
   const PartTask by_better{task.observations, by_cameras.empty() ? task.candidates : by_cameras,
                            task.options};
-  if (leave_out_faulty(by_better, part, parallel, result) && !known)
-    improve_honestly(task, part, improve_again, observations, result.solved, result.cameras);
+  if (leave_out_faulty(by_better, part, parallel, result) && !known) {
+    take_honest_edges(task, part, observations, result.solved);
+    improve_cameras_again(task, part, parallel, result.solved, result.cameras);
+  }
   return result;
 }
 

@@ -6,9 +6,13 @@
 #include <ceres/solver.h>
 
 #include <algorithm>
+#include <limits>
+#include <optional>
 #include <utility>
 
+#include "model/corner_views.h"
 #include "model/view_residual.h"
+#include "solve/reduced_equations.h"
 
 namespace apriltrack {
 namespace {
@@ -23,6 +27,9 @@ constexpr std::size_t kMaxDenseTags = 200;  // above, the reduced system is most
 // squares problems", 1980).
 constexpr int kPlainIterations = 30;
 constexpr double kNegligibleDecrease = 1e-3;  // of the cost of one number: a step of 0.03 sigmas
+// Of Gauss and Newton's steps: one that gains so little, of the squares, is followed by none that gains any.
+constexpr double kLastGain = 1e-8;
+constexpr int kMostNearbySteps = 6;
 
 /// Whitened reprojection errors of one view by the poses of its tag and of its frame's rig.
 class ViewCost : public ceres::SizedCostFunction<8, 7, 7> {
@@ -191,13 +198,57 @@ void BundleProblem::write_back(MapState& state) const {
     state.T_map_rig[static_cast<std::size_t>(frame)] = from_block(frames_.blocks[i].data());
 }
 
+namespace {
+
+/// nullopt where the minimum is not near, or not determined.
+std::optional<AdjustmentSummary> adjust_nearby(const Observations& observations,
+                                               const std::vector<std::size_t>& views,
+                                               const std::set<int>& free_tags,
+                                               const AdjustmentOptions& options, MapState& state) {
+  constexpr int kHeld = -1;
+  MapState next = state;
+  double last_squares = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < std::min(options.max_iterations, kMostNearbySteps); ++i) {
+    if (options.should_stop && options.should_stop()) throw Stopped();
+    std::vector<LinearView> linear = corner_views(observations, views, next);
+    double squares = 0.0;
+    for (LinearView& view : linear) {
+      squares += view.residual.squaredNorm();
+      if (!free_tags.contains(view.tag)) view.tag = kHeld;
+    }
+    if (linear.size() != views.size() || !(squares <= last_squares)) return std::nullopt;
+    last_squares = squares;
+    const auto steps = solve_steps(linear, free_tags.empty() ? std::nullopt : std::optional(kHeld));
+    if (!steps) return std::nullopt;
+    take(*steps, next);
+    if (steps->gain > (options.ends_early ? 2.0 * kNegligibleDecrease : kLastGain * squares)) continue;
+    state = std::move(next);
+    return AdjustmentSummary{true, true, 0.5 * (squares - steps->gain), "it was near"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 AdjustmentSummary adjust(const Observations& observations, const std::vector<std::size_t>& views,
                          const std::vector<int>& free_tags, const AdjustmentOptions& options,
                          MapState& state) {
+  if (options.loss_scale == 0.0) {
+    const std::set<int> free(free_tags.begin(), free_tags.end());
+    if (const auto summary = adjust_nearby(observations, views, free, options, state)) return *summary;
+  }
   BundleProblem problem(observations, views, free_tags, state, options.loss_scale);
   const AdjustmentSummary summary = problem.solve(options);
   if (summary.is_usable) problem.write_back(state);
   return summary;
+}
+
+bool settle_poses(const PartTask& task, const Part& part, int held_tag, MapState& state, bool ends_early) {
+  AdjustmentOptions how = adjustment_options(task.options);
+  how.ends_early = ends_early;
+  const AdjustmentSummary summary =
+      adjust(task.observations, part.views, free_tags(part, held_tag), how, state);
+  return summary.is_usable && summary.has_converged;
 }
 
 }  // namespace apriltrack

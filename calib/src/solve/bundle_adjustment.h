@@ -11,6 +11,7 @@
 #include "apriltrack/calib/calibration_options.h"
 #include "apriltrack/calib/stop.h"
 #include "model/map_state.h"
+#include "model/solve_context.h"
 #include "numerics/se3_manifold.h"
 
 namespace apriltrack {
@@ -69,9 +70,14 @@ class BundleProblem {
   Blocks frames_;
 };
 
-/// Throws Stopped; `state` is then as it was.
+/// Near the minimum of the squares of views that can all be projected, by Gauss and Newton; elsewhere, and
+/// robustly, by a BundleProblem. Throws Stopped; `state` is then as it was.
 AdjustmentSummary adjust(const Observations& observations, const std::vector<std::size_t>& views,
                          const std::vector<int>& free_tags, const AdjustmentOptions& options,
                          MapState& state);
+
+/// The same of a part, as its task wants it; whether it is done.
+bool settle_poses(const PartTask& task, const Part& part, int held_tag, MapState& state,
+                  bool ends_early = false);
 
 }  // namespace apriltrack

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "model/corner_views.h"
 #include "solve/bundle_adjustment.h"
+#include "solve/reduced_equations.h"
 #include "uncertainty/block_scatter.h"
 
 namespace apriltrack {
@@ -15,48 +18,123 @@ namespace {
 
 constexpr int kMaxSteps = 8;
 constexpr double kSettled = 0.02;  // of a standard deviation
+// Of the squares, by a step that goes too far: the prior's pull makes them rise by less.
+constexpr double kMostRise = 1.001;
 // Of a direction of the parameters, over what the prior knows of it: below it the views tell nothing. And
 // over what is known of the best: below it rounding tells as much.
 constexpr double kLeastInformation = 1e-6, kLeastOfLargest = 1e-13;
 
+ParameterInformation of_some(const ParameterInformation& all, const std::vector<Eigen::Index>& some) {
+  ParameterInformation result{
+      all.information(some, some), all.gradient(some), all.poses_by_parameter(Eigen::all, some), {}};
+  for (const auto& [tag, gradient] : all.gradient_by_errors)
+    result.gradient_by_errors[tag] = gradient(some, Eigen::all);
+  return result;
+}
+
+std::vector<ParameterView> of_some(const std::vector<ParameterView>& all,
+                                   const std::vector<Eigen::Index>& some) {
+  std::vector<ParameterView> result;
+  result.reserve(all.size());
+  for (const ParameterView& one : all) result.push_back({one.view, one.by_parameter(Eigen::all, some)});
+  return result;
+}
+
 }  // namespace
 
-bool CameraFit::run(MapState& state) {
-  total_ = already_moved(state);
-  step_number_ = 0;
+CameraFit::CameraFit(const PartTask& task, CameraParameters parameters, Part part, int held_tag,
+                     MapState start)
+    : task_(task),
+      parameters_(std::move(parameters)),
+      part_(std::move(part)),
+      held_tag_(held_tag),
+      state_(std::move(start)) {
+  const std::map<int, int> num_views = count_views(task.observations, part_);
+  most_seen_tag_ = std::ranges::max_element(num_views, {}, [](const auto& tag) { return tag.second; })->first;
+  linearise();
+}
+
+void CameraFit::linearise() {
+  total_ = already_moved(state_);
+  poses_.reset();
+  views_ = corner_views(task_.observations, part_.views, state_);
+  if (views_.size() != part_.views.size()) return;
+  poses_ = PoseInformation::of(views_, part_.tags, most_seen_tag_);
+  if (!poses_) return;
+  columns_ = camera_columns(task_.observations, part_.views, state_, parameters_);
+  of_cameras_ = poses_->eliminate_poses(columns_);
+  if (num_scaled_++ >= 2) return;  // then it stays, or prior and views would pull to and fro
+  scale_ = error_scale(views_, *poses_, expected_bias_variance(task_.options));
+  noise_variance_ = noise_variance(columns_, of_cameras_);
+}
+
+double CameraFit::squares() const {
+  double squares = 0.0;
+  for (const LinearView& view : views_) squares += view.residual.squaredNorm();
+  return squares;
+}
+
+double CameraFit::promised_gain() const {
+  if (!poses_) return 0.0;
+  const auto num = total_.size();
+  const Eigen::VectorXd step =
+      (of_cameras_.information + Eigen::MatrixXd::Identity(num, num)).ldlt().solve(of_cameras_.gradient);
+  return 1.0 - std::sqrt(std::max(0.0, 1.0 - of_cameras_.gradient.dot(step) / std::max(squares(), 1e-12)));
+}
+
+std::optional<CameraEstimates> CameraFit::look(const IsAsked& is_asked) const {
+  if (!poses_) return std::nullopt;
+  CameraParameters asked;
+  std::vector<Eigen::Index> index;
+  for (std::size_t i = 0; i < parameters_.size(); ++i) {
+    if (!is_asked(parameters_[i])) continue;
+    asked.push_back(parameters_[i]);
+    index.push_back(static_cast<Eigen::Index>(i));
+  }
+  if (asked.empty()) return std::nullopt;
+  const ParameterInformation of_asked = of_some(of_cameras_, index);
+  auto found = posterior(of_asked, total_(index), noise_variance(of_some(columns_, index), of_asked));
+  if (!found) return std::nullopt;
+  found->mean -= total_(index);
+  return in_units(*found, asked);
+}
+
+bool CameraFit::run() {
   for (int i = 0; i < kMaxSteps; ++i) {
-    const auto step = step_of_cameras(state);
-    if (!step || !move(*step, state)) return false;
-    const AdjustmentSummary summary = adjust(task_.observations, part_.views, free_tags(part_, held_tag_),
-                                             adjustment_options(task_.options), state);
-    if (!summary.is_usable || !summary.has_converged) return false;
-    if (step->cwiseQuotient(sigmas_).cwiseAbs().maxCoeff() < kSettled) return true;
+    if (task_.options.should_stop && task_.options.should_stop()) throw Stopped();
+    if (!poses_) return false;
+    const auto found = posterior(of_cameras_, total_, noise_variance_);
+    if (!found) return false;
+    const Eigen::VectorXd step = found->mean - total_;
+    covariance_ = found->covariance;
+    const double squares_before = squares();
+    for (std::size_t v = 0; v < views_.size(); ++v) views_[v].residual += columns_[v].by_parameter * step;
+    const auto poses = solve_steps(views_, held_tag_);
+    if (!poses || !move(step)) return false;
+    take(*poses, state_);
+    if (step.cwiseQuotient(found->sigmas()).cwiseAbs().maxCoeff() < kSettled) {
+      total_ = already_moved(state_);
+      return true;
+    }
+    linearise();
+    if (squares() <= kMostRise * squares_before) continue;
+    if (!settle_poses(task_, part_, held_tag_, state_)) return false;
+    linearise();
   }
   return false;
 }
 
-std::optional<std::vector<EstimatedParameter>> CameraFit::look(const MapState& state) {
-  total_ = already_moved(state);
-  step_number_ = 0;
-  const auto step = step_of_cameras(state);
-  if (!step) return std::nullopt;
-  total_ = *step;
-  return estimates();
-}
-
-std::vector<EstimatedParameter> CameraFit::estimates() const {
-  std::vector<EstimatedParameter> result;
-  for (std::size_t i = 0; i < parameters_.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    result.push_back({parameters_[i], total_[k] * parameters_[i].sigma, sigmas_[k] * parameters_[i].sigma});
+CameraEstimates CameraFit::in_units(const Posterior& posterior, const CameraParameters& parameters) {
+  CameraEstimates result;
+  const Eigen::VectorXd sigmas = posterior.sigmas();
+  Eigen::VectorXd units(sigmas.size());
+  for (Eigen::Index i = 0; i < units.size(); ++i) {
+    const CameraParameter& parameter = parameters[static_cast<std::size_t>(i)];
+    units[i] = parameter.sigma;
+    result.parameters.push_back({parameter, posterior.mean[i] * units[i], sigmas[i] * units[i]});
   }
+  result.covariance = units.asDiagonal() * posterior.covariance * units.asDiagonal();
   return result;
-}
-
-Eigen::MatrixXd CameraFit::covariance() const {
-  Eigen::VectorXd units(covariance_.rows());
-  for (Eigen::Index i = 0; i < units.size(); ++i) units[i] = parameters_[static_cast<std::size_t>(i)].sigma;
-  return units.asDiagonal() * covariance_ * units.asDiagonal();
 }
 
 double CameraFit::log_odds_of_change(const MapState& before) const {
@@ -87,24 +165,19 @@ Eigen::VectorXd CameraFit::already_moved(const MapState& state) const {
   return total;
 }
 
-/// In units of the parameters' sigmas.
-std::optional<Eigen::VectorXd> CameraFit::step_of_cameras(const MapState& state) {
-  const std::vector<LinearView> views = corner_views(task_.observations, part_.views, state);
-  const auto poses = PoseInformation::of(views, part_.tags, held_tag_);
-  if (!poses || views.size() != part_.views.size()) return std::nullopt;
-  const std::vector<ParameterView> columns =
-      camera_columns(task_.observations, part_.views, state, parameters_);
-  const ParameterInformation of_cameras = poses->eliminate_poses(columns);
-  if (step_number_++ < 2) {  // then it stays, or prior and views would pull to and fro
-    scale_ = error_scale(views, *poses, expected_bias_variance(task_.options));
-    noise_variance_ =
-        scale_.noise_variance *
-        BlockScatter(views, *poses).parameters_factor(columns, of_cameras, scale_.noise_variance);
-  }
-  const Eigen::Index num = total_.size();
+double CameraFit::noise_variance(const std::vector<ParameterView>& columns,
+                                 const ParameterInformation& of_cameras) const {
+  return scale_.noise_variance *
+         BlockScatter(views_, *poses_).parameters_factor(columns, of_cameras, scale_.noise_variance);
+}
+
+std::optional<CameraFit::Posterior> CameraFit::posterior(const ParameterInformation& of_cameras,
+                                                         const Eigen::VectorXd& moved,
+                                                         double noise_variance) const {
+  const Eigen::Index num = moved.size();
   // Errors that tags keep weigh as if they were so much more noise.
   const Eigen::MatrixXd spread = gradient_covariance(
-      of_cameras, {.noise_variance = noise_variance_, .bias_variance = scale_.bias_variance});
+      of_cameras, {.noise_variance = noise_variance, .bias_variance = scale_.bias_variance});
   // By the views alone, along the directions that they tell of; of the others the prior is all that is known.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_views(of_cameras.information);
   const Eigen::VectorXd& information = of_views.eigenvalues();  // in ascending order
@@ -113,28 +186,26 @@ std::optional<Eigen::VectorXd> CameraFit::step_of_cameras(const MapState& state)
   const Eigen::MatrixXd told = of_views.eigenvectors().rightCols(num_told);
   const Eigen::VectorXd inverse = information.tail(num_told).cwiseInverse();
   const Eigen::VectorXd estimate =
-      told.transpose() * total_ - inverse.cwiseProduct(told.transpose() * of_cameras.gradient);
+      told.transpose() * moved - inverse.cwiseProduct(told.transpose() * of_cameras.gradient);
   const Eigen::MatrixXd covariance =
       inverse.asDiagonal() * (told.transpose() * spread * told) * inverse.asDiagonal();
   // With what was known before: mean 0, variance 1.
   const Eigen::MatrixXd both =
       (covariance + Eigen::MatrixXd::Identity(num_told, num_told)).ldlt().solve(told.transpose());
-  const Eigen::VectorXd target = both.transpose() * estimate;  // prior (prior + covariance)^-1 estimate
-  covariance_ = Eigen::MatrixXd::Identity(num, num) - told * both;
-  sigmas_ = covariance_.diagonal().cwiseMax(1e-16).cwiseSqrt();
-  if (!target.allFinite()) return std::nullopt;
-  return target - total_;
+  // prior (prior + covariance)^-1 estimate
+  Posterior result{both.transpose() * estimate, Eigen::MatrixXd::Identity(num, num) - told * both};
+  if (!result.mean.allFinite()) return std::nullopt;
+  return result;
 }
 
-bool CameraFit::move(const Eigen::VectorXd& step, MapState& state) {
+bool CameraFit::move(const Eigen::VectorXd& step) {
   for (std::size_t i = 0; i < parameters_.size(); ++i) {
-    RigCamera& camera = state.cameras[static_cast<std::size_t>(parameters_[i].camera)];
+    RigCamera& camera = state_.cameras[static_cast<std::size_t>(parameters_[i].camera)];
     const auto next =
         moved(camera, parameters_[i], step[static_cast<Eigen::Index>(i)] * parameters_[i].sigma);
     if (!next) return false;
     camera = *next;
   }
-  total_ = already_moved(state);  // shares of a focal length multiply
   return true;
 }
 

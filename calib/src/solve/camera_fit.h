@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -16,23 +17,35 @@ struct EstimatedParameter {
   double sigma = 0.0;
 };
 
-/// Cameras and poses together: a step of the cameras with all poses following, then the poses alone, until
-/// neither moves. The cameras of the task are what was known before, with the parameters' sigmas.
+/// Parameters as they were estimated, and the covariance of that, in their units.
+struct CameraEstimates {
+  std::vector<EstimatedParameter> parameters;
+  Eigen::MatrixXd covariance;
+};
+
+using IsAsked = std::function<bool(const CameraParameter&)>;
+
+/// Cameras and poses together by Gauss and Newton, until no camera moves; where poses are not led downhill,
+/// they settle alone in between. The cameras of the task are what was known before, with the parameters'
+/// sigmas.
 class CameraFit {
  public:
-  /// task, parameters: outlive this.
-  CameraFit(const PartTask& task, const CameraParameters& parameters, Part part, int held_tag)
-      : task_(task), parameters_(parameters), part_(std::move(part)), held_tag_(held_tag) {}
+  /// Linearises at `start`. task: outlives this.
+  CameraFit(const PartTask& task, CameraParameters parameters, Part part, int held_tag, MapState start);
+  CameraFit(const CameraFit&) = delete;
+  CameraFit& operator=(const CameraFit&) = delete;
 
+  /// Before it is run: the share by which the residuals would fall, to first order.
+  double promised_gain() const;
+  /// Before it is run: how far from the cameras as they are those of the parameters would go that are asked
+  /// for, to first order, the others staying. nullopt where the views do not tell.
+  std::optional<CameraEstimates> look(const IsAsked& is_asked) const;
   /// False where it does not settle.
-  bool run(MapState& state);
-  /// How far from the cameras as they are they would go, to first order. nullopt where the views do not tell.
-  std::optional<std::vector<EstimatedParameter>> look(const MapState& state);
+  bool run();
 
-  /// Of the last run or look.
-  std::vector<EstimatedParameter> estimates() const;
-  /// Of the estimates, in their units.
-  Eigen::MatrixXd covariance() const;
+  const MapState& state() const { return state_; }
+  /// Of the last run.
+  CameraEstimates estimates() const { return in_units({total_, covariance_}, parameters_); }
   /// Log odds, by the views alone, that what `before` has of lenses and places as given is not so, but off by
   /// what the sigmas expect: the density that prior and posterior have where nothing is off (Dickey, Ann.
   /// Math. Statist. 42, 1971, equation 1.1). What `before` has corrected already does not count, nor do
@@ -41,19 +54,40 @@ class CameraFit {
   double log_odds_of_change(const MapState& before) const;
 
  private:
+  /// In units of the parameters' sigmas.
+  struct Posterior {
+    Eigen::VectorXd mean;
+    Eigen::MatrixXd covariance;
+
+    Eigen::VectorXd sigmas() const { return covariance.diagonal().cwiseMax(1e-16).cwiseSqrt(); }
+  };
+
+  static CameraEstimates in_units(const Posterior& posterior, const CameraParameters& parameters);
+  void linearise();
+  double squares() const;
   Eigen::VectorXd already_moved(const MapState& state) const;
-  std::optional<Eigen::VectorXd> step_of_cameras(const MapState& state);
-  bool move(const Eigen::VectorXd& step, MapState& state);
+  double noise_variance(const std::vector<ParameterView>& columns,
+                        const ParameterInformation& of_cameras) const;
+  std::optional<Posterior> posterior(const ParameterInformation& of_cameras, const Eigen::VectorXd& moved,
+                                     double noise_variance) const;
+  bool move(const Eigen::VectorXd& step);
 
   const PartTask& task_;
-  const CameraParameters& parameters_;
+  CameraParameters parameters_;
   Part part_;
   int held_tag_;
-  Eigen::VectorXd total_, sigmas_;  ///< In units of the parameters' sigmas.
-  Eigen::MatrixXd covariance_;
+  int most_seen_tag_ =
+      0;  ///< What is known of cameras is the same whichever is held; scatter is about this one.
+  MapState state_;
+  std::vector<LinearView> views_;
+  std::vector<ParameterView> columns_;
+  std::optional<PoseInformation> poses_;  ///< None where the views leave a pose undetermined.
+  ParameterInformation of_cameras_;
   ErrorScale scale_;
   double noise_variance_ = 1.0;  ///< As the parameters of cameras follow it.
-  int step_number_ = 0;
+  int num_scaled_ = 0;
+  Eigen::VectorXd total_;  ///< In units of the parameters' sigmas.
+  Eigen::MatrixXd covariance_;
 };
 
 }  // namespace apriltrack

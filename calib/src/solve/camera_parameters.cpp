@@ -12,6 +12,7 @@
 #include "apriltrack/base/check.h"
 #include "apriltrack/calib/systematic_errors.h"
 #include "apriltrack/camera/camera.h"
+#include "model/view_residual.h"
 
 namespace apriltrack {
 namespace {
@@ -95,6 +96,35 @@ double difference_step(const CameraParameter& parameter) {
   }
   return 1e-5;
 }
+
+/// Of residuals by one parameter, in units of its sigma.
+class Difference {
+ public:
+  Difference(const CameraParameter& parameter, const MapState& state) {
+    const RigCamera& camera = state.cameras[static_cast<std::size_t>(parameter.camera)];
+    const double step = difference_step(parameter);
+    above_ = moved(camera, parameter, step);
+    below_ = moved(camera, parameter, -step);
+    APRILTRACK_CHECK(above_ && below_, "a small step leaves a lens a lens");
+    sigmas_per_step_ = 0.5 * parameter.sigma / step;
+  }
+
+  /// Zero where the view cannot be projected.
+  Vector8d of(const Observations& observations, const TagView& view, const MapState& state) const {
+    const double size_m = observations.sizes_m[static_cast<std::size_t>(view.tag)];
+    const Pose& T_map_rig = state.T_map_rig[static_cast<std::size_t>(view.frame)];
+    const Pose& T_map_tag = state.T_map_tag[static_cast<std::size_t>(view.tag)];
+    Vector8d above, below;
+    if (!view_residual(*above_, size_m, view, T_map_rig, T_map_tag, &above, nullptr, nullptr) ||
+        !view_residual(*below_, size_m, view, T_map_rig, T_map_tag, &below, nullptr, nullptr))
+      return Vector8d::Zero();
+    return (above - below) * sigmas_per_step_;
+  }
+
+ private:
+  std::optional<RigCamera> above_, below_;
+  double sigmas_per_step_ = 0.0;
+};
 
 }  // namespace
 
@@ -252,28 +282,19 @@ CameraRig with_corrections(const CameraRig& rig, const std::vector<RigCamera>& c
 std::vector<ParameterView> camera_columns(const Observations& observations,
                                           const std::vector<std::size_t>& views, const MapState& state,
                                           const CameraParameters& parameters) {
-  const auto num = static_cast<Eigen::Index>(parameters.size());
+  std::vector<Difference> differences;
+  for (const CameraParameter& parameter : parameters) differences.emplace_back(parameter, state);
   std::vector<ParameterView> columns;
-  for (std::size_t i = 0; i < views.size(); ++i) columns.push_back({i, Eigen::MatrixXd::Zero(8, num)});
-  for (Eigen::Index p = 0; p < num; ++p) {
-    const CameraParameter& parameter = parameters[static_cast<std::size_t>(p)];
-    const auto camera = static_cast<std::size_t>(parameter.camera);
-    const double step = difference_step(parameter);
-    const auto camera_above = moved(state.cameras[camera], parameter, step);
-    const auto camera_below = moved(state.cameras[camera], parameter, -step);
-    APRILTRACK_CHECK(camera_above && camera_below, "a small step leaves a lens a lens");
-    MapState above = state, below = state;
-    above.cameras[camera] = *camera_above;
-    below.cameras[camera] = *camera_below;
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      const TagView& view = observations.views[views[i]];
-      Vector8d residual_above, residual_below;
-      if (view.camera != parameter.camera || !residual_of(observations, view, above, &residual_above) ||
-          !residual_of(observations, view, below, &residual_below))
-        continue;
-      columns[i].by_parameter.col(p) =
-          whitening(view, state) * (residual_above - residual_below) * (0.5 * parameter.sigma / step);
+  columns.reserve(views.size());
+  for (const std::size_t v : views) {
+    const TagView& view = observations.views[v];
+    Eigen::Matrix<double, 8, Eigen::Dynamic> by_parameter =
+        Eigen::MatrixXd::Zero(8, static_cast<Eigen::Index>(parameters.size()));
+    for (std::size_t p = 0; p < parameters.size(); ++p) {
+      if (view.camera == parameters[p].camera)
+        by_parameter.col(static_cast<Eigen::Index>(p)) = differences[p].of(observations, view, state);
     }
+    columns.push_back({columns.size(), whitening(view, state) * by_parameter});
   }
   return columns;
 }

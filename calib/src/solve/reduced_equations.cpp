@@ -27,9 +27,9 @@ class TagEquationsSum {
   }
 
   /// The tags' steps; nothing where they are undetermined.
-  std::optional<std::map<int, Vector6d>> solve(double* worth) const {
+  std::optional<std::map<int, Vector6d>> solve(double* gain) const {
     std::map<int, Vector6d> steps;
-    *worth = 0.0;
+    *gain = 0.0;
     if (gradients_.empty()) return steps;
     std::map<int, Eigen::Index> offsets;
     for (const auto& [tag, gradient] : gradients_)
@@ -41,7 +41,7 @@ class TagEquationsSum {
     if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0.0)) return std::nullopt;
     const Eigen::VectorXd step = -factor.solve(gradient);
     if (!step.allFinite()) return std::nullopt;
-    *worth = -step.dot(gradient) / static_cast<double>(size);
+    *gain = -step.dot(gradient);
     for (const auto& [tag, offset] : offsets) steps[tag] = step.segment<6>(offset);
     return steps;
   }
@@ -70,8 +70,10 @@ void eliminate(const FrameEquations& frame, const Eigen::LDLT<Matrix6d>& factor,
   for (const auto& [a, coupling_a] : frame.by_tag) {
     const Matrix6d eliminated = factor.solve(coupling_a.transpose()).transpose();
     tags.add(a, Vector6d(-eliminated * frame.g));
-    for (const auto& [b, coupling_b] : frame.by_tag)
+    for (const auto& [b, coupling_b] : frame.by_tag) {
+      if (b > a) break;  // the factor reads the lower triangle
       tags.add(a, b, Matrix6d(-eliminated * coupling_b.transpose()));
+    }
   }
 }
 
@@ -97,17 +99,31 @@ std::optional<PoseSteps> solve_steps(const std::vector<LinearView>& views, std::
     eliminate(frame, factor, tags);
   }
   PoseSteps steps;
-  auto of_tags = tags.solve(&steps.worth);
+  auto of_tags = tags.solve(&steps.gain);
   if (!of_tags) return std::nullopt;
   steps.tags = std::move(*of_tags);
+  const double by_tags = steps.gain;
   for (const auto& [index, frame] : frames) {
+    const Eigen::LDLT<Matrix6d>& factor = factors.at(index);
     Vector6d gradient = frame.g;
     for (const auto& [tag, coupling] : frame.by_tag) gradient += coupling.transpose() * steps.tags.at(tag);
-    const Vector6d step = -factors.at(index).solve(gradient);
-    if (steps.tags.empty()) steps.worth -= step.dot(gradient) / (6.0 * static_cast<double>(frames.size()));
-    steps.frames[index] = step;
+    steps.gain += frame.g.dot(factor.solve(frame.g));
+    steps.frames[index] = -factor.solve(gradient);
   }
+  steps.worth = steps.tags.empty() ? steps.gain / (6.0 * static_cast<double>(frames.size()))
+                                   : by_tags / (6.0 * static_cast<double>(steps.tags.size()));
   return steps;
+}
+
+void take(const PoseSteps& steps, MapState& state) {
+  const auto move = [](const std::map<int, Vector6d>& all, std::vector<Pose>& poses) {
+    for (const auto& [index, step] : all) {
+      Pose& pose = poses[static_cast<std::size_t>(index)];
+      pose = pose * Pose::exp(step);
+    }
+  };
+  move(steps.tags, state.T_map_tag);
+  move(steps.frames, state.T_map_rig);
 }
 
 }  // namespace apriltrack

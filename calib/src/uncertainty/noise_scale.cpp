@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "model/corner_views.h"
 #include "numerics/upper_median.h"
@@ -56,6 +57,10 @@ double share_left_by_tags(const std::vector<LinearView>& views, double beyond_fr
   return beyond_frames > 0.0 ? std::max(0.0, 1.0 - of_tags / beyond_frames) : 0.0;
 }
 
+bool is_claimed(const TagView& view) {
+  return view.claimed_px2 > 0.0;
+}
+
 /// Those that corner_views() gives.
 std::vector<std::size_t> projected(const Observations& observations, std::vector<std::size_t> views,
                                    const MapState& state) {
@@ -101,9 +106,10 @@ double likeliest_beyond_px(const Observations& observations, const std::vector<s
   constexpr double kSigmaOfLog = 1.5;  // what is expected, .02 px, is known to a factor of four or five
   constexpr int kLeast = -10, kMost = 4;
   state.noise = {};
-  std::vector<std::size_t> claimed = projected(observations, views, state);
-  std::erase_if(claimed, [&](std::size_t v) { return !(observations.views[v].claimed_px2 > 0.0); });
+  std::vector<std::size_t> claimed = views;
+  std::erase_if(claimed, [&](std::size_t v) { return !is_claimed(observations.views[v]); });
   if (claimed.empty()) return kBeyondClaim_px;
+  claimed = projected(observations, std::move(claimed), state);
   const std::vector<Redundancy> all = redundancies(corner_views(observations, claimed, state));
   double best_px = kBeyondClaim_px, most = -HUGE_VAL;
   for (int step = kLeast; step <= kMost; ++step) {
@@ -157,14 +163,16 @@ NoiseScale measure_noise(const Observations& observations, const std::vector<std
 
 std::vector<double> measure_view_noise(const Observations& observations,
                                        const std::vector<std::size_t>& views, const MapState& state) {
+  std::vector<double> scales;
+  if (std::ranges::none_of(views, [&](std::size_t v) { return is_claimed(observations.views[v]); }))
+    return scales;
   MapState even = state;
   even.noise = state.noise.of_all();
   const std::vector<std::size_t> seen = projected(observations, views, even);
   const std::vector<Redundancy> all = redundancies(corner_views(observations, seen, even));
-  std::vector<double> scales;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const TagView& view = observations.views[seen[i]];
-    if (!(view.claimed_px2 > 0.0)) continue;
+    if (!is_claimed(view)) continue;
     if (scales.size() <= view.index) scales.resize(view.index + 1, 1.0);
     scales[view.index] = std::sqrt((kTailFreedom + all[i].squares()) / (kTailFreedom + all[i].count()));
   }

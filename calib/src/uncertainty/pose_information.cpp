@@ -71,15 +71,21 @@ Eigen::MatrixXd PoseInformation::collect() {
 }
 
 void PoseInformation::eliminate(const Frame& frame, Eigen::MatrixXd& reduced) {
-  for (const auto& [tag_a, a] : frame.tags) {
-    const auto offset_a = offset_of(tag_a);
-    if (!offset_a) continue;
-    const Matrix6d eliminated = frame.factor.solve(a.tag_rig.transpose()).transpose();
-    gradient_.segment<6>(*offset_a) -= eliminated * frame.gradient;
-    for (const auto& [tag_b, b] : frame.tags) {
-      add(by_errors_[tag_b], *offset_a, -eliminated * b.rig_errors);
-      if (const auto offset_b = offset_of(tag_b))
-        reduced.block<6, 6>(*offset_a, *offset_b) -= eliminated * b.tag_rig.transpose();
+  std::vector<std::pair<Eigen::Index, Matrix6d>> eliminated;
+  eliminated.reserve(frame.tags.size());
+  for (const auto& [tag, of_tag] : frame.tags) {
+    const auto offset = offset_of(tag);
+    if (!offset) continue;
+    eliminated.emplace_back(*offset, frame.factor.solve(of_tag.tag_rig.transpose()).transpose());
+    gradient_.segment<6>(*offset) -= eliminated.back().second * frame.gradient;
+  }
+  for (const auto& [tag, of_tag] : frame.tags) {
+    Blocks& by_errors = by_errors_[tag];
+    const auto offset = offset_of(tag);
+    for (const auto& [other, block] : eliminated) {
+      add(by_errors, other, -block.lazyProduct(of_tag.rig_errors));
+      if (offset && *offset <= other)  // the factor reads the lower triangle
+        reduced.block<6, 6>(other, *offset) -= block.lazyProduct(of_tag.tag_rig.transpose());
     }
   }
 }
